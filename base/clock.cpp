@@ -8,10 +8,7 @@
 namespace ddssec {
 
 std::string to_string(WallTime time) {
-  // system_clock counts nanoseconds, which overflow in the year 2262. Documents may have later
-  // dates, so the seconds are converted directly.
-  const auto seconds = static_cast<std::time_t>(time.time_since_epoch().count());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(to_time_t(time)));
 }
 
 WallTime SystemClock::now() const {

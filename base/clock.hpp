@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <string>
 
 #include "base/bytes.hpp"
@@ -13,6 +14,12 @@ namespace ddssec {
 
 /// Calendar time in UTC, in whole seconds.
 using WallTime = std::chrono::sys_seconds;
+
+/// Returns the time for functions of C. std::chrono::system_clock::to_time_t would convert to
+/// nanoseconds, which overflow in the year 2262; documents may have later dates.
+inline std::time_t to_time_t(WallTime time) {
+  return static_cast<std::time_t>(time.time_since_epoch().count());
+}
 
 /// A reading of Clock::monotonic, or a length of time.
 using MonotonicTime = std::chrono::nanoseconds;

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/folder_rights.hpp"
 #include "base/tool_code.hpp"
 
 namespace ddssec {
@@ -22,19 +23,12 @@ namespace fs = std::filesystem;
 constexpr int kMaxLinks = 40;  // the limit of Linux
 constexpr int kEnter = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 
-bool is_trusted(const struct stat& status) {
-  return status.st_uid == 0 || status.st_uid == ::geteuid();
-}
-
 // A user trusts the members of their own group. Root trusts no group, so for root write permission
 // of the group counts too.
 bool is_writable_for_others(const struct stat& status) {
   const mode_t others = ::geteuid() == 0 ? 022 : 002;
   return (status.st_mode & others) != 0;
 }
-
-// True for a folder in which only the owner of a name (or of the folder) can replace the name.
-bool is_sticky(const struct stat& status) { return (status.st_mode & S_ISVTX) != 0; }
 
 std::deque<std::string> names_of(const fs::path& path) {
   std::deque<std::string> out;
@@ -96,7 +90,7 @@ class GuardedWalk {
   }
 
   static bool is_closed(const struct stat& status) {
-    return is_trusted(status) && (!is_writable_for_others(status) || is_sticky(status));
+    return is_of_trusted_owner(status) && (!is_writable_for_others(status) || is_sticky(status));
   }
 
   void enter(FileDescriptor folder) {
@@ -142,7 +136,7 @@ class GuardedWalk {
     }, folder{};
     const bool is_known = ::fstat(link, &own) == 0 && ::fstat(at_.number(), &folder) == 0;
     const bool is_open = is_writable_for_others(folder);
-    if (is_known && is_guarded_ && (!is_open || is_trusted(own))) return {};
+    if (is_known && is_guarded_ && (!is_open || is_of_trusted_owner(own))) return {};
     return fail(
         tool_code::link_untrusted,
         {.document = given_,

@@ -319,8 +319,7 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
   // X509_V_FLAG_USE_DELTAS is not set, because Crl reads complete lists only.
   if (!crls.empty()) flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL;
   X509_VERIFY_PARAM_set_flags(parameters, flags);
-  // The seconds are used directly, because the nanoseconds of system_clock overflow in 2262.
-  X509_VERIFY_PARAM_set_time(parameters, now.time_since_epoch().count());
+  X509_VERIFY_PARAM_set_time(parameters, to_time_t(now));
   // Level 2 demands 112 bits: it refuses SHA-1 everywhere but in an anchor's signature on itself.
   X509_VERIFY_PARAM_set_auth_level(parameters, 2);
   if (X509_verify_cert(context.get()) != 1) {

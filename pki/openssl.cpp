@@ -44,8 +44,7 @@ Result<WallTime> to_wall_time(const ASN1_TIME* time) {
 }
 
 Result<Asn1TimePtr> to_asn1_time(WallTime time) {
-  // The seconds are used directly, because the nanoseconds of system_clock overflow in 2262.
-  Asn1TimePtr out(ASN1_TIME_set(nullptr, time.time_since_epoch().count()));
+  Asn1TimePtr out(ASN1_TIME_set(nullptr, to_time_t(time)));
   if (!out) return openssl_failure(Code::internal);
   return out;
 }

@@ -2,7 +2,8 @@
 
 #include <sys/stat.h>
 #include <system_error>
-#include <unistd.h>
+
+#include "base/folder_rights.hpp"
 
 namespace ddssec::pki {
 namespace fs = std::filesystem;
@@ -24,8 +25,7 @@ bool may_exist(const fs::path& path) {
 bool may_be_changed_by_others(const fs::path& folder) {
   struct stat status {};
   if (::stat(folder.c_str(), &status) != 0) return true;
-  const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
-  return !is_ours || (status.st_mode & 022) != 0;
+  return !is_of_trusted_owner(status) || others_may_write(status);
 }
 
 bool is_participant_folder(const fs::path& folder) {

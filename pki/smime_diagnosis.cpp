@@ -206,8 +206,7 @@ DocumentWrapping wrapping_of(BytesView file, Parsed& parsed) {
 StorePtr empty_store(WallTime now) {
   StorePtr store(X509_STORE_new());
   if (!store) return nullptr;
-  X509_VERIFY_PARAM_set_time(X509_STORE_get0_param(store.get()),
-                             static_cast<time_t>(now.time_since_epoch().count()));
+  X509_VERIFY_PARAM_set_time(X509_STORE_get0_param(store.get()), to_time_t(now));
   return store;
 }
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/errno_text.hpp"
+#include "base/folder_rights.hpp"
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
 
@@ -59,27 +60,18 @@ Result<std::vector<std::string>> variables_of(const Arguments& arguments) {
   return out;
 }
 
-bool is_trusted(const struct stat& status) {
-  return status.st_uid == 0 || status.st_uid == ::geteuid();
-}
-
 // In a folder with the sticky bit only the owner of a file can replace it. `file` was resolved
 // before, so a symbolic link in its path was put there since.
 Status check_place(const fs::path& file, Code unsafe) {
-  for (auto folder = file.parent_path();; folder = folder.parent_path()) {
-    struct stat status {};
-    const bool is_known = ::lstat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
-    const bool is_open = (status.st_mode & 022) != 0 && (status.st_mode & S_ISVTX) == 0;
-    if (!is_known || !is_trusted(status) || is_open)
-      return fail(
-          unsafe,
-          {.document = folder,
-           .expected = fmt::format("a folder of root or of this user that no other user can write, "
-                                   "since {} is in it",
-                                   file.string()),
-           .found = fmt::format("user {}, mode {:04o}", status.st_uid, status.st_mode & 07777)});
-    if (folder == folder.root_path()) return {};
-  }
+  const auto open = open_folder_above(file.parent_path());
+  if (!open) return {};
+  return fail(unsafe,
+              {.document = open->path,
+               .expected = fmt::format("a folder of root or of this user that no other user can "
+                                       "write, since {} is in it",
+                                       file.string()),
+               .found = fmt::format("user {}, mode {:04o}", open->status.st_uid,
+                                    open->status.st_mode & 07777)});
 }
 
 // `file` is a path without symbolic links.
@@ -87,7 +79,7 @@ Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) != 0)
     return fail(unreadable, {.document = file, .note = errno_text(errno)});
-  if (S_ISREG(status.st_mode) && is_trusted(status) && (status.st_mode & 022) == 0)
+  if (S_ISREG(status.st_mode) && is_of_trusted_owner(status) && !others_may_write(status))
     return check_place(file, unsafe);
   return fail(unsafe, {.document = file,
                        .expected = "a file of root or of this user that no other user can write",

@@ -11,6 +11,7 @@
 
 #include "cli/commands/groups.hpp"
 #include "cli/doctor/doctor_options.hpp"
+#include "cli/doctor/folder_configuration.hpp"
 #include "cli/doctor/key_passwords.hpp"
 #include "cli/doctor/meeting_report.hpp"
 #include "cli/doctor/participant_diagnosis.hpp"
@@ -325,14 +326,6 @@ Result<DomainId> ros_domain() {
                .expected = fmt::format("a number from 0 to {}", governance::kMaxDomainId),
                .found = '"' + found->second + '"',
                .note = "a leading 0 makes it octal for a node, 0x hexadecimal"});
-}
-
-// The configuration with which an application would run, as far as it is known: the one that the
-// environment names, or else the one in the folder.
-std::optional<std::string> configuration_for(const fs::path& folder) {
-  if (auto named = doctor::cyclonedds_configuration()) return named;
-  const auto file = folder / "cyclonedds.xml";
-  return path_exists(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
 }
 
 std::vector<doctor::HostPlugin> host_plugins_for(const fs::path& folder, bool is_of_ros,

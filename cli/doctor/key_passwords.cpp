@@ -7,11 +7,11 @@
 
 #include "base/text.hpp"
 #include "base/uri_source.hpp"
+#include "cli/doctor/folder_configuration.hpp"
 #include "cli/inputs/files.hpp"
 #include "governance/doctor/configuration_checks.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "pki/certificate_source.hpp"
-#include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cli {
@@ -26,7 +26,7 @@ constexpr std::string_view kFastDdsPassword = "dds.sec.auth.builtin.PKI-DH.passw
 // Takes the first password of any domain. If there are several, this does not judge which one
 // counts.
 std::string password_for_cyclonedds(const LoadedFolder& folder) {
-  const auto file = folder.paths.folder / "cyclonedds.xml";
+  const auto file = configuration_in(folder.paths.folder);
   auto configuration = doctor::cyclonedds_configuration();
   if (!configuration && path_exists(file))
     configuration = doctor::cyclonedds_configuration(file.string());
@@ -49,10 +49,8 @@ std::string password_for_fastdds(const LoadedFolder& folder) {
 }
 
 std::string password_for_embedded(const LoadedFolder& folder) {
-  if (!path_exists(folder.paths.properties)) return {};
-  const auto properties = spi::read_property_file(folder.paths.properties);
-  return properties ? std::string(spi::property_value(*properties, spi::property::kPassword))
-                    : std::string();
+  const auto properties = readable_properties(folder.paths);
+  return std::string(spi::property_value(properties, spi::property::kPassword));
 }
 
 // Keeps the opened key. The password is held in a property, which wipes its value when it is

@@ -6,10 +6,10 @@
 
 #include "base/uri_source.hpp"
 #include "cli/ca/ocsp_response.hpp"
+#include "cli/doctor/folder_configuration.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/inputs/files.hpp"
 #include "plugins/spi/ocsp_policy.hpp"
-#include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cli {
@@ -19,12 +19,6 @@ namespace doctor = governance::doctor;
 namespace fs = std::filesystem;
 using doctor::LoadedFolder;
 using doctor::Outcome;
-
-// A file that cannot be read counts as empty here; DOC093 reports it.
-spi::PropertyList properties_of(const LoadedFolder& folder) {
-  if (!path_exists(folder.paths.properties)) return {};
-  return spi::read_property_file(folder.paths.properties).value_or(spi::PropertyList());
-}
 
 fs::path response_file(const LoadedFolder& folder, const spi::PropertyList& properties) {
   const auto named = spi::property_value(properties, spi::property::kOcspResponse);
@@ -50,7 +44,7 @@ Finding response_finding(const fs::path& file, const Error& error) {
 
 bool demands(const doctor::Party& party) {
   if (party.vendor != doctor::Vendor::ours) return false;
-  const auto policy = spi::ocsp_policy(properties_of(party.folder));
+  const auto policy = spi::ocsp_policy(readable_properties(party.folder.paths));
   return policy && *policy == spi::OcspPolicy::hard;
 }
 
@@ -59,7 +53,7 @@ bool demands(const doctor::Party& party) {
 std::string missing_response_reason(const doctor::Party& party, const LoadedFolder& judge,
                                     WallTime now) {
   if (party.vendor != doctor::Vendor::ours) return party.product() + " sends none";
-  const auto file = response_file(party.folder, properties_of(party.folder));
+  const auto file = response_file(party.folder, readable_properties(party.folder.paths));
   auto response = response_of(party.folder, file, party.folder, now);
   if (response) response = response_of(party.folder, file, judge, now);
   if (response) return {};
@@ -72,7 +66,7 @@ std::string missing_response_reason(const doctor::Party& party, const LoadedFold
 
 void check_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
                 doctor::Diagnosis& out) {
-  const auto properties = properties_of(folder);
+  const auto properties = readable_properties(folder.paths);
   const auto file = response_file(folder, properties);
   const auto policy = spi::ocsp_policy(properties);
   const bool is_asked = spi::find_property(properties, spi::property::kOcsp) != nullptr ||

@@ -10,6 +10,7 @@
 #include "base/clock.hpp"
 #include "base/engine_services.hpp"
 #include "base/event.hpp"
+#include "cli/doctor/folder_configuration.hpp"
 #include "cli/inputs/files.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/effective_security.hpp"
@@ -156,8 +157,8 @@ spi::PropertyList properties_of(const doctor::EffectiveSecurity& security, Domai
 
 // The configuration that the environment names, or else the folder's own. Empty for an application
 // without a configuration.
-std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& folder,
-                                                   const doctor::Settings& settings) {
+std::optional<HostConfiguration> host_configuration_for(const doctor::LoadedFolder& folder,
+                                                        const doctor::Settings& settings) {
   using Place = doctor::ConfigurationPlace;
   if (const auto text = doctor::cyclonedds_configuration()) {
     const auto inline_from = text->size() - doctor::inline_octets(std::getenv("CYCLONEDDS_URI"));
@@ -165,7 +166,7 @@ std::optional<HostConfiguration> configuration_for(const doctor::LoadedFolder& f
         "CYCLONEDDS_URI",
         doctor::effective_security(*text, settings.domain, Place::variable, inline_from)};
   }
-  const auto file = folder.paths.folder / "cyclonedds.xml";
+  const auto file = configuration_in(folder.paths.folder);
   const auto text = path_exists(file) && folder.paths.layout != pki::FolderLayout::sros2
                         ? doctor::cyclonedds_configuration(file.string())
                         : std::nullopt;
@@ -205,7 +206,7 @@ void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor:
                                doctor::Diagnosis& out) {
   const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(folder.paths.folder));
   const auto file = variable(spi::kPropertiesVariable);
-  const auto configuration = configuration_for(folder, settings);
+  const auto configuration = host_configuration_for(folder, settings);
   const bool is_configured = configuration && configuration->security.applies;
   if (!is_configured && file.empty() && variable(spi::kCipherVariable).empty()) return;
   if (!starts(before) || !starts(doctor::diagnose(folder, settings))) return;

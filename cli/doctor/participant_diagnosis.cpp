@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/doctor/folder_configuration.hpp"
 #include "cli/doctor/ocsp_checks.hpp"
 #include "cli/doctor/own_start.hpp"
 #include "cli/doctor/pre_shared_keys.hpp"
@@ -35,8 +36,6 @@ static_assert(pki::kMaxSentPermissionsOctets == authentication::kMaxPermissionsO
 constexpr std::string_view kOfHost = "a Cyclone DDS process on ddssec's plugins";
 
 constexpr doctor::Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
-
-fs::path configuration_in(const fs::path& folder) { return folder / "cyclonedds.xml"; }
 
 // True if an application is meant to start with the folder's own configuration. Nodes of ROS 2 are
 // secured by their QoS instead.
@@ -218,16 +217,8 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
 
 namespace {
 
-// The configuration with which an application would run, as far as it is known: the one that the
-// environment names, or else the one in the folder.
-std::optional<std::string> configuration_for(const LoadedFolder& folder) {
-  if (auto named = doctor::cyclonedds_configuration()) return named;
-  const auto file = configuration_in(folder.paths.folder);
-  return path_exists(file) ? doctor::cyclonedds_configuration(file.string()) : std::nullopt;
-}
-
 void check_tag(const LoadedFolder& folder, doctor::Diagnosis& out) {
-  const auto configuration = configuration_for(folder);
+  const auto configuration = configuration_for(folder.paths.folder);
   if (!configuration) return;
   const bool is_named = doctor::cyclonedds_configuration().has_value();
   doctor::check_domain_tag(
@@ -238,7 +229,7 @@ void check_tag(const LoadedFolder& folder, doctor::Diagnosis& out) {
 
 bool runs_drop_in(const LoadedFolder& folder) {
   const auto places = doctor::LoaderPlaces::here();
-  const auto configuration = configuration_for(folder);
+  const auto configuration = configuration_for(folder.paths.folder);
   auto plugins = configuration ? doctor::host_plugins(*configuration, places)
                                : std::vector<doctor::HostPlugin>();
   if (plugins.empty()) plugins = doctor::plugins_of_node(places);

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "base/uri_source.hpp"
+#include "cli/doctor/folder_configuration.hpp"
 #include "cli/inputs/files.hpp"
 #include "governance/read.hpp"
 #include "pki/renewal_list.hpp"
 #include "pki/smime_diagnosis.hpp"
-#include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::cli {
@@ -21,11 +21,8 @@ namespace doctor = governance::doctor;
 namespace fs = std::filesystem;
 using doctor::LoadedFolder;
 
-// A file of properties that cannot be read counts as empty here; DOC093 reports it.
 fs::path list_of(const LoadedFolder& folder) {
-  if (!path_exists(folder.paths.properties)) return folder.paths.renewals;
-  const auto properties =
-      spi::read_property_file(folder.paths.properties).value_or(spi::PropertyList());
+  const auto properties = readable_properties(folder.paths);
   const auto named = spi::property_value(properties, spi::property::kRenewalList);
   if (named.empty()) return folder.paths.renewals;
   return file_named_by(absolute_uri(named)).value_or(folder.paths.renewals.string());

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/folder_rights.hpp"
 #include "cli/frame/file_lock.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/stale_drafts.hpp"
@@ -85,8 +86,8 @@ std::unexpected<Error> draft_lost_error(const Draft& draft) {
 bool is_protected(int folder, const struct stat& file) {
   struct stat place {};
   const auto user = ::geteuid();
-  return ::fstat(folder, &place) == 0 && (place.st_mode & S_ISVTX) != 0 && user != 0 &&
-         place.st_uid != user && file.st_uid != user;
+  return ::fstat(folder, &place) == 0 && is_sticky(place) && user != 0 && place.st_uid != user &&
+         file.st_uid != user;
 }
 
 // Success if the draft can be renamed. The folder may belong to another user, who can change it.

@@ -15,6 +15,7 @@
 
 #include "base/errno_text.hpp"
 #include "base/file_descriptor.hpp"
+#include "base/folder_rights.hpp"
 #include "base/tool_code.hpp"
 #include "cli/frame/file_lock.hpp"
 #include "cli/frame/file_transaction.hpp"
@@ -116,8 +117,6 @@ bool is_own(const struct stat& status) {
   return status.st_uid == ::geteuid() || status.st_uid == 0;
 }
 
-bool others_may_write(const struct stat& status) { return (status.st_mode & 022) != 0; }
-
 bool is_plain(const struct stat& status) { return S_ISREG(status.st_mode) && status.st_nlink == 1; }
 
 // The reason why the list is not trusted. Empty if it belongs to this user. In a sticky folder only
@@ -127,7 +126,7 @@ std::string doubt_about(int folder, int list) {
   struct stat file {};
   if (::fstat(folder, &place) != 0 || ::fstat(list, &file) != 0) return "a file that is gone";
   if (!is_own(place)) return fmt::format("a folder of user {}", place.st_uid);
-  if (others_may_write(place) && (place.st_mode & S_ISVTX) == 0)
+  if (others_may_write(place) && !is_sticky(place))
     return fmt::format("a folder that others may write, mode {:04o}", place.st_mode & 07777);
   if (!is_own(file)) return fmt::format("a list of user {}", file.st_uid);
   if (!is_plain(file)) return "no plain file, or one with further names";

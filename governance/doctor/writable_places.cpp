@@ -13,6 +13,8 @@
 
 #include <fmt/format.h>
 
+#include "base/folder_rights.hpp"
+
 namespace ddssec::governance::doctor {
 namespace {
 
@@ -46,8 +48,6 @@ Group group_of(gid_t id, std::string_view user) {
   return out;
 }
 
-bool is_sticky(const struct stat& status) { return (status.st_mode & S_ISVTX) != 0; }
-
 // An entry of a POSIX access control list, as Linux stores it: the list begins with a version of
 // four octets, and each entry has a tag, rights and an id (acl(5)).
 struct AclEntry {
@@ -71,8 +71,6 @@ std::vector<AclEntry> acl_of(const fs::path& path) {
   }
   return out;
 }
-
-bool is_open(const struct stat& status) { return (status.st_mode & (S_IWGRP | S_IWOTH)) != 0; }
 
 }  // namespace
 
@@ -135,8 +133,8 @@ void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
                  fmt::format("{} can be written by every user of this machine (mode {:03o})",
                              path.string(), mode),
                  Severity::error);
-  if (is_open(status)) judge_acl(path);
-  if (!is_open(status) || status.st_gid == 0) return;
+  if (others_may_write(status)) judge_acl(path);
+  if (!others_may_write(status) || status.st_gid == 0) return;
   const auto user = name_of_user(status.st_uid);
   const auto group = group_of(status.st_gid, user);
   if (group.name == user && !group.has_others) return;

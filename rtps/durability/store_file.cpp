@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/errno_text.hpp"
+#include "base/folder_rights.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -55,44 +56,38 @@ Status check_companions(const std::string& path) {
 }
 
 // A user who can write to the folder, or to one above it, can replace the store after the check, or
-// a file that SQLite makes next to it.
-Status check_folder(const fs::path& folder, bool is_last) {
+// make a file that SQLite makes next to it. So the sticky bit does not suffice for the folder.
+Status check_folder(const fs::path& folder) {
+  auto open = open_folder_above(folder);
   struct stat status {};
-  if (::lstat(folder.c_str(), &status) != 0)
-    return refuse_file(folder, "a folder", errno_text(errno));
-  const bool is_sticky = (status.st_mode & S_ISVTX) != 0;
-  const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
-  const bool is_closed = (status.st_mode & 022) == 0 || (is_sticky && !is_last);
-  if (is_ours && is_closed) return {};
+  if (!open && ::lstat(folder.c_str(), &status) == 0 && others_may_write(status))
+    open = OpenFolder{folder, status};
+  if (!open) return {};
   return fail(
       Code::rtps_store_unusable,
-      {.document = folder,
-       .field = is_ours ? "mode" : "owner",
-       .expected = is_ours ? "a folder in which only its owner makes files"
-                           : fmt::format("root or user {}, who runs this process", ::geteuid()),
-       .found = is_ours ? fmt::format("{:04o}", status.st_mode & 07777)
-                        : "user " + std::to_string(status.st_uid),
+      {.document = open->path,
+       .expected = fmt::format("a folder of root or of user {}, who runs this process, in which no "
+                               "other user can make files",
+                               ::geteuid()),
+       .found =
+           fmt::format("user {}, mode {:04o}", open->status.st_uid, open->status.st_mode & 07777),
        .hint = "put the store into a folder that only this user can write to (chmod go-w FOLDER); "
-               "others could put their own file in its place"});
+               "others could put a file of their own in its place"});
 }
 
 // The path of the store without links, so that no link is changed after the check.
-Result<fs::path> guarded_path(const std::string& path) {
+Result<fs::path> path_without_links(const std::string& path) {
   std::error_code error;
   const auto folder = fs::canonical(fs::absolute(path, error).parent_path(), error);
   if (error) return refuse_file(path, "a file in a folder that exists", error.message());
-  auto above = folder;
-  for (bool is_last = true;; is_last = false, above = above.parent_path()) {
-    DDSSEC_RETURN_IF_ERROR(check_folder(above, is_last));
-    if (above == above.root_path()) break;
-  }
+  DDSSEC_RETURN_IF_ERROR(check_folder(folder));
   return folder / fs::path(path).filename();
 }
 
 }  // namespace
 
 Result<std::string> make_store_file(const std::string& given) {
-  DDSSEC_ASSIGN_OR_RETURN(const std::string path, guarded_path(given));
+  DDSSEC_ASSIGN_OR_RETURN(const std::string path, path_without_links(given));
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   const int file =
       ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
