@@ -184,7 +184,7 @@ class AccessControlPlugin final : public spi::AccessControl {
     return std::unexpected(error);
   }
 
-  // The same for a call of the application, which gets the error.
+  // Does the same for a call of the application, which gets the error.
   std::unexpected<Error> refuse_local(const Error& error) {
     services_.events.raise(Event::of_returned(error));
     return std::unexpected(error);
@@ -263,7 +263,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   }
   auto holder = std::make_shared<PermissionsHolder>(participant, remote_identity,
                                                     std::move(subject), name, std::move(document));
-  // A peer that keeps the session may continue after the documents that it has seen from us have
+  // A peer that keeps its session may continue after the documents that it has seen from us have
   // ended.
   const auto facts = spi::session_facts_in(credential);
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
@@ -389,9 +389,9 @@ std::vector<PermissionsHandle> AccessControlPlugin::peers_of_only(const Particip
   return peers;
 }
 
-// Call it before the documents in force judge anything. Each participant looks at its files at its
-// own interval. Before one of them ends, all look, for two reasons: participants with the same
-// files end together, and a file that came before the end counts.
+// Makes each participant look at its files, at its own interval. Call it before the documents in
+// force judge anything. Before one of them ends, all look, for two reasons: participants with the
+// same files end together, and a file that came before the end counts.
 void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle which) {
   Entries own;
   std::ranges::copy_if(all, std::back_inserter(own), [&](const auto& one) {
@@ -461,7 +461,7 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
       if (const auto soon = holder->ends_soon(now)) warnings.push_back(*soon);
     const auto reason = holder->newly_ended(now);
     if (!reason) continue;
-    ended.push_back(handle);  // keeps the order
+    ended.push_back(handle);  // pushing here keeps the order
     if (!holder->remote()) {
       gone.insert(holder->participant().get());
       note_end(*holder, *reason, now);

@@ -90,7 +90,8 @@ bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
   });
 }
 
-// True only if a <relay> element allows it, because a grant's default is not meant for relays.
+// True only if a <relay> element allows the endpoint, because a grant's default is not meant for
+// relays.
 bool AccessDecisions::may_relay(PermissionsHolder& holder, const EndpointRequest& request) const {
   const auto grant = grant_now(holder);
   if (!grant) return false;

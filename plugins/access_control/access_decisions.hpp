@@ -29,7 +29,7 @@ class AccessDecisions {
   /// do the action.
   bool may_as_announced(PermissionsHolder& holder, governance::Action action,
                         const spi::EndpointRequest& local) const;
-  /// Decides as `endpoint` does, about a reader. One that may not read may still be allowed to
+  /// Decides as `announced` does, about a reader. One that may not read may still be allowed to
   /// relay.
   Result<spi::AccessControl::RemoteDatareader> reader(PermissionsHolder& holder,
                                                       const spi::EndpointRequest& request) const;

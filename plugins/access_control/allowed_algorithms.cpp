@@ -15,7 +15,8 @@ using List = std::vector<governance::Text>;
 // The longest chain to follow, longer than any chain that is verified.
 constexpr int kMaxAuthorities = 16;
 
-// The names that allow a key: those of DDS-Security 1.2, clause 8.2 first, then those of 1.1.
+// Returns the names that allow a key: those of DDS-Security 1.2, clause 8.2 first, then those of
+// 1.1.
 std::vector<std::string> names_of(pki::KeyAlgorithm key) {
   switch (key.kind) {
     case pki::KeyKind::ec_p256:
@@ -52,7 +53,7 @@ std::string text_of(const List& list) {
   return out.empty() ? "none" : out;
 }
 
-// The list for trust chains; if there is none, the list for identities (DDS-Security 1.2,
+// Returns the list for trust chains; if there is none, the list for identities (DDS-Security 1.2,
 // clause 10.4.1.2.5.9.2).
 const List& trust_chain_list(const AllowedAlgorithms& allowed) {
   const auto& own = allowed.digital_signature_identity_trust_chain;

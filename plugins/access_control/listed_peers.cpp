@@ -5,7 +5,7 @@
 namespace ddssec::access_control {
 namespace {
 
-// Returns true if a peer ends.
+// Extends the permissions of peers. Returns true if a peer ends.
 bool follow(const Entries& entries, const EngineServices& services) {
   const WallTime now = services.clock.now();
   bool one_ends = false;

@@ -16,8 +16,8 @@
 namespace ddssec::access_control {
 namespace {
 
-// The name of a document for people: its path, or the property if the document is in the property
-// itself.
+// Returns the name of a document for people: its path, or the property if the document is in the
+// property itself.
 std::string document_name(std::string_view property, std::string_view uri) {
   const auto start = uri.find_first_not_of(" \t");
   if (start != uri.npos && uri.substr(start).starts_with("file:")) {
@@ -26,7 +26,7 @@ std::string document_name(std::string_view property, std::string_view uri) {
   return std::string(property);
 }
 
-// The places of the three documents and of the identity CA.
+// Returns the places of the three documents and of the identity CA.
 Result<DocumentPlaces> places_of(const spi::PropertyList& properties) {
   constexpr std::array kNames = {spi::property::kPermissionsCa, spi::property::kGovernance,
                                  spi::property::kPermissions};
@@ -100,7 +100,7 @@ Result<Basis> first_basis(const LoadContext& context, const LocalParticipant& pa
   return out;
 }
 
-// The octets of a property that a host may carry as binary or as text.
+// Returns the octets of a property that a host may carry as binary or as text.
 std::optional<BytesView> octets_of(const spi::Token& token, std::string_view name) {
   std::optional<BytesView> octets;
   if (const auto* text = spi::find_property(token.properties, name)) octets = as_bytes(*text);
@@ -111,7 +111,7 @@ std::optional<BytesView> octets_of(const spi::Token& token, std::string_view nam
   return octets;
 }
 
-// True for the plugin's name in any letter case with the same major version; no version means 1.0
+// True for the plugin's name in any letter case with the same major version. No version means 1.0
 // (DDS-Security 1.2, clause 10.4.2.2).
 bool is_compatible_class(std::string_view class_id) {
   constexpr std::string_view kPlugin = "DDS:Access:Permissions";

@@ -41,7 +41,7 @@ Status check_has_revision(const governance::CompiledGovernance& next,
                "the participant"});
 }
 
-// The error if the topic cannot change while this participant uses it.
+// Returns the error for a topic that cannot change while this participant uses it.
 Error topic_in_use_error(const std::string& topic, const governance::TopicRule* rule,
                          const Error& why) {
   auto details = why.details();
@@ -89,8 +89,8 @@ Result<std::shared_ptr<const Basis>> LocalParticipant::basis_for(std::string_vie
   return basis_;
 }
 
-// The caller holds mutex_. The waiting document was checked against the topics in use at that time;
-// this checks a topic that came later.
+// Checks a topic that came into use after the waiting document was checked against the topics in
+// use. The caller holds mutex_.
 Status LocalParticipant::check_new_topic(std::string_view topic) const {
   if (!pending_) return {};
   const auto refused = [&](ErrorDetails details) {

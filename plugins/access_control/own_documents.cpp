@@ -25,8 +25,9 @@ DocumentWatch::WatchedDocument signed_document(DocumentWatch::WatchedDocument wh
   return what;
 }
 
-// Empty if `octets` fit; otherwise the file as it is now if that fits. If neither fits, the error
-// is about the file as it is now, or about `octets` if the file has no other content.
+// Returns nothing if `octets` fit, and otherwise the file as it is now if that fits. If neither
+// fits, the error is about the file as it is now, or about `octets` if the file has no other
+// content.
 template <class Fits>
 Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch& file,
                                            Fits&& fits) {
@@ -38,7 +39,7 @@ Result<std::optional<Bytes>> one_that_fits(BytesView octets, const DocumentWatch
   return std::move(*present);
 }
 
-// The event about the changes in a document in force; empty if only its form has changed.
+// Returns the event about the changes in a document in force; empty if only its form has changed.
 std::optional<Error> changed(const governance::DomainRule& former,
                              const governance::DomainRule& next) {
   const auto change = governance::live_change(former, next);

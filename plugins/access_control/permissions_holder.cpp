@@ -8,7 +8,7 @@
 namespace ddssec::access_control {
 namespace {
 
-// The digest of a signed file, computed as authentication does (session_facts.hpp).
+// Returns the digest of a signed file, computed as authentication does (session_facts.hpp).
 Sha256Digest digest_of_file(std::string_view text) {
   constexpr std::string_view kNone("", 1);
   if (text.ends_with('\0')) text.remove_suffix(1);
@@ -135,8 +135,8 @@ Result<SharedGrant> PermissionsHolder::grant(WallTime now) {
   return valid_grant(now);
 }
 
-// The last end of the documents whose CAs are in the file; empty if there is none. The caller holds
-// the lock.
+// Returns the last end of the documents whose CAs are in the file; empty if there is none. The
+// caller holds the lock.
 std::optional<WallTime> PermissionsHolder::last_end() const {
   const auto ca = participant_->basis()->ca;
   std::optional<WallTime> out;

@@ -11,7 +11,7 @@ using governance::Action;
 using governance::CompiledGrant;
 using governance::Decision;
 
-// Keeps names in events short, whatever a peer sends.
+// Shortens a name for events, because a peer may send a long one.
 std::string shortened(std::string_view text) {
   constexpr std::size_t kMax = 256;
   return text.size() <= kMax ? std::string(text) : std::string(text.substr(0, kMax)) + "...";
@@ -31,7 +31,7 @@ std::string shown(const spi::EndpointRequest& request) {
   return text;
 }
 
-// The hint for a refusal by a peer's permissions: nothing on this side can change it.
+// Returns the hint for a refusal by a peer's permissions: nothing on this side can change it.
 std::string hint_about_peer(const PermissionsHolder& holder, Code code,
                             const governance::RefusalAdvice& advice) {
   const std::string own(advice.hint.empty() ? info(code).hint : advice.hint);
@@ -42,7 +42,7 @@ std::string hint_about_peer(const PermissionsHolder& holder, Code code,
       shortened(holder.peer_subject()), own);
 }
 
-// The refusal by a deny_rule or by the grant's default.
+// Returns the error for a refusal by a deny_rule or by the grant's default.
 Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
              const Decision& decision, std::string expected,
              const governance::RefusalAdvice& advice = {}) {
@@ -60,7 +60,7 @@ Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& gr
              .hint = holder.remote() ? hint_about_peer(holder, code, advice) : advice.hint});
 }
 
-// The same for an endpoint that was announced in a peer's name, possibly by an attacker.
+// Does the same for an endpoint that was announced in a peer's name, possibly by an attacker.
 Error as_announced(const Error& refusal, Action action) {
   const Code code = action == Action::publish ? Code::announced_writer_not_allowed
                                               : Code::announced_reader_not_allowed;

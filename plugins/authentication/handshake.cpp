@@ -189,7 +189,7 @@ Result<HandshakeOutcome> on(const Established& state, const HandshakeFinal& fina
   return HandshakeOutcome{ValidationResult::ok};
 }
 
-// All other edges.
+// Refuses all other edges.
 Result<HandshakeOutcome> on(const auto& state, const auto& message, const HandshakeContext&) {
   return unexpected_message_error(class_of(message), name_of(state));
 }

@@ -46,7 +46,8 @@ Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::str
   return with_property(pki::Certificate::bundle_from_pem(octets), name);
 }
 
-// Certificate authorities among the readable PEM files of a folder. The other files are skipped.
+// Loads the certificate authorities among the readable PEM files of a folder. Other files are
+// skipped.
 Result<std::vector<pki::Certificate>> load_folder(std::string_view value) {
   constexpr auto kName = property::kTrustedCaDir;
   // A plain path is accepted, too.

@@ -10,15 +10,15 @@ namespace {
 
 using Authenticated = IdentityTable::Authenticated;
 
-// A session as its certificates are now.
+// The certificates with which a session goes on now.
 struct Followed {
   std::optional<pki::ChainValid> peer = {};
   bool by_list = false;  // true if the list has the peer's certificate
   std::string why_not = {};
 };
 
-// The proof of the peer: its latest certificate if that is valid, otherwise the one that follows on
-// the list.
+// Returns the proof of the peer: its latest certificate if that is valid, otherwise the one that
+// follows on the list.
 Followed followed_peer(const Authenticated& peer, const LocalIdentity& local, WallTime now) {
   const auto trust = local.peer_trust();
   if (auto latest = trust->verify(peer.latest(), now)) return {.peer = *std::move(latest)};
@@ -27,8 +27,8 @@ Followed followed_peer(const Authenticated& peer, const LocalIdentity& local, Wa
   return {std::move(found.chain), true, std::move(found.why_not)};
 }
 
-// The proof of our own certificate: the one that the peer has seen if that is valid. Otherwise the
-// one in force, if the peer may know it from its list.
+// Returns the proof of our own certificate: the one that the peer has seen if that is valid,
+// otherwise the one in force, if the peer may know it from its list.
 std::optional<pki::ChainValid> followed_own(const Authenticated& peer, const LocalIdentity& local,
                                             WallTime now) {
   if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
@@ -48,7 +48,8 @@ Error listed(const pki::ChainValid& chain) {
                 .note = "serial number " + chain.certificate().serial()});
 }
 
-// Empty if the session goes on. Otherwise a note about the peer's certificate, which may be blank.
+// Lets a session go on, if it can. Returns nothing if it goes on, and otherwise a note about the
+// peer's certificate, which may be blank.
 std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
                                   const LocalIdentity& local, const EngineServices& services) {
   const auto now = services.clock.now();

@@ -15,7 +15,8 @@ bool is_about_time(Code code) {
   return code == Code::certificate_expired || code == Code::certificate_not_yet_valid;
 }
 
-// False also if the status cannot be determined.
+// True if the certificate is known not to be revoked. False also if its status cannot be
+// determined.
 bool is_not_revoked(const pki::Certificate& certificate, const TrustStore& trust, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return true;
   const auto verdict = trust.verify(certificate, now);
@@ -86,7 +87,7 @@ void ListedRenewals::reevaluate() {
   watch_.reevaluate();
 }
 
-// Empty if the certificate may replace the latest one.
+// Returns the reason why the certificate may not replace the latest one; empty if it may.
 std::string ListedRenewals::refusal_of(const pki::Certificate& listed,
                                        const Session& session) const {
   // The session proves only that the peer has the key of its handshake.

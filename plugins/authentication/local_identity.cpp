@@ -263,7 +263,7 @@ Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustSt
   return taken;
 }
 
-// Returns true if our certificate was renewed together with the authorities.
+// Takes other authorities. Returns true if our certificate was renewed together with them.
 Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>& next,
                                              TrustStores& stores, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(next));
@@ -298,7 +298,7 @@ Status LocalIdentity::take_together(const std::vector<pki::Certificate>& next,
   return {};
 }
 
-// ---- for a person who asks
+// ---- descriptions for a person
 
 std::vector<DocumentState> LocalIdentity::documents() const {
   const std::scoped_lock lock(renewal_mutex_);
@@ -337,7 +337,7 @@ void LocalIdentity::force_poll() {
   listed_->force_poll();
 }
 
-// ---- what is presented
+// ---- the documents that are presented
 
 Sha256Digest LocalIdentity::hash_of(const std::shared_ptr<const Presented>& presented,
                                     const Credentials& own) const {

@@ -36,7 +36,7 @@ Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
                           pair.announced_challenge, now};
 }
 
-// The caller holds the pair's lock.
+// Takes up the request that was kept for the pair. The caller holds the pair's lock.
 void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
   auto [request, reply_keys] = kept_requests_.take(pair->local_handle, pair->remote_guid);
   pair->reply_keys = std::move(reply_keys);

@@ -26,8 +26,8 @@ Result<std::vector<pki::Crl>> parse(BytesView octets, std::string_view uri) {
   return lists;
 }
 
-// The places of a list that no property names: beside the certificate that the CA issued, or beside
-// the CA.
+// Returns the places of a list that no property names: beside the certificate that the CA issued,
+// or beside the CA.
 std::vector<std::string> usual_places(const spi::PropertyList& properties) {
   std::vector<std::string> uris;
   for (const auto name : {property::kIdentityCertificate, property::kIdentityCa}) {
@@ -88,7 +88,8 @@ bool is_newer(const pki::Crl& crl, const pki::Crl& other,
          pki::have_common_signer(crl, other, anchors);
 }
 
-// If there is not enough memory, the lists count as different, so that a new one is judged again.
+// True if both are the same list. If there is not enough memory, they count as different, so that a
+// new one is judged again.
 bool is_same_list(const pki::Crl& a, const pki::Crl& b) {
   const auto text = a.pem();
   return !text.empty() && text == b.pem();
@@ -153,7 +154,7 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   return out;
 }
 
-// `name` is the name of the file in errors.
+// Reads a place for the first time. `name` is the name of the file in errors.
 Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
   const auto octets = ddssec::load_uri(place.watch.uri(), name, pki::kMaxDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
@@ -164,7 +165,7 @@ Status RevocationLists::read_first(Place& place, std::string_view name, bool may
   return {};
 }
 
-// The lists in force if every place counts: the newest list of each CA.
+// Returns the lists in force if every place counts: the newest list of each CA.
 std::vector<pki::Crl> RevocationLists::together(const std::vector<pki::Certificate>& anchors,
                                                 WallTime now) const {
   std::vector<pki::Crl> all;
@@ -262,7 +263,7 @@ Result<RevocationLists> RevocationLists::read(const std::vector<pki::Certificate
   return out;
 }
 
-// Returns true if other lists came into force.
+// Judges the octets of a place. Returns true if other lists came into force.
 Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Question& question) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, place.watch.uri()));
   std::swap(place.lists, lists);

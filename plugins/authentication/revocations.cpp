@@ -9,9 +9,9 @@ namespace {
 
 using OurOwn = IdentityTable::OurOwn;
 
-// The reason why the identity must be revoked: it is on a list and its verification fails, even if
-// that is only because memory ran out. A peer that is on no list stays until its expiry or its next
-// handshake.
+// Returns the reason why the identity must be revoked: it is on a list and its verification fails,
+// even if that is only because memory ran out. A peer that is on no list stays until its expiry or
+// its next handshake.
 std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   if (!trust.may_be_revoked(certificate)) return std::nullopt;
@@ -40,8 +40,8 @@ bool is_about_time_or_lists(Code code) {
   }
 }
 
-// The reason why a peer must leave after CAs were removed from the file: no remaining CA issued its
-// certificate. For a peer that stays, the end of the session is computed again.
+// Returns the reason why a peer must leave after CAs were removed from the file: no remaining CA
+// issued its certificate. For a peer that stays, the end of the session is computed again.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
                                 const LocalIdentity& whose, const EngineServices& services) {
   const auto now = services.clock.now();
@@ -70,8 +70,8 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const EngineService
                                                 .found = local.identity->revocation_lists()})));
 }
 
-// The same for a peer whose session goes on with a later certificate. The certificate of its
-// handshake may have expired since, but must not have been revoked.
+// Returns the same for a peer whose session goes on with a later certificate. The certificate of
+// its handshake may have expired since, but must not have been revoked.
 std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
   auto reason = refusal(peer.latest(), trust, whose, now);

@@ -16,7 +16,8 @@ struct Documents {
   BytesView permissions;
 };
 
-// The octets that the sender signs. They bind the documents to this session and to this side of it.
+// Returns the octets that the sender signs. They bind the documents to this session and to this
+// side of it.
 Bytes signed_octets(const Established& session, const Guid& sender, const Documents& documents) {
   const auto handshake = sha256(session.transcript.final_input());
   const auto guid = sender.octets();

@@ -9,7 +9,7 @@
 namespace ddssec::authentication {
 namespace {
 
-// A random number below `end`. It is 0 if there is no randomness.
+// Returns a random number below `end`, or 0 if there is no randomness.
 std::size_t random_below(std::size_t end, Random& random) {
   std::array<std::uint8_t, 4> octets{};
   if (!random.fill(octets)) return 0;

@@ -129,7 +129,7 @@ class Openssl final : public AeadBackend {
 
   Fetched gcm128_;
   Fetched gcm256_;
-  Fetched chacha_;  // nullptr if the provider lacks it
+  Fetched chacha_;  // nullptr if the provider does not have it
 };
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::size_t kEncapsulationSize = 4;
-constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  // also the size of a key hash
+constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;  // the size of a key hash, too
 
 // StatusInfo_t (RTPS 9.6.4.9): disposed, or unregistered.
 constexpr std::uint8_t kDisposedOrUnregistered = 3;
@@ -55,7 +55,7 @@ Result<Ending> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
   InlineForm form;
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
-    if (!parameter || !*parameter) break;  // read once already
+    if (!parameter || !*parameter) break;  // it was read once already
     if (is_deprecated_address((*parameter)->id))
       return unreadable_name_error(topic, "it has an address in the form of RTPS 1");
     if ((*parameter)->id == pid::kKeyHash)
@@ -83,15 +83,15 @@ Status check_other_inline_qos(BytesView submessage) {
   Reader in(piece->inline_qos, piece->endian);
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
-    if (!parameter || !*parameter) break;  // read once already
+    if (!parameter || !*parameter) break;  // it was read once already
     if (is_deprecated_address((*parameter)->id))
       return refused("it has an address in the form of RTPS 1");
   }
   return {};
 }
 
-// ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same octets
-// as PL_CDR.
+// Checks ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same
+// octets as PL_CDR.
 Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
   constexpr std::uint8_t kMaxPlain = 3;
   if (payload.size() < kEncapsulationSize + GuidPrefix::size)
@@ -109,7 +109,8 @@ Announcement::Kind kind_of(Ending ending, const ParameterWalk& walk) {
                                                           : Announcement::Kind::nothing;
 }
 
-// `announced` is nullptr if the owner of the announcement is not known.
+// Checks a sample that is in one piece. `announced` is nullptr if the owner of the announcement is
+// not known.
 Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
                                       const DataPiece& piece, Ending ending,
                                       AnnouncedEndpoints* announced) {
@@ -148,7 +149,8 @@ Status check_without_payload(const BuiltinTopic& topic, const DataPiece& piece,
   return peer->announced.note(topic, {.number = piece.number});
 }
 
-// The announcing peer; nullptr if it is not known, or if samples of this topic announce nothing.
+// Returns the announcing peer; nullptr if it is not known, or if samples of this topic announce
+// nothing.
 PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, DiscoveryOfPeers& peers) {
   return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
 }

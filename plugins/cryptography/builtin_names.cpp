@@ -60,7 +60,7 @@ constexpr std::array kNames = {NamingParameter{pid::kParticipantGuid, "PID_PARTI
                                NamingParameter{pid::kKeyHash, "PID_KEY_HASH"},
                                NamingParameter{pid::kCycloneTopicGuid, "PID_CYCLONE_TOPIC_GUID"}};
 
-// The index in kNames; empty if the parameter names nothing in samples of this topic.
+// Returns the index in kNames; empty if the parameter names nothing in samples of this topic.
 std::optional<std::size_t> name_of(const BuiltinTopic& topic, std::uint16_t id) {
   const auto found = std::ranges::find(kNames, id, &NamingParameter::id);
   if (found == kNames.end()) return std::nullopt;
@@ -205,7 +205,7 @@ Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
   return {};
 }
 
-// Begins a parameter about security. True if its first octets are read next.
+// Begins a parameter about security. Returns true if its first octets are read next.
 bool ParameterWalk::begin_security_info() {
   if ((id_ & ~kFlags) != pid::kEndpointSecurityInfo) return false;
   security_infos_ = security_infos_ == 0 ? 1 : 2;

@@ -12,8 +12,8 @@ std::unexpected<Error> invalid_property_error(std::string_view property, std::st
                                        .found = found.substr(0, 64)});
 }
 
-// The AES variant that `dds.sec.crypto.keysize` requests. This property is older than the names
-// below.
+// Returns the AES variant that `dds.sec.crypto.keysize` requests. This property is older than the
+// names below.
 Result<std::optional<Cipher>> aes_by_size(const spi::PropertyList& properties) {
   const auto* const value = spi::find_property(properties, spi::property::kKeySize);
   if (value == nullptr) return std::nullopt;
@@ -22,7 +22,7 @@ Result<std::optional<Cipher>> aes_by_size(const spi::PropertyList& properties) {
   return invalid_property_error(spi::property::kKeySize, "128 or 256", *value);
 }
 
-// The cipher that a property names; empty for AUTO and for a missing property.
+// Returns the cipher that a property names; empty for AUTO and for a missing property.
 Result<std::optional<Cipher>> cipher_by_name(const spi::PropertyList& properties,
                                              std::string_view property) {
   const auto* const value = spi::find_property(properties, property);

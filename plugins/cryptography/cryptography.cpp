@@ -11,8 +11,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-// A random number if possible. No security depends on it: these numbers only make handles and key
-// ids differ from run to run.
+// Returns a random number if possible. No security depends on it: these numbers only make handles
+// and key ids differ from run to run.
 template <class T>
 T starting_number(Random& random) {
   std::array<std::uint8_t, sizeof(T)> octets{};

@@ -11,7 +11,8 @@ using Place = std::atomic<std::uint64_t>;
 
 constinit Place in_ordinary_memory = 1;
 
-// A page that the kernel fills with zeros in a child; nullptr if this kernel does not support it.
+// Returns a page that the kernel fills with zeros in a child; nullptr if this kernel does not
+// support it.
 Place* wiped_by_kernel() {
 #ifdef MADV_WIPEONFORK
   constexpr std::size_t kSize = sizeof(Place);  // a whole page, as all mappings are

@@ -8,8 +8,8 @@
 namespace ddssec::cryptography {
 namespace {
 
-// The token for a local key: with the receiver-specific part if there is one, and for ddssec peers
-// with the present position.
+// Returns the token for a local key: with the receiver-specific part if there is one, and for
+// ddssec peers with the present position.
 spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
   auto material = key.material().clone();
   const ReadGuard guard;  // a sending thread may change to the next session
@@ -21,7 +21,8 @@ spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair
   return crypto_token(material);
 }
 
-// The local key for submessages to that endpoint; nullptr if there is none, or no revised one.
+// Returns the local key for submessages to that endpoint; nullptr if there is none, or no revised
+// one.
 const SendKey* own_submessage_key(const RemoteEndpoint& to, bool revised) {
   const auto& own = to.local;
   if (to.peer_key) return revised ? to.peer_key->next.get() : to.peer_key->key.read();
@@ -45,7 +46,7 @@ class HeldTokens {
   // True if the ticket is from a session with the same peer that has ended: the ledger waits for
   // the tokens of the present session.
   bool are_awaited() const { return held_ && held_->tokens.empty(); }
-  // The endpoint that owns the tokens from the ledger; zero if it is not known.
+  // Returns the endpoint that owns the tokens from the ledger; zero if it is not known.
   EntityId owner() const { return held_ ? held_->remote.entity : EntityId{}; }
   // Success if tokens from the ledger are used for the participant that sent them. Error:
   // crypto_not_matched.

@@ -14,7 +14,8 @@ namespace {
 constexpr std::string_view kVolatileWriterName = "BuiltinParticipantVolatileMessageSecureWriter";
 constexpr std::string_view kVolatileReaderName = "BuiltinParticipantVolatileMessageSecureReader";
 
-// The property that identifies the volatile secure endpoints (DDS-Security 1.2, clause 9.8.9.1).
+// True if the properties are those of a volatile secure endpoint (DDS-Security 1.2,
+// clause 9.8.9.1).
 bool is_volatile(EntityKind kind, const spi::PropertyList& properties) {
   const auto* const name = spi::find_property(properties, spi::property::kBuiltinEndpointName);
   return name != nullptr &&

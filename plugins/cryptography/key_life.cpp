@@ -5,7 +5,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-// A value from three quarters of the limit to the whole limit.
+// Returns a value from three quarters of the limit to the whole limit.
 std::uint64_t in_last_quarter(std::uint64_t limit, std::uint64_t chance) {
   return limit - chance % (limit / 4 + 1);
 }

@@ -42,8 +42,8 @@ Result<Id> read_id(Reader& reader) {
   return Id::from(*octets);
 }
 
-// A sequence<octet> of exactly `size` octets that are not all zero, copied into an object that
-// wipes it.
+// Reads a sequence<octet> of exactly `size` octets that are not all zero, and copies it into an
+// object that wipes it.
 template <class Key>
 Result<Key> read_key(Reader& reader, std::size_t size) {
   const auto octets = reader.read_octet_sequence();

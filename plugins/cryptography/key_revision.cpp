@@ -86,7 +86,7 @@ ReceiveKey* former_key(const RemoteKeys& keys, KeyLevel level, TransformKind kin
   return nullptr;
 }
 
-// ---- our own
+// ---- revisions of local keys
 
 Result<std::unique_ptr<SendKey>> KeyFactory::revised(const Published<SendKey>& key) {
   const auto* const present = key.read();
@@ -166,7 +166,7 @@ Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, Key
   return {};
 }
 
-// ---- how long
+// ---- how long keys are in use
 
 Status KeyFactory::limit_keys(LocalParticipant& participant, const spi::PropertyList& properties) {
   DDSSEC_ASSIGN_OR_RETURN(const auto limits, spi::key_limits(properties));
@@ -202,7 +202,7 @@ std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) {
   return most;
 }
 
-// ---- others'
+// ---- former keys of peers
 
 void CryptographyState::note_former(std::int64_t handle, const RemoteKeys& remote_keys) {
   if (!remote_keys.former.empty()) former_until[handle] = remote_keys.former.front().until;

@@ -11,7 +11,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-// HKDF-Extract and one block of HKDF-Expand (RFC 5869), with the sender as the salt.
+// Computes HKDF-Extract and one block of HKDF-Expand (RFC 5869), with the sender as the salt.
 template <class Key>
 Key derive(std::string_view label, std::string_view info, const Passphrase& passphrase,
            BytesView context, std::size_t size) {

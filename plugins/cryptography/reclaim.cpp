@@ -40,7 +40,7 @@ Slot* free_slot() {
   return slot;
 }
 
-// Returns the slot when the thread ends.
+// The destructor returns the slot when the thread ends.
 struct Lease {
   Slot* slot = free_slot();
   Lease() = default;

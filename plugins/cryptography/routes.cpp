@@ -28,7 +28,8 @@ RemoteEndpoint* Routes::endpoint_of(const Route& route) const {
   return found && (*found)->route == route.number ? *found : nullptr;
 }
 
-// The first route that leads to an endpoint, among the routes at the beginning that are `like`.
+// Returns the first route that leads to an endpoint, among the routes at the beginning that are
+// `like`.
 template <class Like>
 Routes::Found Routes::first_of(std::span<const Route> routes, std::int64_t receiver,
                                Like&& like) const {

@@ -31,7 +31,7 @@ Iv iv_from(SessionId session, std::uint64_t suffix) {
   return iv;
 }
 
-// The AES blocks of a message: those of its content, and one for the tag.
+// Returns the AES blocks of a message: those of its content, and one for the tag.
 std::uint64_t blocks(std::size_t size) { return size / 16 + 2; }
 
 }  // namespace

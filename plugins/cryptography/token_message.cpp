@@ -18,7 +18,7 @@ Result<Guid> read_guid(Reader& in) {
   return Guid::from(octets);
 }
 
-// The number of octets of the class id, and of the name and value of each property.
+// Returns the number of octets of the class id, and of the name and value of each property.
 std::size_t octets_with_names(const spi::Token& token) {
   auto octets = token.class_id.size();
   for (const auto& one : token.properties) octets += one.name.size() + one.value.size();
@@ -75,9 +75,9 @@ Result<std::vector<spi::Token>> read_tokens(Reader& in) {
   return tokens;
 }
 
-// The values of the binary properties of `tokens`, which read_tokens has read from the same octets
-// at `tokens_at`. An error is therefore impossible, but after one a caller must still let no key
-// pass.
+// Returns the values of the binary properties of `tokens`, which read_tokens has read from the same
+// octets at `tokens_at`. An error is therefore impossible, but after one a caller must still let no
+// key pass.
 Result<std::vector<BytesView>> find_binary_values(Reader& in, std::size_t tokens_at,
                                                   std::span<const spi::Token> tokens) {
   std::vector<BytesView> values;
@@ -120,7 +120,7 @@ Result<std::optional<TokenMessage>> read_generic_message(const DataPiece& piece)
     return std::nullopt;
   } else if (source_endpoint.prefix != source.prefix ||
              source_endpoint.entity == kEntityIdParticipant) {
-    // Without an owner, or a participant's tokens presented as those of an endpoint.
+    // The token has no owner, or a participant's tokens are presented as those of an endpoint.
     return fail(Code::malformed);
   }
   if (piece.number >= kMaxNumber) return fail(Code::length_out_of_range);

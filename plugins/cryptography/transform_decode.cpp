@@ -38,10 +38,10 @@ struct AnySurroundings {
   Status operator()(BytesView /*content*/) const { return {}; }
 };
 
-// Decrypts or verifies into the beginning of `out` and returns the octets written. All checks of a
-// protected message are made here. Only then is its session remembered. Its IV is remembered only
-// after `fits(content)` confirms that the message is where its sender put it, so that a copy at
-// another place uses up no IV.
+// Decrypts or verifies into the beginning of `out`, and returns the number of octets written. All
+// checks of a protected message are made here. Only then is its session remembered. Its IV is
+// remembered only after `fits(content)` confirms that the message is where its sender put it, so
+// that a copy at another place uses up no IV.
 template <class Fits = AnySurroundings>
 [[gnu::always_inline]] inline Result<std::size_t> open_with_key(const Protected& message,
                                                                 ReceiveKey& key, MutableBytes out,
@@ -52,7 +52,7 @@ template <class Fits = AnySurroundings>
   const bool origin = key.material().has_receiver_key();
   const auto ours =
       origin ? message.footer.receiver_mac(key.material().receiver_key_id) : std::nullopt;
-  // Checked before any cipher, because messages for other receivers come here often.
+  // This is checked before any cipher, because messages for other receivers come here often.
   if (origin && !ours) return fail(Code::receiver_specific_mac_missing);
   DDSSEC_ASSIGN_OR_RETURN(auto session, key.session(message.header.session_id));
   if (!open_content(message, session->key, out.data())) return fail(Code::tag_mismatch);
@@ -68,15 +68,15 @@ template <class Fits = AnySurroundings>
   return std::unexpected(std::move(status).error());
 }
 
-// The newest key of a remote entity at one level, if its tokens have come.
+// Returns the newest key of a remote entity at one level, if its tokens have come.
 Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) {
   const auto* const published = keys.read();
   if (published == nullptr || !(published->*level)) return fail(Code::key_material_not_received);
   return (published->*level).get();
 }
 
-// The key of the revision that the message names. If the kind differs in anything else, returns
-// the newest key, so that check_header reports the difference.
+// Returns the key of the revision that the message names. If the kind differs in anything else,
+// returns the newest key, so that check_header reports the difference.
 [[gnu::cold]] Result<ReceiveKey*> of_revision(const CryptographyState& state,
                                               const Published<RemoteKeys>& keys, KeyLevel level,
                                               ReceiveKey& newest, TransformKind named) {
@@ -107,9 +107,9 @@ Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const Protected
   return open_with_key(message, *key, out, fits);
 }
 
-// The key for submessages. Both sides of a key exchange share one key, and the host takes the
-// sender's name from an RTPS header that any participant can write. Local messages that an attacker
-// sends back are therefore recognised by their session.
+// Returns the key for submessages. Both sides of a key exchange share one key, and the host takes
+// the sender's name from an RTPS header that any participant can write. Local messages that an
+// attacker sends back are therefore recognised by their session.
 Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId session) {
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
@@ -118,8 +118,9 @@ Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId sessi
   return pair->key_exchange_receive.get();
 }
 
-// The kinds of submessage that the owner of a writer's or reader's key may send. Fast DDS protects
-// a writer's INFO_TS in its own group. The volatile endpoints of a participant share one key.
+// True for the kinds of submessage that the owner of a writer's or reader's key may send. Fast DDS
+// protects a writer's INFO_TS in its own group. The volatile endpoints of a participant share one
+// key.
 bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
   using namespace submessage_id;
   constexpr std::array kWriters = {kData,          kDataFrag, kHeartbeat,
@@ -206,7 +207,7 @@ void report_form(const CryptographyState& state, const RemoteEndpoint& sender, c
   if (pair != nullptr) state.report(error, pair->peer_prefix);
 }
 
-// The sender, if it is matched with the receiver, whose participant still receives.
+// Returns the sender, if it is matched with the receiver, whose participant still receives.
 template <class Local, class Remote>
 Result<const RemoteEndpoint*> matched_sender(const CryptographyState& state, Local receiver,
                                              Remote sender) {
@@ -246,7 +247,7 @@ Result<std::size_t> decode_submessage(CryptographyState& state, Local receiver, 
   return size;
 }
 
-// The header's version, vendor and GUID prefix, in network order.
+// Returns the header's version, vendor and GUID prefix, in network order.
 std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_network_order) {
   std::array<std::uint8_t, 16> source;
   std::ranges::copy(rtps_header.subspan(4, 16), source.begin());
@@ -270,8 +271,8 @@ Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outsi
   return {};
 }
 
-// `open_group(message, out, fits)` decrypts with a key of the caller's choice. If `fits(content)`
-// refuses the content, it must return an error.
+// Opens a message. `open_group(message, out, fits)` decrypts with a key of the caller's choice. If
+// `fits(content)` refuses the content, it must return an error.
 template <class F>
 Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes out,
                                  bool prefix_is_network_order, F&& open_group) {

@@ -41,7 +41,7 @@ void close_length(MutableBytes content, std::size_t position) {
   content[position + (little ? 3 : 2)] = static_cast<std::uint8_t>(length >> 8);
 }
 
-// INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 1.2,
+// Writes INFO_SRC, which binds the RTPS header to the protected content (DDS-Security 1.2,
 // clause 10.5.3.3.4.5).
 void info_source(UncheckedWriter& octets, BytesView source) {
   octets.submessage_header(submessage_id::kInfoSource, kInfoSourceSize - kSubmessageHeaderSize);
@@ -201,7 +201,7 @@ void note_acknowledged(BytesView submessage, F&& find) {
   if (peer != nullptr) peer->discovery.announced.acknowledged(*topic, acknowledged->next);
 }
 
-// The same for a submessage that goes to these writers of one participant.
+// Does the same for a submessage that goes to these writers of one participant.
 template <class Remote>
 void note_acknowledged(const CryptographyState& state, std::span<const Remote> receivers,
                        BytesView submessage) {
@@ -212,7 +212,7 @@ void note_acknowledged(const CryptographyState& state, std::span<const Remote> r
   });
 }
 
-// The same for the submessages inside a message, whose receivers INFO_DST names.
+// Does the same for the submessages inside a message, whose receivers INFO_DST names.
 void note_acknowledged(const CryptographyState& state, const LocalParticipant& sender,
                        BytesView message) {
   GuidPrefix to;
@@ -228,8 +228,8 @@ void note_acknowledged(const CryptographyState& state, const LocalParticipant& s
   }
 }
 
-// The key of the reader `sender` that all of these writers share. One of them may have left since
-// the host listed them. Errors: receiver_count for no writer, or for writers of several
+// Returns the key of the reader `sender` that all of these writers share. One of them may have left
+// since the host listed them. Errors: receiver_count for no writer, or for writers of several
 // participants; crypto_not_matched; crypto_handle_unknown if all have left.
 template <class Remote>
 Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpoint& sender,
@@ -250,7 +250,7 @@ Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpoint& s
   return common->key.read();
 }
 
-// The key of the endpoint `sender` for these receivers.
+// Returns the key of the endpoint `sender` for these receivers.
 template <class Remote>
 Result<SendKey*> key_towards(const CryptographyState& state, const LocalEndpoint& sender,
                              std::span<const Remote> receivers) {
@@ -285,7 +285,7 @@ Result<std::size_t> encode_submessage(const CryptographyState& state, Local hand
   });
 }
 
-// The content of the RTPS message between its header and SRTPS_POSTFIX.
+// Returns the content of the RTPS message between its header and SRTPS_POSTFIX.
 Result<GroupRequest> message_request(BytesView plain, Frame frame, bool encrypts) {
   if (plain.size() < kRtpsHeaderSize || as_text(plain.first(4)) != "RTPS")
     return fail(Code::plaintext_malformed);

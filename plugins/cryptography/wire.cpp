@@ -29,7 +29,7 @@ CryptoHeader crypto_header_at(BytesView octets) {
   return header;
 }
 
-// True for GCM, false for GMAC: parsing depends on nothing else.
+// True for GCM, false for GMAC. Parsing depends on nothing else.
 Result<bool> encrypts(const CryptoHeader& header) {
   const auto traits = traits_of(header.kind);
   if (!traits) return fail(Code::crypto_header_kind_unknown);
@@ -45,7 +45,7 @@ Result<CryptoFooter> footer_from(BytesView octets) {
   return CryptoFooter{octets.first(kTagSize), macs};
 }
 
-// CryptoContent: a big-endian length, that many octets, and zeros up to a word.
+// Reads a CryptoContent: a big-endian length, that many octets, and zeros up to a word.
 Result<BytesView> content_from(BytesView body) {
   if (body.size() < 4) return fail(Code::secure_group_malformed);
   const std::uint64_t size = u32_at(body, 0);
@@ -59,7 +59,7 @@ Status check_flags(const SubmessageHeader& header, std::uint8_t due = 0) {
   return {};
 }
 
-// The SEC_BODY that fills `octets`.
+// Reads the SEC_BODY that fills `octets`.
 Result<BytesView> body_from(BytesView octets) {
   if (octets.size() < kSubmessageHeaderSize) return fail(Code::secure_group_malformed);
   const auto header = read_submessage_header(octets);
@@ -70,8 +70,8 @@ Result<BytesView> body_from(BytesView octets) {
   return content_from(octets.subspan(kSubmessageHeaderSize));
 }
 
-// The position of the postfix: after the SEC_BODY or after the one submessage of a SEC_ group. In
-// a signed message it is the first postfix id in the chain of submessages.
+// Returns the position of the postfix: after the SEC_BODY or after the one submessage of a SEC_
+// group. In a signed message it is the first postfix id in the chain of submessages.
 Result<std::size_t> find_postfix(BytesView octets, Frame frame) {
   std::size_t position = 0;
   while (octets.size() - position >= kSubmessageHeaderSize) {

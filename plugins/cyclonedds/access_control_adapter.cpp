@@ -296,7 +296,8 @@ Status tell_attributes(Adapter& adapter, const CPermissions handle,
   return status;
 }
 
-// `tell(adapter, request)` writes `attributes`, which are empty before.
+// Answers a question about an endpoint. `tell(adapter, request)` writes `attributes`, which are
+// empty before.
 template <class Tell>
 DDS_Security_boolean ask_endpoint(Instance* instance, const char* topic_name,
                                   const Partition* partition, const Tags* tags,

@@ -47,7 +47,7 @@ void ReaderEnds::run(const std::stop_token& stop) {
     try {
       is_open = check(*host);
     } catch (...) {
-      is_open = true;  // memory was short: check again
+      is_open = true;  // memory was short, so this checks again
     }
   }
 }

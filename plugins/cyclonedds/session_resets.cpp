@@ -9,7 +9,7 @@ namespace ddssec::cyclonedds {
 
 SessionResets& SessionResets::of_process() {
   static auto& resets =
-      *new SessionResets;  // never destroyed: authentication's timer may ask at exit
+      *new SessionResets;  // never destroyed, because authentication's timer may ask at exit
   return resets;
 }
 

@@ -13,7 +13,7 @@ bool is_compatible(std::uint32_t local, std::uint32_t remote) {
 
 }  // namespace
 
-// The mask of a participant (DDS-Security 1.2, clauses 10.4.2.3 and 10.4.2.4).
+// Returns the mask of a participant (DDS-Security 1.2, clauses 10.4.2.3 and 10.4.2.4).
 std::uint32_t plugin_mask(const ParticipantSecurityAttributes& a) {
   return bit(is_encrypted(a.rtps), 0) | bit(is_encrypted(a.discovery), 1) |
          bit(is_encrypted(a.liveliness), 2) | bit(is_origin_authenticated(a.rtps), 3) |
@@ -22,7 +22,7 @@ std::uint32_t plugin_mask(const ParticipantSecurityAttributes& a) {
          kMaskIsValid;
 }
 
-// The mask of an endpoint (DDS-Security 1.2, clauses 10.4.2.5 and 10.4.2.6).
+// Returns the mask of an endpoint (DDS-Security 1.2, clauses 10.4.2.5 and 10.4.2.6).
 std::uint32_t plugin_mask(const EndpointSecurityAttributes& a) {
   return bit(is_encrypted(a.submessage), 0) | bit(is_encrypted(a.payload), 1) |
          bit(is_origin_authenticated(a.submessage), 2) | kMaskIsValid;

@@ -22,7 +22,7 @@ bool has_control_character(std::string_view text) {
       text, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
-// The known name that is most similar to `name`; empty if none is similar enough.
+// Returns the known name that is most similar to `name`; empty if none is similar enough.
 std::string_view nearest(std::string_view name) {
   const auto lower = ascii_lower(name.substr(0, kMaxNameOctets));
   std::size_t least = kMaxDifferences + 1;
