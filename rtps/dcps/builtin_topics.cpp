@@ -43,7 +43,7 @@ Result<T> by_key(BytesView octets) {
   return out;
 }
 
-// The policies of builtin readers (DDS 1.4, 2.2.5).
+// Returns the policies of builtin readers (DDS 1.4, 2.2.5).
 Qos builtin_reader_qos() {
   auto qos = default_reader_qos();
   qos.reliability.kind = ReliabilityKind::reliable;

@@ -241,7 +241,7 @@ Status DomainParticipant::delete_contained_entities() {
   groups_.conclude_writers();
   const std::lock_guard members(context_.members());
   const auto topics = topics_.release();
-  groups_.release();  // before the topics, to which their members refer
+  groups_.release();  // released before the topics, to which their members refer
   return {};
 }
 

@@ -20,7 +20,7 @@ SourceOrder order_of(const HeldSample& sample) {
   return {sample.change.source_time, sample.change.writer, sample.place};
 }
 
-// The place of a sample among those of its instance.
+// Returns the place of a sample among those of its instance.
 HeldSamples::iterator place_of(HeldInstance& instance, const HeldSample& sample, bool is_indexed) {
   auto before = instance.held.end();
   if (!sample.by_source) return before;

@@ -17,7 +17,7 @@ bool is_far_ahead(const std::optional<Time>& time, const Moment& at) {
   return time && time->to_nanoseconds() - at.wall.to_nanoseconds() > ReaderCache::kMaxAhead;
 }
 
-// With source order: true if the change is older than a sample that was read or taken, or than the
+// True if, with source order, the change is older than a sample that was read or taken, or than the
 // change that is held back. Also true if it ends the instance but is older than a later sample, or
 // if a full history would drop it first. Source times that are far ahead of our clock at `at` do
 // not count: the clock was set back after they came.

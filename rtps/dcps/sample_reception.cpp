@@ -145,7 +145,7 @@ void SampleReception::reject(const Change& change, const ReaderCache::Stored& st
   if (stored.crowded) report_crowded(change.writer, stored.reason);
 }
 
-// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer that takes all places
+// Reports this rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer that takes all places
 // offers more changes than the reader can report.
 void SampleReception::report_crowded(const Guid& writer, SampleRejectedReason reason) {
   const bool instances = reason == SampleRejectedReason::by_instances_limit;
@@ -165,8 +165,8 @@ void SampleReception::report_crowded(const Guid& writer, SampleRejectedReason re
       reader_.entity, writer);
 }
 
-// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer that keeps its sets open
-// creates more of them than the reader can report.
+// Reports this rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer that keeps its sets
+// open creates more of them than the reader can report.
 void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit limit) {
   on_lost(static_cast<std::int64_t>(samples));
   if (!std::has_single_bit(++given_up_)) return;
@@ -187,7 +187,8 @@ void SampleReception::give_up(const Guid& writer, std::size_t samples, Limit lim
       reader_.entity, writer);
 }
 
-// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a clock that is wrong stays wrong.
+// Reports this rarely (on the 1st, 2nd, 4th, 8th ... time), because a clock that is wrong stays
+// wrong.
 void SampleReception::report_time_ahead(const Guid& writer) {
   const auto count = cache().times_ahead();
   if (!std::has_single_bit(count)) return;
@@ -216,7 +217,7 @@ void SampleReception::report_unreadable_key(const Change& change) {
       reader_.entity, change.writer);
 }
 
-// Reported rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer can send any number.
+// Reports this rarely (on the 1st, 2nd, 4th, 8th ... time), because a writer can send any number.
 void SampleReception::report_malformed(const OctetSample& sample) {
   if (!std::has_single_bit(++discarded_)) return;
   const auto octets = sample.payload.view();

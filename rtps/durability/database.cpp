@@ -10,7 +10,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// The operating system's last error for the write-ahead log or the file; 0 if there is none.
+// Returns the operating system's last error for the write-ahead log or the file; 0 if there is
+// none.
 int last_errno(sqlite3* database) {
   int number = 0;
   sqlite3_file* log = nullptr;

@@ -17,8 +17,8 @@ constexpr std::chrono::seconds kMaxOpen{5};
 constexpr std::chrono::seconds kRoomPollInterval{1};
 constexpr std::uint32_t kMaxAlike = 64;
 
-// The octets that a commit handles for a change. A row that is removed costs about as much as one
-// that is stored.
+// Returns the octets that a commit handles for a change. A row that is removed costs about as much
+// as one that is stored.
 std::size_t work_of(const StoredChange& stored) {
   return stored.change.payload.size() + stored.removed.size() * StoreShares::cost(0);
 }
@@ -331,7 +331,7 @@ std::vector<StoredChange> DurableStore::removals_before(
   return {};
 }
 
-// Empty if there was no memory to determine it.
+// Returns the room now; empty if there was no memory to determine it.
 std::optional<std::size_t> DurableStore::room_now() noexcept try {
   const auto room = store_.room();
   return room ? std::optional(*room) : std::nullopt;

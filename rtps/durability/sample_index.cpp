@@ -19,9 +19,9 @@ std::size_t limit_of(std::int32_t value, std::size_t otherwise) {
 
 KeyHash key_of(const Change& change) { return change.key_hash.value_or(KeyHash{}); }
 
-// The part of `period` that is left for something that began at `since`: at most `period`, however
-// far ahead `since` is. It is over if the result is not above 0, and never over if it is kNever. No
-// sum overflows, because durations and ages stay below 2^32 s.
+// Returns the part of `period` that is left for something that began at `since`: at most `period`,
+// however far ahead `since` is. It is over if the result is not above 0, and never over if it is
+// kNever. No sum overflows, because durations and ages stay below 2^32 s.
 MonotonicTime left_of(Duration period, Time since, Time now) {
   if (period.is_infinite()) return kNever;
   const auto age = now.to_nanoseconds() - since.to_nanoseconds();
@@ -39,7 +39,7 @@ MonotonicTime later_by(MonotonicTime left, MonotonicTime now) {
   return left == kNever ? kNever : now + left;
 }
 
-// The time at which a disposed instance is removed; kNever if it is not, or if it is alive.
+// Returns the time at which a disposed instance is removed; kNever if it is not, or if it is alive.
 MonotonicTime end_of(const Change& change, const DurabilityService& service, Time since,
                      const Moment& now) {
   if (!change.status.disposed) return kNever;

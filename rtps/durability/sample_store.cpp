@@ -256,7 +256,7 @@ Result<std::size_t> SampleStore::streams() {
 Result<StreamId> SampleStore::stream(const StreamKey& key) {
   DDSSEC_ASSIGN_OR_RETURN(const auto id, find(key));
   if (id) {
-    // No effect on a stream that is known without a row.
+    // This has no effect on a stream that is known without a row.
     streams_.try_emplace(*id, Stream{key, true});
     return *id;
   }

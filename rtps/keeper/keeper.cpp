@@ -16,8 +16,8 @@
 namespace ddssec::rtps {
 namespace {
 
-// The digest of topic, type, partitions and data tags. Names never contain a NUL, and topic names
-// are not empty.
+// Returns the digest of topic, type, partitions and data tags. Names never contain a NUL, and topic
+// names are not empty.
 KeyHash key_of(const EndpointData& writer) {
   std::string text;
   const auto& tags = writer.qos.data_tags;
@@ -32,7 +32,7 @@ KeyHash key_of(const EndpointData& writer) {
   return out;
 }
 
-// A stream that no writer can have, because topic names are not empty.
+// Returns a stream that no writer can have, because topic names are not empty.
 StreamKey stream_of_announcements(DomainId domain, const std::string& domain_tag) {
   StreamKey key{.domain = static_cast<std::uint32_t>(domain), .topic = "", .type = "kept"};
   if (!domain_tag.empty()) key.scope.push_back(domain_tag);

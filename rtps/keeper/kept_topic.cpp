@@ -51,7 +51,7 @@ Qos reading_qos(const Qos& original) {
   return qos;
 }
 
-// The values that separate streams in addition to their partitions; may be empty.
+// Returns the values that separate streams in addition to their partitions; may be empty.
 std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyList& tags) {
   if (domain_tag.empty() && tags.empty()) return {};
   std::vector<std::string> out{domain_tag};
@@ -59,7 +59,7 @@ std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyL
   return out;
 }
 
-// The LIFESPAN that is long enough for all these samples: none of them lives longer.
+// Returns the LIFESPAN that is long enough for all these samples: none of them lives longer.
 Duration lifespan_of(const DurableStore::Opened& opened, const Moment& at) {
   auto out = kDurationZero;
   for (std::size_t i = 0; i < opened.history.size(); ++i) {
@@ -79,7 +79,7 @@ RelayOrder relay_order(const Change& change, const Qos& qos) {
                                                                   : RelayOrder::number;
 }
 
-// The LIFESPAN that the writer announces now.
+// Returns the LIFESPAN that the writer announces now.
 Duration lifespan_of(const ParticipantContext& context, const Guid& writer) {
   const auto* announced = context.protocol().remote_participants().endpoint(writer);
   return announced == nullptr ? kDurationInfinite : announced->qos.lifespan;

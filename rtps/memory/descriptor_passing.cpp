@@ -77,7 +77,7 @@ struct DescriptorPassing::Shared {
   Shared(DescriptorServer of_writers, Users admitted)
       : server(std::move(of_writers)), users(admitted) {}
 
-  // One turn of work. With `wait`, waits until there is any.
+  // Does one turn of work. With `wait`, it first waits until there is any.
   void turn(MonotonicTime now, bool wait);
   void run();
   void wait_for_work(MonotonicTime now);

@@ -11,9 +11,9 @@ namespace {
 struct Version {
   const char* folder;
   const char* limit;
-  const char* slow;  // above it, the system slows the processes down; may be empty
+  const char* slow;  // the limit above which the system slows the processes down; may be empty
   const char* used;
-  const char* droppable;  // a line of memory.stat: files that can be dropped
+  const char* droppable;  // the line of memory.stat about files that can be dropped
 };
 constexpr Version kTwo{"/sys/fs/cgroup", "/memory.max", "/memory.high", "/memory.current",
                        "inactive_file"};

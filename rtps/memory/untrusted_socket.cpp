@@ -21,7 +21,7 @@ struct Closer {
   Closer() { waiting.reserve(kMaxWaiting); }
   std::mutex lock;
   std::vector<int> waiting;
-  bool runs = false;  // and closes one that no longer waits
+  bool runs = false;  // true while the thread runs, which may be closing one that no longer waits
 };
 
 // The object is never destroyed, because its thread may outlast main.

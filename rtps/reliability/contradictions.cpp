@@ -7,10 +7,11 @@
 namespace ddssec::rtps {
 namespace {
 
-// A writer that sends a change in fragments always does so.
+// The content of every change in fragments. A writer that sends a change in fragments always does
+// so.
 constexpr std::uint64_t kInFragments = 0;
 
-// What a reader of announcements makes use of.
+// Returns a number for the parts of a change that a reader of announcements makes use of.
 std::uint64_t content_of(const Data& data) {
   const auto& qos = data.inline_qos;
   const std::array<std::uint8_t, 4> flags = {
@@ -33,8 +34,8 @@ bool Contradictions::note(const DataFrag& frag, SequenceNumber next) {
   return note(frag.sequence_number, kInFragments, next);
 }
 
-// What was given up because of a forged GAP or HEARTBEAT has no content. Nor has what is forgotten,
-// but a writer seldom repeats changes that are so old.
+// A change that was given up because of a forged GAP or HEARTBEAT has no content. Nor has one that
+// is forgotten, but a writer seldom repeats changes that are so old.
 bool Contradictions::note(SequenceNumber number, std::uint64_t content, SequenceNumber next) {
   const auto known = contents_.find(number);
   if (known != contents_.end()) return known->second != content;

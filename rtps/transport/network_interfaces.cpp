@@ -43,7 +43,7 @@ bool is_link_local(const Locator& locator) {
          (locator.address[1] & 0xc0) == 0x80;
 }
 
-// Every address of the interfaces that are up.
+// Returns every address of the interfaces that are up.
 std::vector<NetworkInterface> addresses() {
   std::vector<NetworkInterface> out;
   ifaddrs* all = nullptr;
