@@ -35,7 +35,7 @@ struct Engines::Parts {
     return out;
   }
 
-  std::shared_ptr<DocumentsInUse> documents;  // nullptr: no documents are shown
+  std::shared_ptr<DocumentsInUse> documents;  // nullptr if no documents are shown
   ReportedCalendar calendar;
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;

@@ -45,9 +45,9 @@ class Participant {
                                   rtps::DomainParticipantOptions options = {},
                                   EventSink* events = nullptr);
 
-  /// Return policies with which RELIABILITY is RELIABLE; all other policies have the defaults of
-  /// DDS. To change a policy, start from one of these: in a default-constructed Qos, RELIABILITY is
-  /// BEST_EFFORT, the DDS default for readers.
+  /// Each returns policies with which RELIABILITY is RELIABLE; all other policies have the defaults
+  /// of DDS. To change a policy, start from one of these: in a default-constructed Qos, RELIABILITY
+  /// is BEST_EFFORT, the DDS default for readers.
   static rtps::Qos writer_qos();
   static rtps::Qos reader_qos();
 

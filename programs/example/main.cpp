@@ -34,7 +34,8 @@ struct Options {
 
 struct Authorities {
   pki::Authority identity;
-  std::optional<pki::Authority> own_permissions;  // empty: the identity CA also signs documents
+  std::optional<pki::Authority> own_permissions;  // if it is empty, the identity CA also signs
+                                                  // documents
   const pki::Authority& permissions() const {
     return own_permissions ? *own_permissions : identity;
   }

@@ -20,7 +20,7 @@ enum Exit : int {
 struct Options {
   std::string role;
   std::int32_t domain = 0;
-  std::string topic;  ///< empty: the default of the role
+  std::string topic;  ///< if it is empty, the default of the role
   std::uint32_t count = 10;
   std::string security = "off";
   std::vector<std::string> interfaces = {"127.0.0.1"};  ///< names or addresses

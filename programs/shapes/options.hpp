@@ -20,17 +20,17 @@ struct Options {
   bool publish = false;
   std::int32_t domain = 0;
   bool reliable = true;
-  std::optional<std::int32_t> history_depth = {};  ///< 0: keep all
+  std::optional<std::int32_t> history_depth = {};  ///< 0 means keep all
   std::optional<std::int64_t> deadline = {};
-  std::int32_t ownership_strength = -1;  ///< -1: shared
+  std::int32_t ownership_strength = -1;  ///< -1 means shared
   std::string topic = "Square";
-  std::string color;  ///< to publish; for a subscriber: the only colour to receive
+  std::string color;  ///< the colour to publish; for a subscriber, the only one to receive
   std::string partition;
   rtps::DurabilityKind durability = rtps::DurabilityKind::volatile_;
   rtps::DataRepresentation representation = rtps::DataRepresentation::xcdr1;
-  std::string durability_directory;  ///< empty: samples last as long as the publisher
+  std::string durability_directory;  ///< if it is empty, samples last as long as the publisher
   bool print_written = false;
-  std::int32_t size = 20;  ///< 0: grows by one with each write
+  std::int32_t size = 20;  ///< with 0 it grows by one with each write
   bool read = false;       ///< read samples instead of taking them
   bool by_instance = true;
   bool verbose = false;
@@ -38,7 +38,7 @@ struct Options {
   std::int64_t read_period = 100;
   std::int64_t time_filter = 0;
   std::int64_t lifespan = 0;
-  std::uint64_t iterations = 0;  ///< 0: until SIGINT
+  std::uint64_t iterations = 0;  ///< 0 means until SIGINT
   std::uint32_t instances = 1;
   std::uint32_t topics = 1;
   FinalState final_state = FinalState::as_it_is;
@@ -49,7 +49,7 @@ struct Options {
   std::optional<std::uint32_t> fragment_size = {};
   std::string filter;                        ///< the expression of a content filter
   std::vector<std::string> interfaces = {};  ///< names or addresses; empty: every interface
-  std::string security = "off";              ///< or a folder with keys and documents
+  std::string security = "off";              ///< "off", or a folder with keys and documents
   std::int32_t size_modulo = 0;
   bool final_type = false;
 
