@@ -12,7 +12,7 @@ bool is_by(BytesView datagram, const GuidPrefix& whose) {
          std::ranges::equal(datagram.subspan(kPrefixAt, GuidPrefix::size), whose.view());
 }
 
-// What it announces of itself there.
+// Returns what a participant announces of itself in a datagram.
 std::optional<ParticipantData> announced_in(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -43,7 +43,8 @@ Bytes Ambush::operator()(MonotonicTime now) {
   return dice_.chance(500) ? endpoints_of(victim) : addresses_of(victim);
 }
 
-// Under the first numbers, which are the ones that its readers expect.
+// Returns announcements of the victim's endpoints under the first sequence numbers, because its
+// readers expect those.
 Bytes Ambush::endpoints_of(const GuidPrefix& victim) {
   auto out = testing::forged(victim);
   std::int64_t publications = 0, subscriptions = 0;

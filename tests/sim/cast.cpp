@@ -20,7 +20,7 @@ constexpr Rules with(Rules rules, bool revises_keys, ProtectionKind pre_shared) 
   return rules;
 }
 
-// What `ddssec init` makes.
+// The governance that `ddssec init` makes.
 constexpr Rules kStrict{.rtps = kSign,
                         .discovery = kEncrypt,
                         .liveliness = kEncrypt,
@@ -63,14 +63,15 @@ constexpr std::array kProtections = {
                .hides_strangers = true},
 };
 
-// The domain's authorities, and others of the same names.
+// The authorities of the domain, and others of the same names.
 struct Trust {
   struct Authorities {
     pki::Authority identity_ca, permissions_ca;
   };
   Authorities real, fake;
 
-  // Before anything else of a run uses OpenSSL: made once, they must not depend on it.
+  // Returns the authorities. They are made once, and before anything else of a run uses OpenSSL,
+  // because they must not depend on the run.
   static const Trust& shared() {
     static const Trust trust = [] {
       make_openssl_repeatable(0);

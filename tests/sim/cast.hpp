@@ -19,7 +19,7 @@ inline constexpr std::array<std::string_view, 2> kTags = {"north", "south"};
 
 enum class Role : std::uint8_t {
   honest,
-  insider,    ///< has a certificate and some permissions; a modified product
+  insider,    ///< has a certificate and some permissions, and a modified product
   forger,     ///< has a certificate, and permissions for everything that it signed itself
   impostor,   ///< has a certificate, and the GUID of an honest participant
   borrower,   ///< has a certificate, and the signed permissions of an honest participant

@@ -17,7 +17,7 @@ bool announces_readers(const EntityId& writer) {
   return writer == kSubscriptionsWriter || writer == kSubscriptionsSecureWriter;
 }
 
-// The endpoint that a payload of this writer announces.
+// Returns the endpoint that a payload of this writer announces.
 std::optional<Guid> announced_by(const EntityId& writer, BytesView payload) {
   if (!announces_writers(writer) && !announces_readers(writer)) return std::nullopt;
   const auto data =

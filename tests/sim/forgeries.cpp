@@ -12,7 +12,7 @@ namespace {
 
 using testing::forged;
 
-// The parameters of a list in little-endian, with their headers, without the sentinel.
+// Returns the parameters of a list in little-endian, with their headers, without the sentinel.
 std::vector<BytesView> parameters_of(BytesView list) {
   std::vector<BytesView> out;
   ParameterReader reader(list, Endian::little);
@@ -417,7 +417,7 @@ Bytes Forger::other_destination() {
   });
 }
 
-// Where no other machine can be.
+// Returns an announcement with addresses at which no other machine can be.
 Bytes Forger::local_address() {
   return changed_announcement([&](ParticipantData& data) {
     const Locator here = Locator::udp_v4({127, 0, 0, dice_.octet()}, 7400);
@@ -428,7 +428,8 @@ Bytes Forger::local_address() {
   });
 }
 
-// One of its parameters once more, with the value that it has in another announcement.
+// Returns an announcement in which one parameter comes once more, with the value that it has in
+// another announcement.
 Bytes Forger::repeated_parameter() {
   const auto one = heard(kSpdpWriter), other = heard(kSpdpWriter);
   constexpr std::size_t kEncapsulation = 4;

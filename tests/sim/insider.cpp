@@ -92,8 +92,9 @@ class Tampering final : public testing::KeyThief, private spi::CryptoTransform {
     if (malice_.dice.chance(malice_.tampers)) mangle(out, malice_.dice, malice_.names);
     return out;
   }
-  // Under the same header, which says whose key it is: changed submessages, its own endpoints in
-  // another name, or others' submessages instead, if there is room.
+  // Changes the content of a message under the same header, which says whose key it is: the content
+  // is changed submessages, its own endpoints in another name, or others' submessages instead, if
+  // there is room.
   Bytes exchanged(BytesView message) {
     auto content = changed(message.subspan(kHeaderSize));
     if (malice_.dice.chance(malice_.tampers) && !malice_.names.empty())

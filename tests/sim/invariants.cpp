@@ -25,7 +25,7 @@ void Invariants::on_matched(const End& local, const Guid& remote) {
   const auto* life = ledger_.life(remote.prefix);
   if (life == nullptr) return fail(invariant::kForged, where + " of nobody");
   const auto& peer = *life->subject;
-  // Within one participant they match while they are made, before they have a name here.
+  // Two endpoints of one participant match while they are made, before they have a name here.
   if (&peer == local.subject && life->died == kNever) return;
   if (!peer.may(!local.writes, local.topic) || !local.subject->may(local.writes, local.topic))
     return fail(invariant::kPermission, where + " of " + peer.name);
@@ -62,7 +62,7 @@ void Invariants::on_delivered(const End& reader, const Change& change) {
   if (!may_read && peer.is_honest() && protection_.separates_topics)
     return fail(invariant::kPermission, where + peer.name + " that it may not read");
   if (!reader.subject->is_honest()) return;
-  // The end of a coherent set; where headers are not covered, it says no more than a GAP.
+  // This is the end of a coherent set. Where headers are not covered, it says no more than a GAP.
   if (change.is_marker() && !protection_.covers_headers) return;
   if (!peer.may(true, reader.topic))
     return fail(invariant::kPermission, where + peer.name + ", who may not write it");

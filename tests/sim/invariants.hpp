@@ -49,25 +49,25 @@ class Invariants {
   /// Limit for the memory of one participant, whatever others do: the sum of the product's own
   /// bounds on what this cast can reach, and some room.
   static constexpr std::int64_t kMaxOctets = std::int64_t{24} << 20;
-  /// The same for each further sibling.
+  /// The same limit for each further sibling.
   static constexpr std::int64_t kMaxOctetsOfSibling = std::int64_t{128} << 10;
-  /// Limits for the branches of one call, and for each octet of a datagram. The largest number of
-  /// seeds 1 to 400 was 660'642, with seed 324; this is half as many more. Which code takes them
-  /// was not measured yet.
+  /// Limits for the branches of one call: a fixed number, and a number for each octet of a
+  /// datagram. The largest number of seeds 1 to 400 was 660'642, with seed 324; this is half as
+  /// many more. Which code takes them was not measured yet.
   static constexpr std::uint64_t kMaxBranches = 990'000;
   static constexpr std::uint64_t kMaxBranchesPerOctet = 400;
   /// Limit for the handshakes that one call begins: each costs public-key work.
   static constexpr std::size_t kMaxHandshakes = 100;
   /// How long messages of a writer may still be under way after its end.
   static constexpr MonotonicTime kMaxAfterlife = seconds(20);
-  /// The same if everything that was sent did arrive.
+  /// The same time if everything that was sent did arrive.
   static constexpr MonotonicTime kMaxLastWords = seconds(1);
   /// Limit for the moments at which one dead writer is heard after that: messages that were lost on
   /// the way to one reader and heard by another are new when an attacker brings them.
   static constexpr std::size_t kMaxLateSigns = 40;
   /// How long honest pairs may take to match, from the moment that the network is fair.
   static constexpr MonotonicTime kMaxReunion = seconds(150);
-  /// The same while strangers fill the tables and nothing else is attacked.
+  /// The same time while strangers fill the tables and nothing else is attacked.
   static constexpr MonotonicTime kMaxInCrowd = seconds(10);
   static constexpr MonotonicTime kMaxExchange = seconds(20);
   /// How long a dead participant may be remembered after the network was fair: its lease, and what

@@ -69,7 +69,7 @@ class Ledger {
   std::map<Guid, std::map<SequenceNumber, Written>> held_;
 };
 
-/// Part of every sample, so that it is found wherever it should not be readable.
+/// A part of every sample, by which a sample is found wherever it should not be readable.
 inline constexpr std::string_view kMark = "ddssec sample that nobody else may read";
 
 }  // namespace ddssec::rtps::sim

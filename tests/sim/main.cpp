@@ -19,9 +19,9 @@ namespace sim = ddssec::rtps::sim;
 
 struct Options {
   std::uint64_t seed = 1;
-  std::uint64_t seeds = 1;  // that many, from `seed` on
-  double seconds = 0;       // of CPU; then no other seed begins
-  std::string also;         // a file; the number at the beginning of each line is one more seed
+  std::uint64_t seeds = 1;  // the number of seeds, from `seed` on
+  double seconds = 0;       // CPU time after which no other seed begins
+  std::string also;         // a file in which each line begins with one more seed
   int steps = 0;
   std::vector<std::string> like;  // seeds whose description lacks one of these are left out
   bool verbose = false;
@@ -65,12 +65,12 @@ bool is_wanted(const std::string& description, const Options& options) {
                              [&](const auto& text) { return description.contains(text); });
 }
 
-// Of all seeds.
+// The largest number of branches of all seeds, and its seed.
 struct Most {
   std::uint64_t branches = 0, seed = 0;
 };
 
-// False: an invariant was violated.
+// Runs a seed. False if an invariant was violated.
 bool try_seed(std::uint64_t seed, const Options& options, Most& most) {
   const auto plan = sim::plan_of(seed, options.steps);
   if (!is_wanted(describe(plan), options)) return true;
@@ -98,7 +98,7 @@ bool try_seed(std::uint64_t seed, const Options& options, Most& most) {
   return false;
 }
 
-// The seeds of the file that are not tried anyway; nothing: it cannot be read.
+// Returns the seeds of the file that are not tried anyway; empty if the file cannot be read.
 std::optional<std::set<std::uint64_t>> other_seeds(const Options& options) {
   std::ifstream file(options.also);
   if (!file) return std::nullopt;

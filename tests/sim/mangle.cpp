@@ -16,7 +16,7 @@ void mangle_word(Bytes& octets, Dice& dice) {
     octets[at + i] = static_cast<std::uint8_t>(word >> 8 * (little ? i : 3 - i));
 }
 
-// One of the names in it becomes another.
+// Replaces one of the names in the octets by another.
 void rename(Bytes& octets, Dice& dice, std::span<const GuidPrefix> names) {
   if (names.empty()) return;
   const auto first = dice.below(names.size());

@@ -3,7 +3,7 @@
 namespace ddssec::rtps::sim {
 namespace {
 
-// Counts what costs public-key work.
+// Counts the calls that cost public-key work.
 class CountedAuthentication final : public testing::ForwardingAuthentication {
  public:
   CountedAuthentication(std::unique_ptr<spi::Authentication> real, std::size_t& begun)
@@ -36,7 +36,7 @@ EndpointDescription request_of(const End& end) {
 
 void Endpoint::is_known_as(const Guid& guid) {
   end_.guid = guid;
-  if (end_.subject->role == Role::impostor) return;  // it is another one's name
+  if (end_.subject->role == Role::impostor) return;  // it is the name of another participant
   around_.invariants.on_started(end_);
 }
 
@@ -168,7 +168,7 @@ void Node::add_durable_reader(std::string_view topic, bool reliable) {
   add_endpoint(End{&subject_, topic, false, {}, around_.now, true, reliable});
 }
 
-// One sample of one instance, and then many of another one.
+// Writes one sample of one instance, and then many of another one.
 void Node::add_sparse_writer(std::string_view topic, std::int64_t numbers) {
   for (std::size_t i = endpoints_.size(); i-- > 0;)
     if (const auto& end = endpoints_[i]->end(); !end.writes && end.topic == topic)

@@ -10,7 +10,7 @@ namespace {
 
 bool holds(BytesView octets, BytesView what) { return !std::ranges::search(octets, what).empty(); }
 
-// From one domain to the other.
+// Moves a datagram from one domain to the other.
 void bridge(Bytes& octets) {
   const auto north = as_bytes(kTags[0]), south = as_bytes(kTags[1]);
   const bool northern = holds(octets, north);
@@ -19,7 +19,8 @@ void bridge(Bytes& octets) {
 
 }  // namespace
 
-// The first ones stay: among them are the handshakes. Of the others a random part does.
+// Records a datagram. The first ones stay, because the handshakes are among them. Of the others a
+// random part stays.
 void Outsider::record(const Datagram& datagram) {
   if (recorded_.size() < kMaxRecorded)
     recorded_.push_back(datagram);
@@ -77,7 +78,8 @@ void Outsider::act(MonotonicTime now, std::size_t nodes) {
   if (temper_.ambush > 0 && ambush_.chance(temper_.ambush)) ambush(now);
 }
 
-// To whom they were sent, or to anybody, from where they came, or from anywhere.
+// Replays datagrams to the addresses to which they were sent, or to any, and from the addresses
+// from which they came, or from any.
 void Outsider::replay(MonotonicTime now, std::size_t nodes) {
   for (auto count = 1 + dice_.below(30); count > 0; --count) {
     auto datagram = dice_.of(recorded_);
@@ -96,7 +98,8 @@ void Outsider::forge(MonotonicTime now, std::size_t nodes) {
   }
 }
 
-// A machine takes no datagram from the network that claims to come from itself.
+// Sends announcements, but none to the machine from which it claims to come: a machine takes no
+// such datagram from the network.
 void Outsider::announce(MonotonicTime now, std::size_t nodes) {
   Forger forger(ledger_, invariants_, recorded_, further_);
   for (auto& [octets, from] : forger.announcements(nodes))

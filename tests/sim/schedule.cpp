@@ -3,10 +3,10 @@
 namespace ddssec::rtps::sim {
 namespace {
 
-// Longer than a dead participant is remembered.
+// The number of steps of a long siege, which is longer than a dead participant is remembered.
 constexpr int kLongSiege = static_cast<int>((Invariants::kMaxMemory + seconds(5)) / World::kStep);
 
-// How long the crowd needs to fill all tables.
+// The number of steps that the crowd needs to fill all tables.
 constexpr int kCrowdGathers = 500;
 
 std::vector<std::string> all_topics() { return {kTopics.begin(), kTopics.end()}; }
@@ -30,12 +30,13 @@ std::vector<Subject> cast_of(Dice& dice) {
   return out;
 }
 
-// Most runs have few kinds of attacks, and these often.
+// Draws how often an attack is made. Most runs have few kinds of attacks, and these often.
 unsigned some(Dice& dice, unsigned most) {
   return dice.chance(500) ? 0 : static_cast<unsigned>(1 + dice.below(most));
 }
 
-// One certificate with more participants than it may have places, and no other attack.
+// Makes a plan with more participants of one certificate than it may have places, and with no other
+// attack.
 void add_siblings(Plan& plan) {
   constexpr std::size_t kSiblings = Handshakes::kMaxAuthenticated / 2 + 20;
   for (std::size_t i = 0; i < kSiblings; ++i)
@@ -48,14 +49,15 @@ void add_siblings(Plan& plan) {
   plan.siege_restart = true;
 }
 
-// Strangers fill the tables of participants before one of them restarts.
+// Makes strangers fill the tables of participants before one of them restarts.
 void add_crowd(Plan& plan) {
   plan.siege = {.crowd = 200};
   plan.siege_steps = 100;
   plan.siege_restart = true;
 }
 
-// What was added later is drawn apart, so that the other draws of a seed stay.
+// Adds the attacks that were written later. They are drawn apart, so that the other draws of a seed
+// stay.
 void add_further_attacks(Plan& plan) {
   auto dice = Dice(plan.seed).fork("further");
   plan.false_keys = dice.chance(300) ? static_cast<unsigned>(20 + dice.below(100)) : 0;
@@ -63,8 +65,8 @@ void add_further_attacks(Plan& plan) {
     plan.temper.announce = static_cast<unsigned>(1 + dice.below(50));
     plan.siege.announce = static_cast<unsigned>(1 + dice.below(50));
   }
-  // Where submessages are not protected, a writer matches present readers at once: they would get
-  // each of the samples.
+  // Where submessages are not protected, a writer matches present readers at once, and these would
+  // get each of the samples.
   plan.sparse =
       dice.chance(100) && plan.protection->covers_headers && plan.protection->separates_topics;
   if (dice.chance(10))
@@ -76,7 +78,7 @@ void add_further_attacks(Plan& plan) {
 // An insider without any permission is not authenticated, so that it announces no endpoints.
 bool is_member(const Subject& one) { return one.role == Role::insider && !one.publishes.empty(); }
 
-// These were added after those, and are drawn apart, too.
+// Adds the attacks that were written last, which are drawn apart, too.
 void add_latest_attacks(Plan& plan) {
   auto dice = Dice(plan.seed).fork("latest");
   const bool ambushes = dice.chance(100), claims = dice.chance(300);
@@ -119,7 +121,7 @@ class Run {
     ++steps_;
     world_.step();
   }
-  // True once `done`, within so many steps.
+  // Runs up to that many steps. Returns true once `done` does.
   bool repeat(int steps, const std::function<bool()>& done) {
     for (int i = 0; i < steps && !is_over(); ++i) {
       if (done()) return true;
@@ -128,7 +130,7 @@ class Run {
     return done();
   }
   Node& any_node() { return *dice_.of(world_.nodes()); }
-  // One that is there if any claims are made.
+  // Returns the insider that exists if any claims are made.
   Node& insider() {
     return **std::ranges::find_if(world_.nodes(),
                                   [](const auto& node) { return is_member(node->subject()); });
@@ -158,7 +160,7 @@ class Run {
     node.stop(dice_.chance(300));
     if (dice_.chance(700)) world_.start(node);
   }
-  // Honest nodes keep one of each, which the reunion looks for.
+  // Adds or removes an endpoint. Honest nodes keep one of each kind, which the reunion looks for.
   void change_endpoints(Node& node) {
     if (!node.is_running()) return;
     constexpr std::size_t kKept = 2 * kTopics.size(), kMax = 40;
@@ -174,7 +176,8 @@ class Run {
       if (!node->is_running()) world_.start(*node);
     }
   }
-  // And readers that come after all that it wrote. The first nodes are honest.
+  // Adds a sparse writer, and readers that come after all that it wrote. The first nodes are
+  // honest.
   void add_sparse_writer() {
     constexpr std::int64_t kNumbers = 1'000'000;
     world_.nodes()[1]->add_sparse_writer(kTopics[1], kNumbers);
@@ -205,7 +208,7 @@ class Run {
     });
     return out;
   }
-  // Who knows whom, and what honest nodes were told.
+  // Returns, for each honest node, the participants that it knows and the events that it raised.
   std::string relations() {
     std::string out;
     for (const auto& a : world_.nodes()) {
@@ -225,7 +228,8 @@ class Run {
       world_.invariants().fail(invariant, unmatched() + relations());
     reunion_ = std::max(reunion_, world_.now() - begin);
   }
-  // A reader that gets what was written before it.
+  // True if the reader has all that the writer holds, or is not one that gets what was written
+  // before it.
   bool has_all_held(const Endpoint& reader, const Guid& writer) {
     const bool gets_all = reader.end().durable && reader.end().is_reliable;
     return !gets_all || std::ranges::all_of(world_.ledger().held(writer), [&](const auto& one) {
@@ -264,7 +268,8 @@ class Run {
         !is_over())
       world_.invariants().fail(invariant::kLoss, missing());
   }
-  // What began in the hostile phase, such as a handshake anew, ends before.
+  // Besieges the honest participants. What began in the hostile phase, such as another handshake,
+  // ends before.
   void withstand() {
     repeat(static_cast<int>(seconds(15) / World::kStep), [] { return false; });
     world_.set_hostile(true);
@@ -339,7 +344,7 @@ Plan plan_of(std::uint64_t seed, int steps) {
   if (dice.chance(250)) plan.siege_restart = true;
   plan.tampers = some(dice, 200);
   plan.hostile_steps = static_cast<int>(500 + dice.below(2500));
-  // Longer than handshakes are patient, and than leases last.
+  // This is longer than handshakes and leases last.
   if (dice.chance(plan.temper.muffle > 0 ? 500 : 40)) plan.hostile_steps += 11'000;
   if (steps > 0) plan.hostile_steps = steps;
   plan.meets_first = dice.chance(500);

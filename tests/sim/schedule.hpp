@@ -27,7 +27,7 @@ struct Plan {
 
 /// Draws the plan of a seed. `steps` is the number of hostile steps; with 0 the seed decides.
 Plan plan_of(std::uint64_t seed, int steps = 0);
-/// Returns one line about the plan.
+/// Describes the plan in one line.
 std::string describe(const Plan& plan);
 
 struct Outcome {

@@ -12,7 +12,7 @@ using testing::forged;
 
 GuidPrefix name_in(BytesView datagram) { return GuidPrefix::from(datagram.subspan(8, 12)); }
 
-// Without the header of the message.
+// Returns a datagram without the header of the message.
 Bytes content_of(const Bytes& datagram) { return {datagram.begin() + kHeaderSize, datagram.end()}; }
 
 }  // namespace
@@ -37,7 +37,8 @@ std::vector<KeyId> StolenKeys::receivers_of(BytesView datagram) {
   return out;
 }
 
-// An IV that its owner will use soon: its receivers remember those that they had.
+// Returns a position in the IVs that the key's owner will use soon, because its receivers remember
+// those that they had.
 cryptography::SendStart StolenKeys::after(BytesView datagram, const KeyId& sender) {
   const auto found = std::ranges::search(datagram, sender.octets);
   const auto at = static_cast<std::size_t>(found.end() - datagram.begin());
@@ -48,7 +49,7 @@ cryptography::SendStart StolenKeys::after(BytesView datagram, const KeyId& sende
   return {session, suffix + 1000 + dice_.below(100'000)};
 }
 
-// By a key that its owner gave to all its receivers.
+// Protects a sample with a key that its owner gave to all its receivers.
 Bytes StolenKeys::sample(const spi::Token& token) {
   auto material = cryptography::read_crypto_token(token);
   if (!material || material->is_none()) return {};
@@ -94,7 +95,7 @@ Bytes StolenKeys::key_exchange(const spi::Token& token, const GuidPrefix& to) {
   return out;
 }
 
-// Which number comes next is not known; the honest keys of the pair took the first ones.
+// The number that comes next is not known, because the honest keys of the pair took the first ones.
 std::vector<Bytes> StolenKeys::tokens(const GuidPrefix& from, const GuidPrefix& to) {
   constexpr std::int64_t kNumbers = 64;
   GenericMessage message;

@@ -65,7 +65,7 @@ Node* World::node_at(const Locator& address) const {
   return at == by_address_.end() ? nullptr : at->second;
 }
 
-// Nothing depends on what siblings say to one another.
+// Delivers a datagram. Those among siblings are left out, because nothing depends on them.
 void World::deliver(const Datagram& datagram) {
   const auto* sender = node_at(datagram.from);
   const auto deliver_to = [&](Node& node) {
@@ -82,7 +82,7 @@ void World::deliver(const Datagram& datagram) {
     if (node.get() != sender) deliver_to(*node);
 }
 
-// FNV-1a.
+// Adds octets to the fingerprint (FNV-1a).
 void World::note(BytesView octets) {
   for (const auto octet : octets) fingerprint_ = (fingerprint_ ^ octet) * 0x100000001b3;
 }
@@ -106,7 +106,8 @@ Guid World::endpoint_to_claim(bool writes) {
   return out.empty() ? Guid{} : malice_.further.of(out);
 }
 
-// Without origin authentication, whoever reads can also write: that is the standard's design.
+// Without origin authentication a reader can also write, which is the standard's design. So there
+// is nothing to check then.
 void World::use_stolen_key() {
   const auto& tokens = malice_.stolen.all;
   if (!protection_.tells_readers_from_writers || tokens.empty() || outsider_.recorded().empty())
@@ -125,7 +126,7 @@ void World::send_false_keys() {
   if (tokens.empty() || outsider_.recorded().empty() || !victim.is_running()) return;
   Forger forger(ledger_, invariants_, outsider_.recorded(), further_);
   StolenKeys keys(forger, outsider_.recorded(), further_);
-  // Of the latest ones, whose owners still use them.
+  // One of the latest tokens is taken, because their owners still use them.
   const auto latest = std::min<std::size_t>(tokens.size(), 60);
   Bytes octets;
   for (int attempt = 0; attempt < 8 && octets.empty(); ++attempt)
