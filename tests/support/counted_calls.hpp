@@ -19,7 +19,7 @@ struct Calls {
 };
 
 Calls so_far();
-/// How often other threads of this process than the caller have slept so far.
+/// Returns how often threads of this process other than the caller have slept so far.
 std::int64_t sleeps_of_other_threads();
 
 }  // namespace ddssec::counted_calls

@@ -12,7 +12,7 @@ std::atomic<std::int64_t> calls = 0, held = 0, ever = 0;
 
 thread_local std::int64_t until_failure = -1;
 
-// Whether this call is to fail.
+// True if this call is to fail.
 bool fails() { return until_failure >= 0 && until_failure-- == 0; }
 
 void* counted(void* place) {

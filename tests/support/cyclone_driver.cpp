@@ -10,15 +10,15 @@
 namespace ddssec::driver {
 namespace {
 
-// The stock plugins look into it for an event queue, which they leave alone until a listener is
-// set; nothing else is read from it.
+// Returns a domain of zeros. The stock plugins look into it for an event queue, which they leave
+// alone until a listener is set; nothing else is read from it.
 ddsi_domaingv* empty_domain() {
   alignas(64) static std::array<unsigned char, 1 << 16> zeros{};
   return reinterpret_cast<ddsi_domaingv*>(zeros.data());
 }
 
-// As Cyclone does. The leak sanitizer needs the stock plugins to stay as ours do, to see what
-// their statics hold.
+// The flags with which Cyclone loads plugins. The leak sanitizer needs the stock plugins to stay
+// loaded as ours do, to see what their statics hold.
 #if defined(__SANITIZE_ADDRESS__)
 constexpr int kLoadFlags = RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE;
 #else
@@ -87,7 +87,7 @@ Token::~Token() {
   free_names(binary_properties);
   for (std::uint32_t i = 0; i < binary_properties._length; ++i) {
     auto& value = binary_properties._buffer[i].value;
-    std::memset(value._buffer, 0, value._length);  // as the core does
+    std::memset(value._buffer, 0, value._length);  // the core does the same
     std::free(value._buffer);
   }
   std::free(binary_properties._buffer);
@@ -105,7 +105,7 @@ DDS_Security_OctetSeq view(const Octets& octets) {
 
 namespace {
 
-// Cyclone's loop over receivers.
+// Encodes in the loop over receivers that Cyclone has.
 template <class Encode>
 Block encode_in_loop(const std::vector<DDS_Security_CryptoHandle>& handles, const Octets& plain,
                      Encode&& encode) {

@@ -16,16 +16,16 @@ namespace ddssec::driver {
 using Octets = std::vector<std::uint8_t>;
 using cyclonedds::Exception;
 
-/// A call was refused; `code` is the plugin's.
+/// The exception for a call that was refused; `code` is the plugin's.
 struct Refused : std::runtime_error {
   Refused(const std::string& call, const Exception& ex);
   std::int32_t code;
 };
 
-/// A SecurityException that is freed; `check` turns a failure into Refused.
+/// A SecurityException that is freed at destruction. `check` turns a failure into Refused.
 class Call {
  public:
-  /// `name` lives as long.
+  /// `name` must live as long as this object.
   explicit Call(const char* name) : name_(name) {}
   ~Call();
   Call(const Call&) = delete;
@@ -43,7 +43,7 @@ class Call {
 /// One plugin library, loaded as Cyclone loads it, with a context of its own.
 class Library {
  public:
-  /// `init` and `finalize` are the entry points' names. Throws std::runtime_error.
+  /// `init` and `finalize` are the names of the entry points. Throws std::runtime_error.
   Library(const std::string& path, const std::string& init, const std::string& finalize);
   ~Library();
   Library(const Library&) = delete;
@@ -58,14 +58,14 @@ class Library {
   void* context_ = nullptr;
 };
 
-/// Where the three libraries of a domain lie.
+/// The paths of the three libraries of a domain.
 struct Paths {
   std::string authentication;
   std::string access_control;
   std::string cryptography;
 };
 
-/// The plugins of one domain; finalized in Cyclone's order.
+/// The plugins of one domain. They are finalized in Cyclone's order.
 class Domain {
  public:
   explicit Domain(const Paths& paths);
@@ -100,8 +100,8 @@ struct Block : DDS_Security_OctetSeq {
 
 DDS_Security_OctetSeq view(const Octets& octets);
 
-/// The four transformations of data with their two directions. `Sender` and `Receiver` have been
-/// matched and hold one another's keys.
+/// The sending side, with three transformations of data; `Receiver` has their opposites. Both have
+/// been matched and have each other's keys.
 struct Sender {
   dds_security_cryptography* plugin;
   DDS_Security_ParticipantCryptoHandle participant;
@@ -122,13 +122,13 @@ struct Receiver {
   DDS_Security_DatawriterCryptoHandle remote_writer;
 
   Block decode_payload(const DDS_Security_OctetSeq& encoded) const;
-  /// preprocess and decode, as for a received submessage.
+  /// Calls preprocess and decode, as for a received submessage.
   Block decode_submessage(const DDS_Security_OctetSeq& encoded) const;
-  /// The header's prefix must be in machine order (see to_machine_order).
+  /// Decodes a message. The header's prefix must be in machine order (see to_machine_order).
   Block decode_message(const DDS_Security_OctetSeq& encoded) const;
 };
 
-/// What Cyclone does to a received RTPS header before it asks for decoding.
+/// Changes a received RTPS header as Cyclone does before it asks for decoding.
 void to_machine_order(DDS_Security_OctetSeq& message);
 
 /// A shared secret in the layout that the plugins share.
@@ -139,13 +139,14 @@ struct MadeUpSecret {
   cyclonedds::SharedSecretLayout layout;
 };
 
-/// Keys of one sender and `receivers` receivers, with made-up secrets: cryptography alone.
+/// The protection of one sender and its receivers, which have made-up secrets. Only cryptography is
+/// involved.
 struct Keys {
   DDS_Security_ParticipantSecurityAttributes participant{};
   DDS_Security_EndpointSecurityAttributes endpoint{};
 };
-/// `message`, `submessage`: 0 none, 1 sign, 2 encrypt, +2 with origin authentication; `payload`: 0
-/// to 2.
+/// Returns the protection of these kinds. `message` and `submessage` are 0 for none, 1 for sign, 2
+/// for encrypt, and 2 more with origin authentication; `payload` is 0 to 2.
 Keys keys_of(int message, int submessage, int payload);
 
 class CryptoLink {
@@ -154,7 +155,7 @@ class CryptoLink {
              const Keys& keys, std::size_t receivers);
   CryptoLink(const CryptoLink&) = delete;
   CryptoLink& operator=(const CryptoLink&) = delete;
-  /// Unregisters all.
+  /// Unregisters everything.
   ~CryptoLink();
 
  private:
@@ -172,8 +173,8 @@ class CryptoLink {
 /// A participant with all three plugins: identity, permissions, keys.
 class Participant {
  public:
-  /// Identity `name`.pem and so on of the folder that make_pki.sh made; governance_KIND.p7s.
-  /// Participants of one name differ by `number`.
+  /// Takes the identity `name`.pem and the other files of the folder that make_pki.sh made, and
+  /// governance_KIND.p7s. Participants of one name differ by `number`.
   Participant(Domain& domain, const std::string& pki, const std::string& name,
               const std::string& governance, std::uint8_t number = 0);
   ~Participant();
@@ -191,7 +192,7 @@ class Participant {
   Octets data;  ///< ParticipantBuiltinTopicData as a big-endian parameter list
 };
 
-/// What one participant holds of the other after the handshake.
+/// The handles that one participant has for the other after the handshake.
 struct Peer {
   DDS_Security_IdentityHandle identity = 0;
   DDS_Security_HandshakeHandle handshake = 0;
@@ -200,11 +201,11 @@ struct Peer {
   DDS_Security_ParticipantCryptoHandle crypto = 0;
 };
 
-/// One handshake of two participants, from discovery to both sides' OK. Throws Refused.
+/// Runs one handshake of two participants, from discovery to the OK of both sides. Throws Refused.
 void authenticate(Participant& a, Participant& b, Peer& a_of_b, Peer& b_of_a);
 
-/// Authentication, permissions, participant keys, one writer at `a` and one reader at `b` on
-/// `topic`, and their keys. Throws Refused.
+/// Two participants with authentication, permissions, participant keys, one writer at `a` and one
+/// reader at `b` on `topic`, and their keys. The constructor throws Refused.
 class Link {
  public:
   Link(Participant& a, Participant& b, const std::string& topic);
@@ -218,7 +219,8 @@ class Link {
   Peer a_of_b, b_of_a;
 
  private:
-  /// Without links: from here on the destructor runs, even if the constructor throws.
+  /// The constructor without links: after it, the destructor runs even if the other constructor
+  /// throws.
   Link(Participant& a, Participant& b) : a_(a), b_(b) {}
   void judge(Participant& self, Participant& remote, Peer& peer);
   void exchange_participant_keys(Participant& from, Peer& to, Participant& at, Peer& remote);

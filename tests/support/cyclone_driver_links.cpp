@@ -19,7 +19,8 @@ using SetTokens = DDS_Security_boolean (*)(dds_security_crypto_key_exchange*,
                                            DDS_Security_long_long, DDS_Security_long_long,
                                            const DDS_Security_CryptoTokenSeq*, Exception*);
 
-// Makes tokens for `remote` at one side and sets them at the other; none made = none sent.
+// Makes tokens for `remote` at one side and sets them at the other. If none are made, none are
+// sent.
 void carry_tokens(dds_security_cryptography* from, CreateTokens create, std::int64_t local,
                   std::int64_t remote, dds_security_cryptography* at, SetTokens set,
                   std::int64_t local_there, std::int64_t remote_there) {
@@ -34,7 +35,7 @@ void carry_tokens(dds_security_cryptography* from, CreateTokens create, std::int
   setting.check(ok);
 }
 
-// The writer's to the reader, and the reader's to the writer.
+// Carries the writer's tokens to the reader, and the reader's tokens to the writer.
 void carry_endpoint_tokens(const Sender& sender, const Receiver& receiver,
                            DDS_Security_DatareaderCryptoHandle remote_reader) {
   auto* make = sender.plugin->crypto_key_exchange;
@@ -52,7 +53,8 @@ std::int64_t made(const Call& call, std::int64_t handle) {
   return handle;
 }
 
-// Plugins know a remote participant by its identity: every link has identities of its own.
+// Returns an identity for a new link. Plugins know a remote participant by its identity, so every
+// link has identities of its own.
 std::int64_t next_identity() {
   static std::atomic<std::int64_t> last = 1'000'000;
   return ++last;
@@ -186,7 +188,7 @@ Participant::Participant(Domain& in, const std::string& pki, const std::string& 
                                                crypto_call);
   crypto_call.check(crypto != 0);
 
-  // PID_PARTICIPANT_GUID and PID_SENTINEL, big endian
+  // The data is PID_PARTICIPANT_GUID and PID_SENTINEL, big-endian.
   data = {0x00, 0x50, 0x00, 0x10};
   data.insert(data.end(), guid.prefix, guid.prefix + 12);
   for (const std::uint8_t octet : {0x00, 0x00, 0x01, 0xc1, 0x00, 0x01, 0x00, 0x00})

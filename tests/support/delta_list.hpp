@@ -10,7 +10,7 @@
 
 namespace ddssec::test {
 
-/// `list` of `ca` with the extension `nid`, signed again, as PEM.
+/// Returns `list` of `ca` with the extension `nid`, signed again, as PEM.
 inline std::string with_extension(const pki::Crl& list, const pki::Authority& ca, int nid,
                                   void* value, bool is_critical) {
   const pki::CrlPtr crl(X509_CRL_dup(impl_of(list).crl.get()));
@@ -22,7 +22,7 @@ inline std::string with_extension(const pki::Crl& list, const pki::Authority& ca
   return std::string(as_text(pki::bio_octets(bio)));
 }
 
-/// `list` of `ca` with the extension `nid` in its first entry, signed again, as PEM.
+/// Returns `list` of `ca` with the extension `nid` in its first entry, signed again, as PEM.
 inline std::string with_entry_extension(const pki::Crl& list, const pki::Authority& ca, int nid,
                                         void* value, bool is_critical) {
   const pki::CrlPtr crl(X509_CRL_dup(impl_of(list).crl.get()));
@@ -35,7 +35,7 @@ inline std::string with_entry_extension(const pki::Crl& list, const pki::Authori
   return std::string(as_text(pki::bio_octets(bio)));
 }
 
-/// `list` as what changed since the list number `base` of `ca`.
+/// Returns `list` as a delta list since the list number `base` of `ca`, as PEM.
 inline std::string delta_pem(const pki::Crl& list, const pki::Authority& ca, std::uint64_t base) {
   const pki::Asn1IntegerPtr number(ASN1_INTEGER_new());
   ASN1_INTEGER_set_uint64(number.get(), base);

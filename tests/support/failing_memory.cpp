@@ -18,13 +18,13 @@ namespace {
 struct Plan {
   Source source = Source::cpp;
   Extent extent = Extent::once;
-  long left = 0;  // allocations until the failing one; 0 = none fails
+  long left = 0;  // allocations until the failing one; 0 if none fails
   bool has_failed = false;
 };
 thread_local constinit Plan plan;
 std::atomic<long> live = 0;
 
-// Counts one allocation; whether it is to fail.
+// Counts one allocation. True if it is to fail.
 bool fails(Source source) {
   if (plan.left == 0 || plan.source != source || --plan.left != 0) return false;
   plan.has_failed = true;

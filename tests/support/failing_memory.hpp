@@ -1,4 +1,4 @@
-// Memory that fails when told to. A program that links this has its operator new replaced and,
+// Makes allocations fail on demand. In a program that links this, operator new is replaced and,
 // without a sanitizer, malloc and its like; libraries that it loads get these too.
 #pragma once
 
@@ -6,25 +6,25 @@
 
 namespace ddssec::failing_memory {
 
-/// Who asks: C++'s operator new, which throws, or C's malloc and its like, which return null. C's
-/// cannot be told to fail under a sanitizer.
+/// The source of an allocation: C++'s operator new, which throws, or C's malloc and its like, which
+/// return null. C's cannot be made to fail under a sanitizer.
 enum class Source { cpp, c };
-/// One allocation fails, or this and all later ones.
+/// The allocations that fail: only one, or this and all later ones.
 enum class Extent { once, from_then_on };
 
-/// From now on the calling thread's `number`-th allocation (from 1) of `source` fails.
+/// Makes the calling thread's `number`-th allocation of `source` from now on fail, counted from 1.
 void fail_at(Source source, Extent extent, long number);
-/// Allocations succeed again; returns whether any had failed.
+/// Makes allocations succeed again. Returns true if any had failed.
 bool relent();
 
-/// Blocks of both sources that nobody has freed, in all threads; of operator new alone under a
-/// sanitizer, whose own leak check counts the others.
+/// Returns the number of blocks of both sources that are not freed, in all threads. Under a
+/// sanitizer, whose own leak check counts the others, it is that of operator new alone.
 long live_blocks();
 
-/// Whether live_blocks() counts blocks of C's malloc in this build.
+/// True if live_blocks() counts blocks of C's malloc in this build.
 bool counts_malloc();
 
-/// Those that can be told to fail in this build.
+/// Returns the sources that can be made to fail in this build.
 std::vector<Source> sources();
 
 }  // namespace ddssec::failing_memory

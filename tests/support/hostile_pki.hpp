@@ -14,7 +14,7 @@ namespace ddssec::test {
 
 inline void free_points(STACK_OF(DIST_POINT) * points) { CRL_DIST_POINTS_free(points); }
 
-/// How a CRL distribution point is named.
+/// The form in which a CRL distribution point is named.
 enum class PointName { full, relative, relative_to_named_issuer };
 
 inline DIST_POINT* distribution_point(PointName form, const X509_NAME* issuer) {
@@ -42,8 +42,9 @@ inline DIST_POINT* distribution_point(PointName form, const X509_NAME* issuer) {
   return point;
 }
 
-/// A certificate of `who` that names an issuer with `entries` attributes (20 octets each) and has
-/// `count` CRL distribution points; signed again by its own key, so that only its form is right.
+/// Returns a certificate of `who` that names an issuer with `entries` attributes (20 octets each)
+/// and has `count` CRL distribution points. It is signed again by its own key, so that only its
+/// form is right.
 inline std::string with_distribution_points(const pki::Credential& who, PointName form, int count,
                                             int entries) {
   const pki::X509Ptr x509(X509_dup(impl_of(who.certificate).x509.get()));
@@ -66,14 +67,15 @@ inline std::string with_distribution_points(const pki::Credential& who, PointNam
 
 using Pkcs7Ptr = std::unique_ptr<PKCS7, pki::Deleter<PKCS7_free>>;
 
-/// `text` signed by `who` as PKCS#7, detached, with signed attributes.
+/// Returns `text` signed by `who` as PKCS#7, detached, with signed attributes.
 inline Pkcs7Ptr pkcs7_of(const pki::Credential& who, std::string_view text, int flags) {
   const pki::BioPtr data = pki::bio_over(as_bytes(text));
   return Pkcs7Ptr(PKCS7_sign(impl_of(who.certificate).x509.get(), impl_of(who.key).pkey.get(),
                              nullptr, data.get(), flags));
 }
 
-/// As the S/MIME file that signs `text`. Signs it again: changes to `pkcs7` come after this.
+/// Returns the S/MIME file that signs `text`. This signs it again, so changes to `pkcs7` must come
+/// after this.
 inline std::string smime_of(PKCS7* pkcs7, std::string_view text, int flags) {
   const pki::BioPtr data = pki::bio_over(as_bytes(text));
   const pki::BioPtr out(BIO_new(BIO_s_mem()));
@@ -87,8 +89,8 @@ inline Bytes der_of(PKCS7* pkcs7) {
   return to_bytes(pki::bio_octets(bio));
 }
 
-/// The signed attributes of the only signer, to be changed; they are signed again by
-/// sign_attributes.
+/// Returns the signed attributes of the only signer, to be changed. sign_attributes signs them
+/// again.
 inline STACK_OF(X509_ATTRIBUTE) * attributes_of(PKCS7* pkcs7) {
   return sk_PKCS7_SIGNER_INFO_value(PKCS7_get_signer_info(pkcs7), 0)->auth_attr;
 }
@@ -97,7 +99,7 @@ inline bool sign_attributes(PKCS7* pkcs7) {
   return PKCS7_SIGNER_INFO_sign(sk_PKCS7_SIGNER_INFO_value(PKCS7_get_signer_info(pkcs7), 0)) == 1;
 }
 
-/// A messageDigest of another type than OCTET STRING.
+/// Makes a messageDigest of another type than OCTET STRING.
 inline X509_ATTRIBUTE* message_digest_of_type(int type, const void* value, int size) {
   return X509_ATTRIBUTE_create_by_NID(nullptr, NID_pkcs9_messageDigest, type, value, size);
 }

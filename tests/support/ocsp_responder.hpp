@@ -19,10 +19,10 @@ struct OcspAnswer {
   pki::Certificate certificate;
   pki::Certificate ca;
   int status = V_OCSP_CERTSTATUS_GOOD;
-  std::chrono::seconds this_update{0};  ///< from now
+  std::chrono::seconds this_update{0};  ///< counted from now
   std::optional<std::chrono::seconds> next_update = std::chrono::hours(24);
   const EVP_MD* id_digest = EVP_sha1();
-  bool is_critical = false;  ///< with a critical extension
+  bool is_critical = false;  ///< true for an answer with a critical extension
 };
 
 struct OcspContent {
@@ -32,7 +32,7 @@ struct OcspContent {
   WallTime now;
   const EVP_MD* digest = EVP_sha256();
   std::vector<pki::Certificate> sent = {};
-  bool by_key = false;  ///< names the signer by its key
+  bool by_key = false;  ///< true if the signer is named by its key
 };
 
 inline pki::Asn1TimePtr ocsp_time(WallTime time) {
@@ -55,7 +55,7 @@ inline void add_answer(OCSP_BASICRESP* basic, const OcspAnswer& answer, WallTime
   OCSP_CERTID_free(id);
 }
 
-/// Empty if OpenSSL does not make it.
+/// Makes a response; empty if OpenSSL cannot make it.
 inline Bytes ocsp_response(const OcspContent& content) {
   OCSP_BASICRESP* const basic = OCSP_BASICRESP_new();
   for (const auto& answer : content.answers) add_answer(basic, answer, content.now);
@@ -75,7 +75,7 @@ inline Bytes ocsp_response(const OcspContent& content) {
   return size <= 0 ? Bytes() : Bytes(octets, octets + size);
 }
 
-/// What a responder answers that does not want to.
+/// Makes the response of a responder that refuses to answer.
 inline Bytes ocsp_refusal(int status) {
   OCSP_RESPONSE* const response = OCSP_response_create(status, nullptr);
   unsigned char* octets = nullptr;
@@ -85,7 +85,7 @@ inline Bytes ocsp_refusal(int status) {
   return size <= 0 ? Bytes() : Bytes(octets, octets + size);
 }
 
-/// A responder's key with a certificate of `ca`; without `usage` it may not answer.
+/// Makes a responder's key with a certificate of `ca`. Without `usage` it may not answer.
 inline pki::Credential ocsp_delegate(const pki::Authority& ca, pki::Validity validity,
                                      Random& random, bool usage = true) {
   auto key = pki::PrivateKey::generate(pki::KeyKind::ec_p256, 0).value();

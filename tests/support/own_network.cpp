@@ -21,7 +21,8 @@ bool write_to(const char* path, const std::string& text) {
   return static_cast<bool>(file << text << std::flush);
 }
 
-// Without root: in a user namespace, whose one user is the same outside.
+// Enters a network of its own without root: in a user namespace, whose one user is the same
+// outside.
 bool unshare_as_user() {
   const auto uid = std::to_string(::geteuid()), gid = std::to_string(::getegid());
   return ::unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 && write_to("/proc/self/setgroups", "deny") &&
@@ -57,7 +58,7 @@ void complain(const char* what) {
   std::cerr << what << ": " << std::strerror(why) << '\n';
 }
 
-// Never ends the program: it is run while it is built, too, to list its tests.
+// This never ends the program, because the program also runs while it is built, to list its tests.
 [[gnu::constructor]] void enter() {
   if (::unshare(CLONE_NEWNET) != 0 && !unshare_as_user())
     return complain("in the host's network, where other runs are heard");

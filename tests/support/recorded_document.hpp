@@ -1,4 +1,4 @@
-// What a record of documents in use answers about one of them.
+// Finds one document in the answer of a record of documents in use.
 #pragma once
 
 #include <string_view>
@@ -9,7 +9,7 @@
 
 namespace ddssec::test {
 
-/// Of the first participant; null: there is none of this kind.
+/// Returns the document of this kind of the first participant; null if there is none.
 inline nlohmann::json recorded_document(const DocumentsInUse& record, std::string_view kind) {
   const auto answer = nlohmann::json::parse(record.to_json());
   if (answer["participants"].empty()) return {};

@@ -28,22 +28,22 @@ struct RecordedEvents final : EventSink {
   }
   int count(Code code) const { return static_cast<int>(std::ranges::count(codes(), code)); }
   bool has(Code code) const { return count(code) > 0; }
-  /// The code of the one event since the last call; empty if there were more, or none.
+  /// Returns the code of the one event since the last call; empty if there were more, or none.
   std::optional<Code> only() {
     const std::scoped_lock lock(mutex);
     const auto events = std::exchange(all, {});
     return events.size() == 1 ? std::optional(events.front().error.code()) : std::nullopt;
   }
-  /// Nothing but peers that authenticated.
+  /// True if all events are about peers that authenticated.
   bool is_quiet() const {
     return std::ranges::all_of(codes(), [](Code c) { return c == Code::rtps_peer_authenticated; });
   }
-  /// The sentence of the last event; empty if there was none.
+  /// Returns the sentence of the last event; empty if there was none.
   std::string last() const {
     const std::scoped_lock lock(mutex);
     return all.empty() ? std::string() : all.back().error.to_sentence();
   }
-  /// All of them, a line each.
+  /// Returns all events, one line each.
   std::string text() const {
     const std::scoped_lock lock(mutex);
     std::string out;

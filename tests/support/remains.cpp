@@ -12,11 +12,12 @@ namespace ddssec::test {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 16;
-constexpr std::size_t kOverlap = 64;  // more than any needle
-// Shadow memory of sanitizers and the like is larger.
+constexpr std::size_t kOverlap = 64;  // more octets than any needle has
+// The largest mapping that is searched. Shadow memory of sanitizers and the like is larger.
 constexpr std::size_t kMaxMapping = std::size_t{256} << 20;
 
-// Not on the stack, whose remains a deep call would write over.
+// The octets that are searched. They are not on the stack, because a deep call would write over the
+// remains there.
 std::array<std::uint8_t, kChunk + kOverlap> chunk;
 
 struct Mapping {
@@ -40,7 +41,8 @@ std::vector<Mapping> writable_mappings() {
   return out;
 }
 
-// `look(octets, address)` for all of a mapping but the place they are read into.
+// Calls `look(octets, address)` for all of a mapping except the place into which the octets are
+// read.
 template <class F>
 void each_chunk(int memory, const Mapping& mapping, F&& look) {
   const auto own = reinterpret_cast<std::uintptr_t>(chunk.data());

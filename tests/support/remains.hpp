@@ -1,4 +1,5 @@
-// What is left of secrets in the writable memory of this process: stacks, heap, everything.
+// Searches the writable memory of this process (stacks, heap and everything else) for remains of
+// secrets.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +15,13 @@ class Remains {
  public:
   static constexpr std::size_t kWindow = 16;
 
-  /// At least 8 octets. Of longer ones any kWindow in a row that begin at a multiple of kWindow
-  /// count: the allocator writes over the beginning of what was freed.
+  /// Adds a secret of at least 8 octets. Of a longer one, any kWindow octets in a row that begin at
+  /// a multiple of kWindow count, because the allocator writes over the beginning of what was
+  /// freed.
   void look_for(std::string name, BytesView secret);
   std::size_t size() const { return needles_.size(); }
-  /// The names of those found, each with one address and its mapping; empty if nothing is left.
+  /// Returns the names of the secrets found, each with one address and its mapping; empty if
+  /// nothing is left.
   std::vector<std::string> find() const;
 
  private:

@@ -1,4 +1,4 @@
-// For whom events say nothing.
+// An event sink that ignores all events.
 #pragma once
 
 #include "base/event.hpp"

@@ -1,4 +1,4 @@
-// How much longer code may take when a sanitizer instruments it.
+// The factor by which code may be slower when a sanitizer instruments it.
 #pragma once
 
 namespace ddssec::test {

@@ -1,4 +1,4 @@
-// A folder that goes with the test.
+// A folder that is removed at the end of the test.
 #pragma once
 
 #include <filesystem>
@@ -22,12 +22,12 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
-  /// Writes into the file that is there, or makes it; its path.
+  /// Writes into the file, which is created if it does not exist. Returns its path.
   std::string write(const std::string& name, std::string_view text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;
     return (path_ / name).string();
   }
-  /// Puts another file in its place, as careful programs do.
+  /// Puts another file in its place, as careful programs do. Returns its path.
   std::string replace(const std::string& name, std::string_view text) const {
     std::filesystem::rename(write(name + ".new", text), path_ / name);
     return (path_ / name).string();
@@ -38,7 +38,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// The process is in a folder as long as this lives.
+/// While this object lives, the process is in a folder.
 class WorkingFolder {
  public:
   explicit WorkingFolder(const std::string& path) { std::filesystem::current_path(path); }

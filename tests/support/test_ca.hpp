@@ -14,7 +14,7 @@ namespace ddssec::test {
 
 /// The time at which tests judge certificates and documents.
 inline constexpr WallTime kNow{std::chrono::sys_days(std::chrono::year(2026) / 11 / 21)};
-/// Began a day before kNow, and ends a year after it.
+/// A validity that began a day before kNow, and ends a year after it.
 inline constexpr pki::Validity kYear{kNow - std::chrono::hours(24), kNow + std::chrono::days(365)};
 
 inline Random& test_random() {

@@ -1,4 +1,4 @@
-// Where tests find what stands below tests/data.
+// The place of the files in tests/data.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace ddssec::test {
 
-/// The path of `name` below tests/data, on the machine that built the tests.
+/// Returns the path of `name` below tests/data, on the machine that built the tests.
 std::string data_path(std::string_view name);
 
 }  // namespace ddssec::test
