@@ -191,7 +191,8 @@ void NameAutomaton::move_stars() {
   stars_next_ = stars_.add(new_stars_).first;
 }
 
-// Once the steps are used up, covered positions are kept, because they change no answer.
+// Returns false without searching further once the steps are used up: a covered position that stays
+// costs memory, but changes no answer.
 bool NameAutomaton::is_covered(Position p) {
   const Position before = table_.star_before(p);
   if (before != ExpressionTable::kNone && is_star_next_[before] == move_count_) return true;

@@ -14,7 +14,7 @@ namespace ddssec::pki {
 /// have numbers of up to 20 octets. Longer ones are compared in the same way.
 class CrlNumber {
  public:
-  CrlNumber(std::uint64_t number = 0);  // NOLINT: a number is a number
+  CrlNumber(std::uint64_t number = 0);  // NOLINT(google-explicit-constructor): as an integer
   /// Reads a number whose most significant octet comes first.
   static CrlNumber from_octets(BytesView octets);
 

@@ -26,16 +26,18 @@ using End = ChildProcess::End;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
-// The longest time from a success to the next visit: a folder may be changed by hand, and a clock
-// be set.
+// The longest pause between two visits. If a folder was changed by hand, or a clock was set, the
+// agent notices it after this time at the latest.
 constexpr seconds kMaxRest{600};
-// A worker may wait for a token, or for another command that has locked the folder.
+// How long a worker may take. It may have to wait for a token, or for another command that has
+// locked the folder.
 constexpr seconds kTimeForFiles{60};
 constexpr seconds kMinRestOfOthers{60};
-// An overlap may begin at any time.
+// The longest time between two looks for overlaps, which other commands may begin at any time.
 constexpr seconds kMaxLook{60};
 constexpr seconds kRetryEnd{3600};
-// Other commands may use the CA; a command waits up to 20 s for its lock.
+// How long a process that uses the CA's key may take. It may wait for the CA's lock for up to 20 s,
+// because other commands may use the CA.
 constexpr seconds kTimeForOwnCa{120};
 
 // How long the agent waits for a worker if its owner counts as slow, which lasts for kSlowFor.

@@ -87,7 +87,8 @@ std::string_view next_part(std::string_view& rest) {
   return out;
 }
 
-// Only drafts are moved, and only to the place beside them, whatever a list contains.
+// True for the suffix of a draft, such as ".17.3.new". A list may be forged, so a file with any
+// other suffix is never renamed.
 bool is_draft_suffix(std::string_view ending) {
   return ending.starts_with('.') && ending.ends_with(".new") &&
          ending.substr(0, ending.size() - 3).find_first_not_of(".0123456789") == ending.npos;

@@ -49,9 +49,9 @@ struct ItemList {
   }
 };
 
-// The elements of both directions up to the last deny_rule that has any. Later elements let a topic
-// be created, as the default of the preceding list does. If the grant's default denies, a topic
-// that no rule names cannot be used anyway.
+// Returns the publish and subscribe elements of all rules up to the last deny_rule. Later rules
+// need not be listed: they let a topic be created, and so does the default of the preceding list.
+// If the grant's default denies, a topic that no rule names cannot be used anyway.
 std::vector<RuleElement> preceding_elements(const RulePointers& rules) {
   std::vector<RuleElement> elements;
   std::size_t size = 0;

@@ -28,7 +28,8 @@ struct Constructs {
   using Place = std::tuple<std::string, std::string, std::string>;  // text, path, value
   std::map<Place, int> notes = {};
   bool has_all_notes = true;
-  // Certificates that Cyclone DDS gives another subject's grant: both subjects.
+  // Grants that Cyclone DDS applies to certificates of another subject, by the subjects of the
+  // certificate and of the grant.
   std::map<std::pair<std::string, std::string>, MisappliedGrant> strays = {};
   // Subject names by which some stock product recognises no certificate.
   struct Subject {

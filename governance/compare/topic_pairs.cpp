@@ -178,7 +178,7 @@ TopicPairs topic_pairs(const RuleList& old_list, const RuleList& new_list,
   for (auto& atom : found.atoms) pairs.add(std::move(atom.witness));
   pairs.add_examples(old_list);
   pairs.add_examples(new_list);
-  // Names that were left out may have had further effects.
+  // If names were left out, pairs of effects may be missing.
   const bool names_all_effects = found.is_complete && pairs.is_complete();
   return {pairs.take(), false, names_all_effects};
 }

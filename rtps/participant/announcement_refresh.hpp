@@ -46,11 +46,11 @@ class AnnouncementRefresh {
 
   /// Begins: from now on everything is read at least once in kMaxPause, first within `first`.
   void begin(MonotonicTime now, MonotonicTime first) { routine_ = now + first; }
-  /// Notes that something that proves nothing has changed a known endpoint, or contradicts what was
-  /// received before.
+  /// Notes an unproven message that changes a known endpoint, or contradicts an earlier message.
   void note_change(MonotonicTime now);
-  /// The same for a report that an endpoint which has sent its keys has ended. Returns true if the
-  /// end counts from now on, and the keys are kept; false if the next reading decides.
+  /// Notes an unproven report that an endpoint with keys has ended. Returns true if the endpoint is
+  /// treated as ended at once, with its keys kept; false if it stays until the next reading
+  /// decides.
   bool note_end(const EntityId& endpoint, MonotonicTime now);
   /// Notes that a known endpoint is announced: it has not ended.
   void note_alive(const EntityId& endpoint);
@@ -72,7 +72,8 @@ class AnnouncementRefresh {
   /// True from a request until its answer must have arrived.
   bool is_under_way() const { return over_ != kNever; }
   MonotonicTime due() const { return due_; }
-  /// Returns the time before which nothing is to be taken.
+  /// Returns the earliest time at which begin_reading_if_due or end_reading_if_over can return
+  /// true.
   MonotonicTime next() const;
   /// Returns the endpoints whose keys are not kept, and whether they were requested since.
   std::map<EntityId, bool>& without_keys() { return without_keys_; }

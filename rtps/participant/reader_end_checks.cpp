@@ -16,7 +16,7 @@ void ReaderEndChecks::add(const Pair& pair, MonotonicTime now) {
 void ReaderEndChecks::tick(MonotonicTime now) {
   if (now < next_) return;
   next_ = kNever;
-  // The host may end matches meanwhile, but adds no doubts.
+  // The host's callbacks may end matches, but never call add().
   for (auto at = pending_.begin(); at != pending_.end();) {
     auto& [pair, check] = *at;
     const bool stays = now < check.due || check_answer(pair, check, now);

@@ -48,8 +48,9 @@ struct LocalKeys {
   std::map<Guid, PairKeys> pairs = {};
   std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
   std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
-  std::vector<PairKeys*> is_ready = {};                   ///< the pairs of either list
-  IdlePairs idle = {};                                    ///< the pairs that are in neither list
+  std::vector<PairKeys*> is_ready = {};  ///< the pairs whose handles are in `readers` or
+                                         ///< `writers`, in the same order
+  IdlePairs idle = {};                   ///< the pairs that are in neither list
   /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
   void list(const EntityId& id, const Guid& remote, PairKeys& pair);
   void unlist(const EntityId& id, PairKeys& pair);
@@ -100,7 +101,7 @@ class EndpointKeys {
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
                                              const PairKeys& pair,
                                              spi::KeyStage stage = spi::KeyStage::in_use);
-  /// The remote endpoint of a pair, and the protection that has it.
+  /// The remote endpoint of a pair, and the protection under which the pair is registered.
   struct Endpoint {
     Guid guid;
     ProtectionId protection;
@@ -159,11 +160,12 @@ class SecondProtections {
   /// Returns the pairs with endpoints of that peer that have one protection and lack the other one.
   std::vector<std::pair<EntityId, Guid>> incomplete_pairs(const GuidPrefix& prefix) const;
   struct Completion {
-    ProtectionId protection = 0;          ///< the protection that has the pair now; 0: nothing was
-                                          ///< missing
+    ProtectionId protection = 0;          ///< the protection under which the pair was registered
+                                          ///< now; 0 if it lacked none
     std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint
   };
-  /// Registers such a pair for the protection that lacks it. Errors: those of the plugin.
+  /// Registers the pair also under the protection under which it is not registered yet. Errors:
+  /// those of the plugin.
   Result<Completion> complete(const EntityId& id, const Guid& remote);
 
  private:

@@ -63,7 +63,8 @@ void FragmentStore::make_room(const SourceAddress& newcomer) {
     return std::pair(std::ranges::count(senders_, sender.source, &Sender::source),
                      sender.source == newcomer);
   };
-  // max_element returns the first of equal senders, which sent its latest fragment longest ago.
+  // Senders are in the order of their latest fragments, so max_element finds the one among equals
+  // that has been silent longest.
   senders_.erase(std::ranges::max_element(senders_, {}, held));
 }
 

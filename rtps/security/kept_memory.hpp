@@ -52,7 +52,7 @@ class KeptMemory {
   /// gone.
   void forget_returned();
 
-  /// True if so much was not returned that the identity gets no more.
+  /// True if kMaxOfOne segments that this identity left are kept. It then gets no further one.
   bool is_full(const std::string& identity) const;
   std::size_t octets() const;
   std::size_t segments() const { return kept_.size(); }

@@ -44,7 +44,8 @@ class KeyReviser {
   /// Returns nullptr if the peer did not leave, or is forgotten.
   std::shared_ptr<const PeerIdentity> identity_of_absent(const GuidPrefix& prefix) const;
   /// Stops watching the participant. If it was watched, requests a revision that makes its keys
-  /// useless. `reason`: right_lost if it has returned, and so is watched like any other peer.
+  /// useless. Pass right_lost if it has returned: it is watched like any other peer again, and the
+  /// revision may wait.
   void drop_absent(const GuidPrefix& prefix, RevisionReason reason);
   /// Requests a revision if `ended(identity, permissions)` is true for any of them.
   template <class F>
