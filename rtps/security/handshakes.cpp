@@ -462,9 +462,9 @@ void Handshakes::note_overdue(Peer& peer) {
   note_failure(peer);
   core_.raise(Error(Code::rtps_authentication_timeout,
                     {.document = "the handshake with participant " + peer.name(),
-                     .expected = "that it ends within 100 s",
+                     .expected = "an end within 100 s",
                      .found = "no end",
-                     .note = "it goes on, and is not told of again"}),
+                     .note = "the handshake continues; this is reported only once"}),
               peer, EventOrigin::anyone);
 }
 
