@@ -36,7 +36,7 @@ ARROWS = {
                   "rtps/qos", "rtps/reliability", "rtps/security", "rtps/transport", "rtps/types"],
     "rtps/keeper": ["base", "rtps/dcps", "rtps/discovery", "rtps/durability", "rtps/participant"],
     "rtps/observer": ["base", "wire", "rtps/discovery", "rtps/security", "rtps/transport"],
-    "secured": ["base", "pki", "wire", "rtps", "plugins/spi", "plugins/authentication",
+    "secured": ["base", "pki", "rtps", "plugins/spi", "plugins/authentication",
                 "plugins/access_control", "plugins/cryptography"],
     "programs": ["base", "pki", "rtps", "secured"],
     "idl": [],
