@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <sys/stat.h>
 
 namespace ddssec {
@@ -18,14 +19,14 @@ inline bool others_may_write(const struct stat& status) { return (status.st_mode
 /// file.
 inline bool is_sticky(const struct stat& status) { return (status.st_mode & S_ISVTX) != 0; }
 
-/// A folder in which a user other than root and this process's can replace a file or folder.
-struct OpenFolder {
-  std::filesystem::path path;
-  struct stat status;  ///< all zero if it could not be read
-};
-/// Returns the first folder of that kind, from `folder` upwards to the root. A sticky folder counts
-/// as closed: a file of root or of this user in it is safe, but others can make new files. `folder`
-/// must be absolute, and without symbolic links.
-std::optional<OpenFolder> open_folder_above(const std::filesystem::path& folder);
+/// Returns the first folder, from `folder` upwards to the root, in which a user other than root and
+/// this process's can replace a file or folder. A sticky folder counts as closed: a file of root or
+/// of this user in it is safe, but others can make new files. `folder` must be absolute, and
+/// without symbolic links.
+std::optional<std::filesystem::path> open_folder_above(const std::filesystem::path& folder);
+
+/// Returns a text for messages, such as "user 1000, mode 0775". It says "nothing" if there is no
+/// such file.
+std::string owner_and_mode(const std::filesystem::path& file);
 
 }  // namespace ddssec

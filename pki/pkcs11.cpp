@@ -16,6 +16,7 @@
 
 #include "base/background_thread.hpp"
 #include "base/uri_source.hpp"
+#include "pki/logins_forbidden.hpp"
 #include "pki/token_logins.hpp"
 
 namespace ddssec::pki {

@@ -9,18 +9,4 @@ namespace ddssec::pki {
 /// ones. Thread-safe.
 void stop_at_first_wrong_pin();
 
-/// While one that applies exists, this process logs in to no token: keys and certificates in tokens
-/// fail with pkcs11_not_tried. For work on a folder that another user can change: the owner could
-/// name any token of this process, with a wrong PIN, until it locks. Thread-safe.
-class LoginsForbidden {
- public:
-  explicit LoginsForbidden(bool applies);
-  ~LoginsForbidden();
-  LoginsForbidden(const LoginsForbidden&) = delete;
-  LoginsForbidden& operator=(const LoginsForbidden&) = delete;
-
- private:
-  const bool applies_;
-};
-
 }  // namespace ddssec::pki

@@ -65,13 +65,11 @@ Result<std::vector<std::string>> variables_of(const Arguments& arguments) {
 Status check_place(const fs::path& file, Code unsafe) {
   const auto open = open_folder_above(file.parent_path());
   if (!open) return {};
-  return fail(unsafe,
-              {.document = open->path,
-               .expected = fmt::format("a folder of root or of this user that no other user can "
-                                       "write, since {} is in it",
-                                       file.string()),
-               .found = fmt::format("user {}, mode {:04o}", open->status.st_uid,
-                                    open->status.st_mode & 07777)});
+  return fail(unsafe, {.document = *open,
+                       .expected = fmt::format("a folder of root or of this user that no other "
+                                               "user can write, since {} is in it",
+                                               file.string()),
+                       .found = owner_and_mode(*open)});
 }
 
 // `file` is a path without symbolic links.
@@ -83,8 +81,7 @@ Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
     return check_place(file, unsafe);
   return fail(unsafe, {.document = file,
                        .expected = "a file of root or of this user that no other user can write",
-                       .found = fmt::format("user {}, mode {:04o}", status.st_uid,
-                                            status.st_mode & 07777)});
+                       .found = owner_and_mode(file)});
 }
 
 int become_hook(Hook hook, const fs::path& program, const HookRequest& request, int in, int out) {

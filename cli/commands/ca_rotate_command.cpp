@@ -13,6 +13,7 @@
 #include "cli/ca/list_dates.hpp"
 #include "cli/ca/permissions_ca_rotation.hpp"
 #include "cli/commands/ca_results.hpp"
+#include "cli/commands/ca_rotation_report.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/folders/folder_kind.hpp"
@@ -97,82 +98,6 @@ std::vector<fs::path> shared_documents(const fs::path& given) {
   return out;
 }
 
-std::string_view step_word(RotationStep step) {
-  switch (step) {
-    case RotationStep::replace:
-      return "replaced";
-    case RotationStep::begin:
-      return "begun";
-    case RotationStep::move:
-      return "moved";
-    case RotationStep::end:
-      return "ended";
-  }
-  return "";
-}
-
-std::string next_step(const std::string& role, RotationStep step, const std::string& given) {
-  const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
-  switch (step) {
-    case RotationStep::replace:
-      break;
-    case RotationStep::begin:
-      return fmt::format(
-          "Participants on ddssec's plugins take the files while they run. When all have them, "
-          "those on other machines too: {} --move\n"
-          "With stock plugins, restart a participant after it was moved. Until then it talks only "
-          "to those that have not moved: ddssec check A B\n",
-          command);
-    case RotationStep::move: {
-      const auto lists = distribution_before_end(given);
-      return fmt::format("{}When all have moved{}, those on other machines too: {} --end\n",
-                         lists.empty() ? ""
-                                       : fmt::format("Next, so that --end ends no session of "
-                                                     "Cyclone DDS: {}\n",
-                                                     lists),
-                         lists.empty() ? "" : " and have renewed.pem", command);
-    }
-    case RotationStep::end:
-      return "Copy the folders of participants on other machines there. Sessions of Cyclone DDS "
-             "that began with the former CA end and begin again, unless both sides have "
-             "renewed.pem.\n";
-  }
-  return "Every participant must start again with the new files, unless it runs on ddssec's "
-         "plugins: "
-         "old ones and new ones do not meet.\n";
-}
-
-RotatedCa rotated(const std::string& role, std::string_view step, const pki::Certificate& ca,
-                  const std::optional<CaOverlap>& overlap) {
-  RotatedCa out{.role = role,
-                .step = std::string(step),
-                .until = {},
-                .subject = ca.subject(),
-                .not_after = ca.not_after(),
-                .sha256 = to_hex(ca.fingerprint())};
-  if (overlap) out.until = overlap->until;
-  return out;
-}
-
-Answer<RotatedCa> answer_of(const std::string& role, const CaRotation& change,
-                            const RotationResult& rotation,
-                            const std::vector<std::string>& elsewhere, const std::string& given) {
-  Answer<RotatedCa> out{
-      rotated(role, step_word(change.step), change.ca.certificate(), change.overlap)};
-  auto& [result, report, has_result] = out;
-  result.folders = rotation.updated;
-  result.revoked = rotation.revoked;
-  result.unlogged = rotation.unlogged;
-  result.elsewhere = elsewhere;
-  add_unreached(rotation, report);
-  for (const auto& name : elsewhere)
-    report.errors.emplace_back(Code::participant_elsewhere, ErrorDetails{.found = name});
-  report.text += next_step(role, change.step, given);
-  if (role == "permissions" && change.step == RotationStep::replace)
-    report.text += "A signed document that lies elsewhere is still the old CA's: sign it again.\n";
-  return out;
-}
-
 Result<RotationStep> step_of(const Arguments& arguments) {
   const std::vector<std::pair<std::string_view, RotationStep>> kOptions = {
       {"--overlap", RotationStep::begin},
@@ -222,32 +147,6 @@ Result<CaRotation> with_successor(const OpenCa& old, const Successor& successor,
   return change;
 }
 
-// The hint for a participant whose folder cannot be written: what that means and what to do.
-std::string unwritten_hint(const std::string& role, RotationStep step, const std::string& given) {
-  const auto command = fmt::format("ddssec ca rotate {} --role {}", given, role);
-  const auto again = "make its folder writable, then: " + command;
-  switch (step) {
-    case RotationStep::replace:
-      break;
-    case RotationStep::begin:
-      return fmt::format(
-          "the participant keeps its old files, and does not accept those that move before it has "
-          "the successor; {} --overlap TIME",
-          again);
-    case RotationStep::move:
-      return fmt::format("the participant keeps its old files, which count until --end; {} --move",
-                         again);
-    case RotationStep::end:
-      return fmt::format(
-          "the participant keeps its old files, and still trusts the former CA; {} "
-          "--end",
-          again);
-  }
-  return fmt::format(
-      "the participant keeps its old files and meets no other one until it has new ones; {} --end",
-      again);
-}
-
 // One step and the participants that it is for.
 struct RotationWork {
   CaRotation change;
@@ -291,19 +190,6 @@ Result<std::vector<Error>> warnings_of(RotationStep step, const std::string& rol
   for (const auto& one : is_end ? progress.not_ended(others) : progress.without_successor(others))
     out.emplace_back(code, ErrorDetails{.document = one.files.folder});
   return out;
-}
-
-// Reports participants that have new files but run without taking them.
-void add_not_taken(const std::string& role, const std::vector<AffectedParticipant>& participants,
-                   const RotationResult& rotation, Report& report) {
-  for (const auto& participant : participants) {
-    if (std::ranges::find(rotation.updated, participant.name) == rotation.updated.end()) continue;
-    const auto certificate = read_certificate(participant.files.certificate);
-    const auto problem = role == "permissions" ? permissions_not_there(participant.files)
-                         : certificate         ? key_not_there(participant.files, *certificate)
-                                               : std::nullopt;
-    if (problem) report.errors.push_back(*problem);
-  }
 }
 
 // The folders that the end of a rotation does not find. `ca show` names them until they are here

@@ -5,8 +5,8 @@
 #include "governance/doctor/lenient_text.hpp"
 #include "governance/read.hpp"
 #include "pki/certificate_source.hpp"
+#include "pki/logins_forbidden.hpp"
 #include "pki/participant_folder.hpp"
-#include "pki/token_logins.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

@@ -60,17 +60,15 @@ Status check_companions(const std::string& path) {
 Status check_folder(const fs::path& folder) {
   auto open = open_folder_above(folder);
   struct stat status {};
-  if (!open && ::lstat(folder.c_str(), &status) == 0 && others_may_write(status))
-    open = OpenFolder{folder, status};
+  if (!open && ::lstat(folder.c_str(), &status) == 0 && others_may_write(status)) open = folder;
   if (!open) return {};
   return fail(
       Code::rtps_store_unusable,
-      {.document = open->path,
+      {.document = *open,
        .expected = fmt::format("a folder of root or of user {}, who runs this process, in which no "
                                "other user can make files",
                                ::geteuid()),
-       .found =
-           fmt::format("user {}, mode {:04o}", open->status.st_uid, open->status.st_mode & 07777),
+       .found = owner_and_mode(*open),
        .hint = "put the store into a folder that only this user can write to (chmod go-w FOLDER); "
                "others could put a file of their own in its place"});
 }

@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "pki/logins_forbidden.hpp"
 #include "pki/signature.hpp"
 #include "pki/smime.hpp"
-#include "pki/token_logins.hpp"
 #include "pki_fixture.hpp"
 #include "tests/support/temporary_folder.hpp"
 
