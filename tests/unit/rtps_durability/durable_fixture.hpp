@@ -7,7 +7,10 @@
 namespace ddssec::rtps::testing {
 
 struct DurableFixture : Polled {
-  DurableFixture() { std::filesystem::create_directory(folder); }
+  DurableFixture() {
+    std::filesystem::create_directory(folder);
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all);  // whatever the umask
+  }
   ~DurableFixture() override { std::filesystem::remove_all(folder); }
 
   const std::filesystem::path folder =

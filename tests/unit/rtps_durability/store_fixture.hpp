@@ -14,7 +14,10 @@
 namespace ddssec::rtps::testing {
 
 struct StoreTest : ::testing::Test {
-  StoreTest() { std::filesystem::create_directory(folder); }
+  StoreTest() {
+    std::filesystem::create_directory(folder);
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all);  // whatever the umask
+  }
   ~StoreTest() override { std::filesystem::remove_all(folder); }
 
   const std::filesystem::path folder =
