@@ -27,8 +27,8 @@ NameAutomaton::NameAutomaton(std::span<const RankedExpression> expressions, cons
       is_star_now_(table_.size()),
       is_star_next_(table_.size()),
       settled_from_(table_.lists(), kNoLabel) {
-  for (const auto list : goal.with) with_ |= 1u << list;
-  for (const auto list : goal.without) without_ |= 1u << list;
+  for (const auto list : goal.with) goal_with_ |= 1u << list;
+  for (const auto list : goal.without) goal_without_ |= 1u << list;
 }
 
 NameAutomaton::End NameAutomaton::run() {
@@ -40,7 +40,7 @@ NameAutomaton::End NameAutomaton::run() {
 }
 
 NameAutomaton::End NameAutomaton::search() {
-  forever_.add({});
+  settled_labels_.add({});
   stars_.add({});
   arrivals_ = table_.beginnings();
   arrive({});
@@ -54,15 +54,15 @@ NameAutomaton::End NameAutomaton::search() {
 }
 
 bool NameAutomaton::limit_reached() const {
-  const auto held =
-      states_.weight() + stars_.weight() + forever_.weight() + acceptances_.weight() + moves_held_;
+  const auto held = states_.weight() + stars_.weight() + settled_labels_.weight() +
+                    acceptances_.weight() + moves_held_;
   return states_.size() > limits_.states || acceptances_.size() > limits_.atoms ||
          steps_taken_ > limits_.steps || held > limits_.memory;
 }
 
 void NameAutomaton::expand(State state) {
   const auto key = states_[state];
-  forever_now_ = key[0];
+  settled_labels_now_ = key[0];
   stars_now_ = key[1];
   here_.assign(key.begin() + 2, key.end());
   collect_moves();
@@ -172,7 +172,7 @@ void NameAutomaton::arrive(Origin origin) {
       (table_.kind(p) == Kind::star ? new_stars_ : next_).push_back(p);
     }
   }
-  forever_next_ = forever_now_;
+  settled_labels_next_ = settled_labels_now_;
   stars_next_ = stars_now_;
   if (!new_stars_.empty()) move_stars();
   if (!labels_.empty()) settle();
@@ -205,11 +205,11 @@ bool NameAutomaton::is_covered(Position p) {
 }
 
 void NameAutomaton::settle() {
-  append(labels_, forever_[forever_now_]);
+  append(labels_, settled_labels_[settled_labels_now_]);
   steps_taken_ += labels_.size();
   table_.keep_first_of_each_list(labels_);
-  forever_next_ = forever_.add(labels_).first;
-  if (forever_next_ == forever_now_) return;
+  settled_labels_next_ = settled_labels_.add(labels_).first;
+  if (settled_labels_next_ == settled_labels_now_) return;
   for (const Label label : labels_) settled_from_[table_.list_number(label)] = label;
   const auto settled = [this](Position p) { return is_settled(p); };
   std::erase_if(next_, settled);
@@ -228,8 +228,8 @@ bool NameAutomaton::is_settled(Position p) const {
 }
 
 void NameAutomaton::enter(Origin origin) {
-  if (with_ != 0 && is_hopeless()) return;
-  scratch_.assign({forever_next_, stars_next_});
+  if (goal_with_ != 0 && is_hopeless()) return;
+  scratch_.assign({settled_labels_next_, stars_next_});
   append(scratch_, next_);
   const auto [state, is_new] = states_.add(scratch_);
   if (is_new) {
@@ -240,7 +240,8 @@ void NameAutomaton::enter(Origin origin) {
 }
 
 NameAutomaton::ListId NameAutomaton::acceptance() {
-  labels_.assign(forever_[forever_next_].begin(), forever_[forever_next_].end());
+  labels_.assign(settled_labels_[settled_labels_next_].begin(),
+                 settled_labels_[settled_labels_next_].end());
   for (const Position p : next_) {
     if (table_.kind(p) == Kind::end) append(labels_, table_.labels(p));
   }
@@ -256,21 +257,23 @@ void NameAutomaton::note_acceptance(State state, Origin origin) {
   // The empty name is the example only if there is no other name.
   const bool is_better = !is_new && witnesses_[accepted].from == kNowhere;
   if (is_better) witnesses_[accepted] = origin;
-  if ((is_new || is_better) && with_ != 0 && meets_goal(acceptances_[accepted])) goal_ = origin;
+  if ((is_new || is_better) && goal_with_ != 0 && meets_goal(acceptances_[accepted]))
+    goal_ = origin;
 }
 
 bool NameAutomaton::meets_goal(std::span<const Label> labels) const {
   std::uint32_t lists = 0;
   for (const Label label : labels) lists |= 1u << table_.match(label).list;
-  return (lists & with_) == with_ && (lists & without_) == 0;
+  return (lists & goal_with_) == goal_with_ && (lists & goal_without_) == 0;
 }
 
 bool NameAutomaton::is_hopeless() const {
   std::uint32_t lists = 0;
-  for (const Label label : forever_[forever_next_]) lists |= 1u << table_.match(label).list;
-  if ((lists & without_) != 0) return true;
+  for (const Label label : settled_labels_[settled_labels_next_])
+    lists |= 1u << table_.match(label).list;
+  if ((lists & goal_without_) != 0) return true;
   const auto add_lists = [&](std::span<const Position> positions) {
-    for (std::size_t i = 0; i < positions.size() && (lists & with_) != with_; ++i) {
+    for (std::size_t i = 0; i < positions.size() && (lists & goal_with_) != goal_with_; ++i) {
       for (const Label label : table_.labels(positions[i])) {
         lists |= 1u << table_.match(label).list;
       }
@@ -278,7 +281,7 @@ bool NameAutomaton::is_hopeless() const {
   };
   add_lists(next_);
   add_lists(stars_[stars_next_]);
-  return (lists & with_) != with_;
+  return (lists & goal_with_) != goal_with_;
 }
 
 std::string NameAutomaton::name_of(Origin origin) const {

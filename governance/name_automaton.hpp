@@ -17,10 +17,20 @@ namespace ddssec::governance {
 
 /// Explores the states of all expressions together, breadth first, and records every acceptance.
 ///
-/// A state is the set of positions that a name can lead to. Positions before a star that was
-/// already reached are left out, because that star can match anything that they could. An
-/// expression whose last step is a star matches permanently once it gets there. Then entries with
-/// an equal or higher rank in its list no longer matter.
+/// A position is a place in one of the expressions, before one of its octets or stars, or at its
+/// end. A state is what a name can lead to, and has three parts:
+/// - the settled labels: what matches whatever follows. An expression whose last step is a star
+///   settles its label when the star is reached. Entries with an equal or higher rank in the same
+///   list no longer matter then, so their positions are left out.
+/// - the positions of stars: once reached, a star stays in every later state.
+/// - all other positions. Those before a star that was reached already are covered by it, since it
+///   matches whatever they could, and are left out.
+///
+/// With the expressions `a*b` and `*` of two lists, the empty name settles the label of `*`, and
+/// leads to the position before `a`. After "a" the state has the star of `a*b`; the position before
+/// `b` is not stored, because moves_of() tries it for each star. After "ab" it has the end of `a*b`
+/// as well: this state accepts both labels, and "ab" is its witness. After "abc" the end is gone,
+/// and the state is that of "a" again.
 class NameAutomaton {
  public:
   /// The goal of a search. Without `with`, every atom is wanted.
@@ -86,21 +96,22 @@ class NameAutomaton {
 
   SetLimits limits_;
   ExpressionTable table_;
-  std::uint32_t with_ = 0, without_ = 0;  ///< one bit for each list
+  std::uint32_t goal_with_ = 0, goal_without_ = 0;  ///< one bit for each list
   std::optional<Origin> goal_;
 
-  NumberLists forever_;      ///< labels that match whatever follows
-  NumberLists stars_;        ///< positions of stars
-  NumberLists states_;       ///< an id in forever_, an id in stars_, and positions
-  NumberLists acceptances_;  ///< labels
+  NumberLists settled_labels_;  ///< labels that match whatever follows
+  NumberLists stars_;           ///< positions of stars
+  NumberLists states_;          ///< an id in settled_labels_, an id in stars_, and positions
+  NumberLists acceptances_;     ///< labels
   std::unordered_map<ListId, StarMoves> star_moves_;
   std::vector<Origin> origins_;        ///< one for each state
   std::vector<ListId> acceptance_of_;  ///< one for each state
   std::vector<Origin> witnesses_;      ///< one for each acceptance
   std::size_t steps_taken_ = 0, moves_held_ = 0;
 
-  // The state before the step.
-  ListId forever_now_ = 0, stars_now_ = 0;
+  // The registers of one step: expand() fills the first group from a state, gather_arrivals() and
+  // arrive() the second one for each class of octets.
+  ListId settled_labels_now_ = 0, stars_now_ = 0;
   std::vector<Position> here_;
   std::vector<std::vector<Position>> by_class_;
   std::vector<Position> any_;
@@ -109,8 +120,8 @@ class NameAutomaton {
   /// Holds for each position: move_count_ if it is a star after the step.
   std::vector<std::uint32_t> is_star_next_;
   std::uint32_t expand_count_ = 1, move_count_ = 0;
-  // The state after the step.
-  ListId forever_next_ = 0, stars_next_ = 0;
+  // The second group: the state after the step.
+  ListId settled_labels_next_ = 0, stars_next_ = 0;
   std::vector<Position> arrivals_, next_, new_stars_;
   std::vector<Label> labels_;
   std::vector<Label> settled_from_;  ///< for each list, while settle() is at work
