@@ -91,6 +91,7 @@ set(DDSSEC_CARRIED_HEADERS
   # cursors, and values of documents, that types above have as members or parameters
   base/line_file.hpp
   base/parameter_ids.hpp
+  base/submessage_ids.hpp
   base/protection_kind.hpp
   base/reader.hpp
   base/uri_source.hpp

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/ids.hpp"
+#include "base/submessage_ids.hpp"
 #include "wire/span_writer.hpp"
 #include "wire/vendor.hpp"
 
@@ -14,7 +15,7 @@ struct Header {
   bool operator==(const Header&) const = default;
 };
 
-inline constexpr std::size_t kHeaderSize = 20;
+inline constexpr std::size_t kHeaderSize = kRtpsHeaderSize;
 
 /// Errors: rtps_not_a_message (too short, or the first octets are not RTPS),
 /// rtps_version_unsupported.

@@ -5,34 +5,13 @@
 
 #include "base/ids.hpp"
 #include "base/reader.hpp"
+#include "base/submessage_ids.hpp"
 #include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 
-enum class SubmessageId : std::uint8_t {
-  header_extension = 0x00,
-  pad = 0x01,
-  acknack = 0x06,
-  heartbeat = 0x07,
-  gap = 0x08,
-  info_timestamp = 0x09,
-  info_source = 0x0c,
-  info_reply_ip4 = 0x0d,
-  info_destination = 0x0e,
-  info_reply = 0x0f,
-  nack_frag = 0x12,
-  heartbeat_frag = 0x13,
-  data = 0x15,
-  data_frag = 0x16,
-  secure_body = 0x30,
-  secure_prefix = 0x31,
-  secure_postfix = 0x32,
-  secure_rtps_prefix = 0x33,
-  secure_rtps_postfix = 0x34,
-};
-
-inline constexpr std::uint8_t kFlagLittleEndian = 0x01;
-inline constexpr std::size_t kSubmessageHeaderSize = 4;
+using ddssec::kSubmessageHeaderSize;
+using ddssec::SubmessageId;
 
 /// One submessage in a received message. Borrows the message's octets.
 struct SubmessageView {

@@ -52,7 +52,7 @@ Result<std::uint64_t> read_number(Reader& in) {
 }
 
 Endian endian_of(BytesView submessage) {
-  return (submessage[1] & kEndianFlag) != 0 ? Endian::little : Endian::big;
+  return (submessage[1] & kFlagLittleEndian) != 0 ? Endian::little : Endian::big;
 }
 
 // Reads a GAP from after the ids of reader and writer.

@@ -21,11 +21,11 @@ constexpr std::size_t kAddressesSize = 100;    // the octets before message_clas
 // True if all parts of a SEC_ group have the same byte order. Cyclone DDS reads all their lengths
 // in the order of SEC_PREFIX, so with one order there is only one way to read them.
 bool is_of_one_order(BytesView group, std::size_t prefix_size) {
-  const auto order = group[1] & kEndianFlag;
+  const auto order = group[1] & kFlagLittleEndian;
   auto rest = group.subspan(prefix_size);
   for (int part = 0; part < 2; ++part) {
     const auto size = size_of_first_submessage(rest);
-    if (!size || (rest[1] & kEndianFlag) != order) return false;
+    if (!size || (rest[1] & kFlagLittleEndian) != order) return false;
     rest = rest.subspan(*size);
   }
   return true;

@@ -55,7 +55,7 @@ Result<BytesView> content_from(BytesView body) {
 
 // Flags other than E change the meaning in later versions (P and A of SRTPS_PREFIX).
 Status check_flags(const SubmessageHeader& header, std::uint8_t due = 0) {
-  if ((header.flags & ~kEndianFlag) != due) return fail(Code::secure_flags_unsupported);
+  if ((header.flags & ~kFlagLittleEndian) != due) return fail(Code::secure_flags_unsupported);
   return {};
 }
 

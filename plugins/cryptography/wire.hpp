@@ -13,6 +13,7 @@
 
 #include "base/ids.hpp"
 #include "base/result.hpp"
+#include "base/submessage_ids.hpp"
 #include "plugins/cryptography/aead.hpp"
 
 namespace ddssec::cryptography {
@@ -20,8 +21,6 @@ namespace ddssec::cryptography {
 inline constexpr std::size_t kCryptoHeaderSize = 20;
 inline constexpr std::size_t kReceiverMacSize = 20;
 inline constexpr std::size_t kFooterSize = 20;  ///< size without receiver-specific MACs
-inline constexpr std::size_t kSubmessageHeaderSize = 4;
-inline constexpr std::size_t kRtpsHeaderSize = 20;
 inline constexpr std::size_t kInfoSourceSize = 24;
 /// The largest octetsToNextHeader that is a multiple of 4.
 inline constexpr std::size_t kMaxSubmessageContent = 65532;
@@ -29,19 +28,24 @@ inline constexpr std::size_t kMaxSubmessageContent = 65532;
 inline constexpr std::size_t kMaxReceivers =
     (kMaxSubmessageContent - kFooterSize) / kReceiverMacSize;
 
+/// The ids as octets, as they are compared with those of a message.
 namespace submessage_id {
-inline constexpr std::uint8_t kAckNack = 0x06, kHeartbeat = 0x07, kGap = 0x08,
-                              kInfoTimestamp = 0x09, kInfoSource = 0x0c, kInfoDestination = 0x0e,
-                              kNackFrag = 0x12, kHeartbeatFrag = 0x13, kData = 0x15,
-                              kDataFrag = 0x16, kSecBody = 0x30, kSecPrefix = 0x31,
-                              kSecPostfix = 0x32, kSrtpsPrefix = 0x33, kSrtpsPostfix = 0x34;
+inline constexpr auto kAckNack = std::to_underlying(SubmessageId::acknack);
+inline constexpr auto kHeartbeat = std::to_underlying(SubmessageId::heartbeat);
+inline constexpr auto kGap = std::to_underlying(SubmessageId::gap);
+inline constexpr auto kInfoTimestamp = std::to_underlying(SubmessageId::info_timestamp);
+inline constexpr auto kInfoSource = std::to_underlying(SubmessageId::info_source);
+inline constexpr auto kInfoDestination = std::to_underlying(SubmessageId::info_destination);
+inline constexpr auto kNackFrag = std::to_underlying(SubmessageId::nack_frag);
+inline constexpr auto kHeartbeatFrag = std::to_underlying(SubmessageId::heartbeat_frag);
+inline constexpr auto kData = std::to_underlying(SubmessageId::data);
+inline constexpr auto kDataFrag = std::to_underlying(SubmessageId::data_frag);
+inline constexpr auto kSecBody = std::to_underlying(SubmessageId::secure_body);
+inline constexpr auto kSecPrefix = std::to_underlying(SubmessageId::secure_prefix);
+inline constexpr auto kSecPostfix = std::to_underlying(SubmessageId::secure_postfix);
+inline constexpr auto kSrtpsPrefix = std::to_underlying(SubmessageId::secure_rtps_prefix);
+inline constexpr auto kSrtpsPostfix = std::to_underlying(SubmessageId::secure_rtps_postfix);
 }  // namespace submessage_id
-
-/// Flag E of a submessage.
-inline constexpr std::uint8_t kEndianFlag = 0x01;
-
-/// Flag P of SRTPS_PREFIX: protected by a pre-shared key (DDS-Security 1.2, clause 7.4.7.8).
-inline constexpr std::uint8_t kPreSharedKeyFlag = 0x04;
 
 /// The ids of a prefix and its postfix.
 struct Frame {
@@ -52,7 +56,7 @@ struct Frame {
 inline constexpr Frame kSubmessageFrame{submessage_id::kSecPrefix, submessage_id::kSecPostfix};
 inline constexpr Frame kMessageFrame{submessage_id::kSrtpsPrefix, submessage_id::kSrtpsPostfix};
 inline constexpr Frame kPreSharedKeyFrame{submessage_id::kSrtpsPrefix, submessage_id::kSrtpsPostfix,
-                                          kPreSharedKeyFlag};
+                                          kFlagPreSharedKey};
 
 /// The fields of a CryptoHeader.
 struct CryptoHeader {
@@ -97,7 +101,7 @@ struct SubmessageHeader {
 };
 /// Reads a submessage header. The caller has checked that there are at least 4 octets.
 inline SubmessageHeader read_submessage_header(BytesView octets) {
-  const bool little = (octets[1] & kEndianFlag) != 0;
+  const bool little = (octets[1] & kFlagLittleEndian) != 0;
   const std::size_t length = little ? octets[2] | octets[3] << 8 : octets[2] << 8 | octets[3];
   return {octets[0], octets[1], length};
 }
@@ -150,7 +154,7 @@ class UncheckedWriter {
   /// Writes a little-endian header, in which flag E is 1.
   void submessage_header(std::uint8_t id, std::size_t length, std::uint8_t flags = 0) {
     u32(static_cast<std::uint32_t>(id) << 24 |
-        static_cast<std::uint32_t>(flags | kEndianFlag) << 16 |
+        static_cast<std::uint32_t>(flags | kFlagLittleEndian) << 16 |
         std::byteswap(static_cast<std::uint16_t>(length)));
   }
   void zeros(std::size_t count) { std::fill_n(skip(count), count, std::uint8_t{0}); }

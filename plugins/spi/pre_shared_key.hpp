@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <string_view>
+#include <utility>
 
 #include "base/bytes.hpp"
 #include "base/ids.hpp"
+#include "base/submessage_ids.hpp"
 #include "plugins/spi/attributes.hpp"
 
 namespace ddssec::spi {
@@ -46,11 +48,9 @@ class PreSharedKeys {
 /// True if the message claims this protection: flag P of an SRTPS_PREFIX directly after the RTPS
 /// header.
 constexpr bool has_pre_shared_key_flag(BytesView message) {
-  constexpr std::size_t kHeaderSize = 20;       // RTPS 8.3.3
-  constexpr std::uint8_t kSrtpsPrefix = 0x33;   // DDS-Security 1.2, clause 7.4.7.8
-  constexpr std::uint8_t kPreSharedKey = 0x04;  // flag P
-  return message.size() > kHeaderSize + 1 && message[kHeaderSize] == kSrtpsPrefix &&
-         (message[kHeaderSize + 1] & kPreSharedKey) != 0;
+  return message.size() > kRtpsHeaderSize + 1 &&
+         message[kRtpsHeaderSize] == std::to_underlying(SubmessageId::secure_rtps_prefix) &&
+         (message[kRtpsHeaderSize + 1] & kFlagPreSharedKey) != 0;
 }
 
 }  // namespace ddssec::spi

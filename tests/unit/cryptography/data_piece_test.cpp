@@ -52,7 +52,7 @@ TEST(DataPiece, OtherSubmessages_HaveNoWriterOfData) {
 
 // A little-endian submessage with the two entity ids, and then 32-bit words.
 Bytes submessage(std::uint8_t id, std::initializer_list<std::uint32_t> words) {
-  Bytes out = {id, kEndianFlag, 0, 0};
+  Bytes out = {id, kFlagLittleEndian, 0, 0};
   append(out, kTokenReader.view());
   append(out, kTokenWriter.view());
   for (const auto word : words) append(out, word, 4, true);
