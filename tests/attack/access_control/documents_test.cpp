@@ -20,7 +20,7 @@ class ForgedDocuments : public AccessControlTest {
     log.all.clear();
   }
 
-  // As an attacker signs: openssl with the certificate and key at hand.
+  // Signs as an attacker would: with openssl, and the certificate and key that it has.
   std::string signed_with_openssl(const std::string& xml, const pki::Certificate& certificate,
                                   const pki::PrivateKey& key) const {
     const auto folder = std::filesystem::temp_directory_path() /
@@ -49,7 +49,8 @@ class ForgedDocuments : public AccessControlTest {
   std::string governance_xml() const { return governance::to_xml(protected_governance()); }
 };
 
-// T1, CVE-2023-24011: identity and permissions by one CA, permissions signed by a leaf.
+// T1, CVE-2023-24011: one CA issues identities and signs permissions, and an owner of an identity
+// signs permissions.
 TEST_F(ForgedDocuments, PermissionsSignedByALeafOfTheSameCa_AreRefused) {
   const auto& ca = authorities().permissions_ca;
   const auto insider = pki::make_leaf(ca, kListener);
@@ -84,14 +85,14 @@ TEST_F(ForgedDocuments, DocumentsSignedByAnUnlistedSubordinateCa_AreRefused) {
   ASSERT_TRUE(sub);
   const auto file = signed_by(*sub, open_xml(kListener));
   EXPECT_REFUSED(remote(file), smime_signer_not_permissions_ca);
-  // Listed, it counts.
+  // If the subordinate CA is listed, its documents count.
   auto list = properties(signed_by(*sub, governance_xml()), signed_by(*sub, open_xml(kTalker)));
   list[1].value += sub->certificate().pem();
   EXPECT_TRUE(plugin->validate_local_permissions(kLocalIdentity, 0, list));
   EXPECT_TRUE(remote(file));
 }
 
-// T10: everything else that might sign.
+// T10: everything else that might sign a governance document is refused.
 TEST_F(ForgedDocuments, GovernanceByOthers_IsRefused) {
   const auto with_governance = [&](const std::string& file) {
     return plugin->validate_local_permissions(kLocalIdentity, 0,
@@ -111,7 +112,7 @@ TEST_F(ForgedDocuments, GovernanceByOthers_IsRefused) {
   EXPECT_REFUSED(with_governance(once + "<dds/>"), smime_surrounding_text);
 }
 
-// T2
+// T2: the certificate of the permissions CA has expired, or is not valid yet.
 TEST_F(ForgedDocuments, ExpiredAndFuturePermissionsCa_AreRefused) {
   for (const auto& [validity, code] :
        {std::pair{pki::Validity{kNow - 48h, kNow - 1h}, Code::certificate_expired},
@@ -127,7 +128,7 @@ TEST_F(ForgedDocuments, ExpiredAndFuturePermissionsCa_AreRefused) {
   }
 }
 
-// T5: a topic named with a wildcard does not match what the wildcard would.
+// T5: a topic whose name is a wildcard does not match what the wildcard would.
 TEST_F(ForgedDocuments, WildcardsInNames_OpenNothing) {
   auto narrow = grant(kListener, {publish_rule(true, {"Square", "s?"})});
   const auto peer = remote(signed_permissions({narrow}));
@@ -142,7 +143,7 @@ TEST_F(ForgedDocuments, WildcardsInNames_OpenNothing) {
       announced_writer_not_allowed);
 }
 
-// T7: what is signed may still be hostile.
+// T7: a document with a valid signature may still be hostile.
 TEST_F(ForgedDocuments, HostileXml_IsRefusedThoughSigned) {
   const auto xml = open_xml(kListener);
   std::string deep;
@@ -170,8 +171,8 @@ TEST_F(ForgedDocuments, HostileXml_IsRefusedThoughSigned) {
   }
 }
 
-// T8: the document of another participant, and one that has ended. A former document of the same
-// subject counts until it ends.
+// T8: the document of another participant is refused, and so is one that has ended. A former
+// document of the same subject counts until it ends.
 TEST_F(ForgedDocuments, PermissionsOfOthersAndOldOnes_AreRefused) {
   EXPECT_REFUSED(remote(open_permissions(kTalker)), no_grant_for_subject);
   auto all = rule(true);
@@ -180,12 +181,12 @@ TEST_F(ForgedDocuments, PermissionsOfOthersAndOldOnes_AreRefused) {
   ended.validity = {kNow - 24h, kNow};
   const auto old = signed_permissions({ended});
   EXPECT_REFUSED(remote(old), grant_expired);
-  // Changed after signing, be it by one octet.
+  // A document that was changed after signing is refused, even if only by one octet.
   EXPECT_REFUSED(remote(replaced(old, "<topic>*", "<topic>+")), smime_signature_invalid);
   EXPECT_FALSE(remote(old + "x"));
 }
 
-// T9: no flipped bit in token or document gets through with other content.
+// T9: no flipped bit in token or document passes with other content.
 TEST_F(ForgedDocuments, FlippedBits_NeverWidenTheRights) {
   const auto file = open_permissions(kListener);
   const std::string_view content(file.data() + file.find("<dds>"),
@@ -221,7 +222,7 @@ TEST_F(ForgedDocuments, EveryPartOfADocument_IsRefused) {
   }
 }
 
-// Documents that others made, with what becomes of them.
+// A document that others made, and the expected result.
 struct Verdict {
   const char* file;
   std::optional<Code> code;
@@ -324,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(
         Verdict{"validate_local_permissions/Test_Permissions_unknown_subject.p7s",
                 Code::no_grant_for_subject},
         Verdict{"validate_remote_permissions/Test_Permissions_ok.p7s", {}},
-        // Its RDNs are in neither of the two orders: Cyclone DDS takes any.
+        // The RDNs of this subject are in neither of the two orders. Cyclone DDS accepts any.
         Verdict{"validate_remote_permissions/Test_Permissions_different_subject_representation.p7s",
                 Code::no_grant_for_subject},
         Verdict{"validate_remote_permissions/Test_Permissions_missing_subject_component.p7s",

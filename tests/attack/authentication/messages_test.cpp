@@ -1,10 +1,11 @@
-// T9 (downgrade), T12 (GUID of another), T23 to T26 (lengths), T48 (invalid keys) on the handshake.
+// Attacks on the handshake: T9 (downgrade), T12 (GUID of another), T23 to T26 (lengths), T48
+// (invalid keys).
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-// ---- T9: whatever is changed in transit, somebody notices before a secret is used
+// ---- T9: a change in transit is noticed before a secret is used
 
 TEST(Downgrade, ChangedAlgorithmInTheRequest_IsNoticed) {
   for (const bool hide : {false, true}) {
@@ -56,21 +57,21 @@ TEST(Downgrade, ChangedParticipantData_IsNoticed) {
   auto& two = pairing.two;
   const auto req = two.request();
   Bytes data = field(*req->message, "c.pdata");
-  data[4] ^= 1;  // the protocol version; security masks stand in the same list
+  data[4] ^= 1;  // the protocol version; security masks are in the same list
   const Token changed = without(with(*req->message, "c.pdata", data), "hash_c1");
   const auto rep = two.reply(changed);
   ASSERT_OK(rep);
   EXPECT_CODE(two.at_low(req->handle, without(*rep->message, "hash_c1")), signature_invalid);
 }
 
-// ---- T12
+// ---- T12: the GUID of another participant
 
 TEST(ForeignGuid, AMember_CannotTakeAnothersGuid) {
   Engine engine;
   Participant us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1);
   const auto mallory = make_identity(test_ca(), "CN=mallory");
   const auto victim = make_identity(test_ca(), "CN=victim", {}, kYear, 2);
-  // The lowest possible GUID, so that the attacker begins.
+  // The GUID is the lowest possible one, so that the attacker begins.
   Guid guid = adjusted_guid(victim.certificate.subject_digest(), candidate(3));
   guid.prefix.octets[0] = 0x80;
   guid.prefix.octets[1] = 0;
@@ -89,7 +90,7 @@ TEST(ForeignGuid, AMember_CannotTakeAnothersGuid) {
               guid_not_bound_to_subject);
 }
 
-// ---- T23 to T26: every length field of every token set to every liar's favourite
+// ---- T23 to T26: every length field of every token has each of the usual false values
 
 void put(Bytes& octets, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) octets[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
@@ -110,7 +111,7 @@ TEST(HandshakeLengths, Lies_AreRefusedBeforeAnythingIsAllocatedOrStored) {
       const auto token = spi::read_token(reader);
       if (!token) continue;
       if (!two.reply(*token)) continue;
-      // Only what a request is free to choose, or to leave out, may differ.
+      // Only values that a request is free to choose, or to leave out, may differ.
       for (const auto* name : {"c.id", "c.perm", "c.pdata", "c.dsign_algo", "c.kagree_algo", "dh1"})
         EXPECT_EQ(field(*token, name), field(*req->message, name)) << at;
       two.high.engine->clock.advance(kPendingAge);
@@ -121,7 +122,7 @@ TEST(HandshakeLengths, Lies_AreRefusedBeforeAnythingIsAllocatedOrStored) {
   pairing.expect_finish(*req, *rep);
 }
 
-// ---- T48
+// ---- T48: invalid keys
 
 struct BadKey {
   std::string name;
@@ -148,7 +149,7 @@ std::vector<BadKey> bad_keys() {
           {"PointOfP384", ecdh_p256, Bytes(97, 4)},
           {"Zero", dh_modp_2048_256, modp(0)},
           {"One", dh_modp_2048_256, modp(1)},
-          {"Two", dh_modp_2048_256, modp(2)},  // not in the subgroup of order q
+          {"Two", dh_modp_2048_256, modp(2)},  // it is not in the subgroup of order q
           {"AllOnes", dh_modp_2048_256, Bytes(256, 0xff)},
           {"TooLong", dh_modp_2048_256, Bytes(300, 1)}};
 }

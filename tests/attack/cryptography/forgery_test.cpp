@@ -1,5 +1,5 @@
-// What somebody on the wire, or an authenticated peer gone bad, may send (T27, T28, T29, T42, T43,
-// T45 of the catalogue of attacks).
+// The messages that an attacker on the network, or an authenticated peer that turned hostile, may
+// send (T27, T28, T29, T42, T43, T45 of the catalogue of attacks).
 #include "tests/support/seeded_random.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
@@ -18,11 +18,11 @@ using Decode = std::function<Result<Bytes>(const Bytes&)>;
 
 struct Target {
   std::string name;
-  std::function<Bytes()> encode;  // the same content each time, under another IV
+  std::function<Bytes()> encode;  // has the same content each time, under another IV
   Decode decode;
 };
 
-// A genuine message of every kind at every level, with its reader.
+// One genuine message of every kind at every level, with its reader.
 class ForgedMessages : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -86,7 +86,7 @@ TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
       auto longer = target.encode();
       longer.resize(longer.size() + more);
       const auto decoded = target.decode(longer);
-      // Fast DDS fills up to whole words after the footer of an encrypted payload.
+      // Fast DDS fills an encrypted payload up to whole words after the footer.
       const bool is_padding =
           more < 4 && target.name.contains("ENCRYPT") && target.name.ends_with(" payload");
       EXPECT_EQ(decoded.has_value(), is_padding || target.name.ends_with(" message"))
@@ -96,7 +96,7 @@ TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
   }
 }
 
-// But for a postfix length of 0, which means the same.
+// The exception is a postfix length of 0, which means the same.
 TEST_F(ForgedMessages, EveryOctetAtItsExtremes_IsRefusedOrMeansTheSame) {
   for (const auto& target : targets_) {
     const auto encoded = target.encode();
@@ -133,7 +133,7 @@ TEST_F(ForgedMessages, MessagesOfOneKind_DoNotPassAsAnother) {
       EXPECT_EQ(target.decode(other.encode()).has_value(), target.name == other.name);
 }
 
-// Exact reasons, by who holds the key.
+// The exact reasons of refusals, by the holder of the key.
 
 struct Payload {
   TwoSides two;
@@ -159,7 +159,7 @@ TEST(RefusalReasons, ChangedKindAndKeyId_HaveTheirOwnReasons) {
   auto other_key = sealed;
   other_key[7] ^= 1;
   EXPECT_EQ(encrypts.decode(other_key), Code::transform_key_id_mismatch);
-  // Content that can be read as CryptoContent.
+  // The content can be read as CryptoContent.
   Bytes plain(16);
   plain[3] = 12;
   const auto signed_one = encode_payload(signs.two, signs.e, plain).value();
@@ -189,8 +189,8 @@ TEST(RefusalReasons, WhatDidNotVerify_DoesNotStay) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     auto bad = encode_message(two, rtps_message({data_submessage(40)})).value();
-    bad.back() ^= 1;            // the receiver's MAC, or the count
-    bad[bad.size() - 30] ^= 1;  // the common MAC or before
+    bad.back() ^= 1;            // in the receiver's MAC, or in the count
+    bad[bad.size() - 30] ^= 1;  // in the common MAC, or before it
     Bytes out(bad.size(), 0);
     EXPECT_FALSE(two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, bad, out));
     EXPECT_EQ(out, Bytes(bad.size()));
@@ -210,7 +210,7 @@ TEST(RefusalReasons, ChangedReceiverMacs_HaveTheirOwnReasons) {
     auto none = good;
     none.resize(none.size() - 20);
     none[none.size() - 1] = 0;
-    none[none.size() - 22] = 20;  // octetsToNextHeader of the postfix
+    none[none.size() - 22] = 20;  // the octetsToNextHeader of the postfix
     EXPECT_EQ(code_of(decode_message(two, none)), Code::receiver_specific_mac_missing);
     for (const std::uint32_t count : {0u, 2u, 65535u, 0x7fffffffu, 0xccccccceu, 0xffffffffu}) {
       auto lie = good;
@@ -222,7 +222,8 @@ TEST(RefusalReasons, ChangedReceiverMacs_HaveTheirOwnReasons) {
   }
 }
 
-// 3,275 MACs of others do not keep us from finding, or missing, ours.
+// 3,275 MACs of others do not prevent a receiver from finding its own, or from noticing that it is
+// missing.
 TEST(RefusalReasons, FullListOfReceiverMacs_IsSearched) {
   TwoSides two(kEncryptOrigin);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -328,7 +329,7 @@ TEST(InsiderSubmessages, NoneOrSeveralSubmessages_AreRefused) {
               Code::secure_group_malformed);
 }
 
-// CryptoContent and SEC_BODY lengths at their extremes (Fast DDS once overflowed here).
+// The lengths of CryptoContent and SEC_BODY have extreme values (Fast DDS once overflowed here).
 TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -347,7 +348,8 @@ TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
     }
 }
 
-// Token octets of an authenticated peer gone bad: any size, any lengths (Fast DDS issue 6345).
+// An authenticated peer that turned hostile sends tokens of any size with any lengths (Fast DDS
+// issue 6345).
 TEST(Tokens, TokensOfAnySizeAndContent_AreRefused) {
   TwoSides two(kEncrypt);
   SeededRandom random(27);

@@ -1,4 +1,4 @@
-// No IV twice under one key (T40): small limits, many threads, every key.
+// No IV is used twice under one key (T40), with small limits, many threads and every kind of key.
 #include <algorithm>
 #include <barrier>
 #include <set>
@@ -14,7 +14,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 
-// Key id, session id and suffix, as they stand in the CryptoHeader.
+// Key id, session id and suffix, as they are in the CryptoHeader.
 using Nonce = std::array<std::uint8_t, 16>;
 
 Nonce nonce_at(const Bytes& encoded, std::size_t header) {
@@ -23,7 +23,7 @@ Nonce nonce_at(const Bytes& encoded, std::size_t header) {
   return nonce;
 }
 
-// Runs `encode` in four threads at once; all nonces that came out, sorted.
+// Runs `encode` in four threads at once. Returns all nonces, sorted.
 template <class Encode>
 std::vector<Nonce> nonces_of_four_threads(int messages, Encode&& encode) {
   std::vector<std::vector<Nonce>> seen(4);
@@ -80,7 +80,7 @@ TEST_P(Nonces, OneParticipantWithReceivers_NeverRepeatsANonce) {
   EXPECT_EQ(std::ranges::adjacent_find(all), all.end());
 }
 
-// Writer and reader of a pair's volatile channel encrypt under one and the same key.
+// Writer and reader of a pair's volatile channel encrypt under the same key.
 TEST_P(Nonces, BothVolatileEndpoints_NeverRepeatANonce) {
   TwoSides two(kNone, properties(), options());
   auto writing = two.volatile_endpoints();
@@ -117,7 +117,7 @@ TEST_P(Sessions, SessionAtItsLimit_RollsOverAndNotBefore) {
   TwoSides two(kNone, cipher(GetParam()), {.max_blocks_per_session = 12});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Nonce> nonces;
-  for (int i = 0; i < 7; ++i)  // 4 blocks each: 3 a session
+  for (int i = 0; i < 7; ++i)  // 4 blocks each, so 3 in a session
     nonces.push_back(nonce_at(encode_payload(two, e, Bytes(32)).value(), 0));
   EXPECT_EQ(sessions({nonces.begin(), nonces.begin() + 3}), 1u);
   EXPECT_EQ(sessions({nonces.begin(), nonces.begin() + 6}), 2u);

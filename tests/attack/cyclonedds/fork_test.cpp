@@ -1,5 +1,5 @@
-// A host forks with the plugins loaded: what parent and child protect must not share an IV, or
-// whoever hears both has the xor of their plaintexts, and GHASH's key.
+// A host forks while the plugins are loaded. Parent and child must not protect messages under the
+// same IV: an attacker that hears both would have the xor of their plaintexts, and GHASH's key.
 #include <array>
 #include <set>
 #include <sys/wait.h>
@@ -17,7 +17,7 @@ const Paths kPaths = {kPlugins + "authentication.so", kPlugins + "access_control
                       kPlugins + "cryptography.so"};
 
 constexpr std::size_t kRounds = 8;
-// Where the CryptoHeader stands: of a payload, a submessage and a message.
+// The positions of the CryptoHeader in a payload, a submessage and a message.
 constexpr std::array<std::size_t, 3> kHeaderAt = {0, 4, 24};
 constexpr std::size_t kHeaderSize = 20;
 
@@ -38,7 +38,7 @@ Block encode(const Sender& sender, std::size_t level) {
   return level == 1 ? sender.encode_submessage(submessage()) : sender.encode_message(message());
 }
 
-// What `sender` protects in its process: each with its length before it.
+// Returns what `sender` protects in its process, each message after its length.
 Octets speech(const Sender& sender) {
   Octets out;
   for (std::size_t i = 0; i < kRounds * kHeaderAt.size(); ++i) {
@@ -55,7 +55,7 @@ Octets speech_of_child(const Sender& sender) {
   const auto child = fork();
   if (child == 0) {
     const auto said = speech(sender);
-    const auto written = write(ends[1], said.data(), said.size());  // less than a pipe holds
+    const auto written = write(ends[1], said.data(), said.size());  // it is less than a pipe holds
     _exit(written == static_cast<ssize_t>(said.size()) ? 0 : 1);
   }
   close(ends[1]);

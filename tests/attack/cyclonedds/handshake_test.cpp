@@ -1,6 +1,7 @@
 // T30 through Cyclone's C ABI: handshake messages lost, doubled, late and in any order, a side that
 // restarts, a lease that ends in between. Honest participants must all authenticate in bounded
-// time, and whoever is gone leaves nothing behind. T31: auth_requests that an attacker forged.
+// time, and a participant that is gone leaves nothing behind. T31: auth_requests that an attacker
+// forged.
 #include <algorithm>
 #include <map>
 #include <random>
@@ -18,11 +19,11 @@ const std::string kPlugins = DDSSEC_PLUGIN_DIR "/libddssec_";
 const Paths kPaths = {kPlugins + "authentication.so", kPlugins + "access_control.so",
                       kPlugins + "cryptography.so"};
 
-// A message on its way; the tokens of the C ABI belong to who made them.
+// A message on its way. The tokens of the C ABI belong to the plugin that made them.
 using Message = spi::Token;
 
-// A participant in a process of its own, with a host that sends its last message again until there
-// is an end, and tries what comes on every handshake of the pair.
+// A participant in a process of its own. Its host sends its last message again until the handshake
+// ends, and tries each message that arrives on every handshake of the pair.
 class Node {
  public:
   explicit Node(std::uint8_t number)
@@ -33,7 +34,7 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  // With an auth_request that came in the other's name, if any.
+  // Meets the other node, with an auth_request that came in its name, if there is one.
   void meet(Node& other, const Message* came = nullptr) {
     auto& peer = peers_[&other];
     Token auth_request, announced;
@@ -47,7 +48,7 @@ class Node {
     call.check(result != DDS_SECURITY_VALIDATION_FAILED);
     peer.begins = result == DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST;
   }
-  // Its lease has ended.
+  // Forgets the other node, because its lease has ended.
   void forget(Node& other) {
     Call call("return_identity_handle");
     const auto& peer = peers_.at(&other);
@@ -57,7 +58,7 @@ class Node {
     peers_.erase(&other);
   }
 
-  // What to send (again) to that peer.
+  // Returns the messages to send (again) to that peer.
   std::vector<Message> due(Node& other) {
     auto& peer = peers_.at(&other);
     if (!peer.begins) return peer.last;
@@ -69,10 +70,10 @@ class Node {
     });
     return peer.last;
   }
-  // Takes a message from a peer; what to answer. Refused messages have no answer.
+  // Takes a message from a peer. Returns the answer; refused messages have none.
   std::vector<Message> take(Node& other, const Message& message) {
     const auto known = peers_.find(&other);
-    if (known == peers_.end()) return {};  // as the host does for a peer that it has not discovered
+    if (known == peers_.end()) return {};  // a host does so for a peer that it has not discovered
     auto& peer = known->second;
     Token in;
     EXPECT_TRUE(cyclonedds::copy_token(message, in));
@@ -87,7 +88,7 @@ class Node {
     return step(peer, in);
   }
 
-  // The secret shared with that peer; empty until there is one.
+  // Returns the secret shared with that peer; empty until there is one.
   Octets secret(Node& other) {
     const auto handle = peers_.at(&other).secret;
     if (handle == 0) return {};
@@ -106,7 +107,7 @@ class Node {
 
   dds_security_authentication& auth() { return domain_.authentication(); }
 
-  // `begin(handle, token)` gives a handshake and what to send for it.
+  // Keeps a handshake. `begin(handle, token)` returns its handle and the message to send.
   template <class Begin>
   bool keep(Peer& peer, Begin&& begin) {
     DDS_Security_HandshakeHandle handle = 0;
@@ -140,7 +141,8 @@ class Node {
   std::map<Node*, Peer> peers_;
 };
 
-// Which of the two got the forged auth_request: one of them begins, the other replies.
+// The parameter is the node that gets the forged auth_request: one of the two begins, the other
+// replies.
 class HostForgedAuthRequest : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(T31, HostForgedAuthRequest, testing::Bool());
 
@@ -170,7 +172,7 @@ TEST_P(HostForgedAuthRequest, ForgedRequests_LockNobodyOut) {
   }
 }
 
-// Datagrams on their way, treated badly.
+// Datagrams on their way, which are lost, repeated and delayed.
 class Network {
  public:
   explicit Network(std::uint32_t seed) : dice_(seed) {}
@@ -182,7 +184,7 @@ class Network {
     }
     nodes_.push_back(&node);
   }
-  // Everybody forgets it; what it has sent is still on its way.
+  // All other nodes forget the node. The messages that it has sent are still on their way.
   void lose(Node& node) {
     std::erase(nodes_, &node);
     for (auto* other : nodes_) {
@@ -190,7 +192,7 @@ class Network {
       node.forget(*other);
     }
   }
-  // Everybody sends what is due; most of what is on the wire arrives, in any order.
+  // All nodes send what is due. Most of what is on the wire arrives, in any order.
   void round() {
     for (auto* from : nodes_)
       for (auto* to : nodes_)
@@ -204,7 +206,7 @@ class Network {
         send(*datagram.to, *datagram.from, answer);
     }
   }
-  // Rounds until all have authenticated all, at most 60.
+  // Runs rounds until all have authenticated all, at most 60.
   void settle() {
     for (int rounds = 0; rounds < 60 && !all_done(); ++rounds) round();
     ASSERT_TRUE(all_done());
@@ -225,7 +227,7 @@ class Network {
 
   void send(Node& from, Node& to, const Message& message) {
     const auto fate = roll(100);
-    if (fate < 30) return;  // lost
+    if (fate < 30) return;  // it is lost
     wire_.push_back({&from, &to, message});
     if (fate < 60) wire_.push_back({&from, &to, message});
   }
@@ -259,7 +261,8 @@ INSTANTIATE_TEST_SUITE_P(T30, HostBadNetwork,
 
 TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) { network.settle(); }
 
-// The one whose lease ends takes part again as it was; what it sent before still arrives.
+// The node whose lease ends takes part again as it was. The messages that it sent before still
+// arrive.
 TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   network.lose(*nodes[0]);
@@ -268,7 +271,8 @@ TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   network.settle();
 }
 
-// The same certificate and GUID in a new process: old handshakes and messages lead nowhere.
+// A new process has the same certificate and GUID. Old handshakes and messages have no effect
+// there.
 TEST_P(HostBadNetwork, ARestartedSide_AuthenticatesAgain) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   const auto before = std::move(nodes[0]);

@@ -1,4 +1,4 @@
-// How much a participant sends to others for what a stranger sends to it (T60).
+// Measures how much a participant sends to others because of what a stranger sends to it (T60).
 #include "rtps/security/peer_handshake.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
@@ -31,7 +31,7 @@ class Reflection {
       world_.run(1);
     }
   }
-  // Of a participant that names the victim's addresses.
+  // Returns the data of a participant that names the victim's addresses.
   static ParticipantData data_of(const GuidPrefix& name, VendorId vendor) {
     auto data = secured_data(name);
     data.vendor = vendor;
@@ -41,7 +41,7 @@ class Reflection {
     data.default_unicast = data.metatraffic_unicast;
     return data;
   }
-  // What was sent to the attacker's own address.
+  // Returns what was sent to the attacker's own address.
   const Eavesdropper& ears() const { return ears_; }
   std::size_t in() const { return in_; }
   std::size_t out() const { return out_; }
@@ -68,8 +68,9 @@ void expect_below_three(Reflection& reflection) {
   EXPECT_LT(reflection.out(), 3 * reflection.in()) << reflection.ratio();
 }
 
-// It names four addresses of the victim, and never says a word. Before: 464 times its octets, then
-// 28 times. In a name that is below ours, and in one above it, for which we begin.
+// The announced participant names four addresses of the victim, and sends nothing else. Its name is
+// below ours, or above it, so that we begin. Before the fix, 464 times its octets were sent, then
+// 28 times.
 TEST(Amplification, OfOneAnnouncement_IsBelowThree) {
   for (const auto& vendor : kVendors)
     for (const std::uint8_t name : {0x00, 0xff}) {
@@ -105,8 +106,8 @@ TEST(Amplification, OfRepeatedAnnouncements_IsBelowThree) {
   }
 }
 
-// What an attacker can add in the announced name: a datagram of each of these earns no more than
-// three times its octets either.
+// An attacker can add other messages in the announced name. A datagram of each of these causes no
+// more than three times its octets either.
 TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
   const auto name = name_of(0xff);
   for (const auto& vendor : kVendors) {
@@ -128,8 +129,8 @@ TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
   }
 }
 
-// It names an address of its own as well, where it is sent a challenge, and repeats that with the
-// victim's address as the source.
+// The participant names an address of its own as well, where it gets a challenge. It repeats that
+// with the victim's address as the source.
 TEST(Amplification, OfAChallengeThatWasHeardElsewhere_IsBelowThree) {
   const auto name = name_of(0xff);
   const auto victim = *Locator::parse("192.0.2.1", 7990);
@@ -155,7 +156,7 @@ TEST(Amplification, OfAChallengeThatWasHeardElsewhere_IsBelowThree) {
   expect_below_three(reflection);
 }
 
-// The octets of one datagram count for one of the names that it bears.
+// The octets of one datagram count for only one of the names in it.
 TEST(Amplification, OfManyNamesInOneDatagram_IsBelowThree) {
   auto node = secured_node();
   Reflection reflection(node);
@@ -200,7 +201,8 @@ TEST(Amplification, OfRecordedRequests_IsBelowThree) {
   expect_below_three(reflection);
 }
 
-// In the name of a reader, where nothing is protected. Before: 338 times their octets.
+// An attacker sends requests in the name of a reader, where nothing is protected. Before the fix,
+// 338 times their octets were sent.
 TEST(Amplification, OfManyRequestsInOneDatagram_IsBounded) {
   Pair pair({});
   ASSERT_TRUE(pair.match());

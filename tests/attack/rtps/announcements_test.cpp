@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-// Joins although `first` came before anything that the other said.
+// The pair joins although `first` arrives before anything that the other side sent.
 void expect_joined_after(const std::function<ParticipantData(const GuidPrefix&)>& first) {
   Pair pair({});
   pair.a->receive(announcement(first(pair.b->prefix())), pair.world.now);
@@ -25,7 +25,7 @@ TEST(ForgedAnnouncement, ForgedAddress_DoesNotKeepThePeerOut) {
 }
 
 // The genuine announcement is heard first, and its address gives way to forged ones, each from
-// another source. Seed 151 of tests/sim. Before: not joined after 30 s.
+// another source (seed 151 of tests/sim). Before the fix, the pair had not joined after 30 s.
 TEST(ForgedAnnouncement, OfManyAddresses_GivesWayToTheFirstAnnouncementWhenItIsRepeated) {
   Pair pair({});
   pair.world.filter = [](const Node&, Bytes datagram) {
@@ -48,8 +48,8 @@ TEST(ForgedAnnouncement, OfManyAddresses_GivesWayToTheFirstAnnouncementWhenItIsR
   EXPECT_LT(pair.world.now - begin, seconds(5));
 }
 
-// Seed 24 of tests/sim: the handshake is over, and the keys are still under way. Before, samples
-// were sent to the forged address as long as the peer stayed.
+// The handshake is over, and the keys are still under way (seed 24 of tests/sim). Before the fix,
+// samples were sent to the forged address for as long as the peer stayed.
 TEST(ForgedAnnouncement, AfterTheHandshake_AddsNoAddress) {
   Pair pair(everything(ProtectionKind::sign));
   pair.world.filter = [](const Node&, Bytes datagram) {
@@ -95,7 +95,8 @@ TEST(ForgedAnnouncement, ImpossibleToken_DoesNotKeepThePeerOut) {
   });
 }
 
-// A vendor that would let clear messages end it, and none of the endpoints.
+// The forged announcement names a vendor that would let clear messages end it, and none of the
+// endpoints.
 TEST(ForgedAnnouncement, OtherVendorAndNoEndpoints_AreForgottenOnceThePeerAuthenticates) {
   Pair pair({});
   auto data = secured_data(pair.a->prefix());
@@ -116,7 +117,7 @@ TEST(ForgedAnnouncement, OtherVendorAndNoEndpoints_AreForgottenOnceThePeerAuthen
   EXPECT_EQ(pair.b.listener.matched, 1);
 }
 
-// Every few milliseconds: it left, and its lease is over (T20).
+// Every few milliseconds a forged message says that the peer left, or that its lease is over (T20).
 TEST(ForgedAnnouncement, DisposesAndEmptyLeases_DoNotStopAHandshake) {
   Pair pair({});
   pair.world.attack = [&](World::Traffic& traffic) {
@@ -135,7 +136,7 @@ TEST(ForgedAnnouncement, DisposesAndEmptyLeases_DoNotStopAHandshake) {
                                                    {}}));
     }
   };
-  // A third of the messages gets lost, so that the rest has to wait.
+  // A third of the messages gets lost, so that the others have to wait.
   std::mt19937 random(20);
   pair.world.filter = [&](const Node&, Bytes datagram) {
     return random() % 3 == 0 ? std::vector<Bytes>{} : one(std::move(datagram));
@@ -147,7 +148,7 @@ TEST(ForgedAnnouncement, DisposesAndEmptyLeases_DoNotStopAHandshake) {
   EXPECT_EQ(pair.b.listener.matched, 1);
 }
 
-// A clear announcement of a writer.
+// Returns a clear announcement of a writer.
 Bytes clear_publication(const Guid& writer, std::string topic, SequenceNumber number) {
   const EndpointData data{
       .guid = writer, .topic_name = std::move(topic), .type_name = "ShapeType", .qos = {}};
@@ -162,7 +163,7 @@ Bytes clear_publication(const Guid& writer, std::string topic, SequenceNumber nu
 constexpr Rules kOpenMessages{.discovery = ProtectionKind::encrypt,
                               .data = ProtectionKind::encrypt};
 
-// Before: the pair never matched, without an event.
+// Before the fix, the pair never matched, and no event was raised.
 TEST(ForgedEndpoint, OfTheSameName_GivesWayToTheSecureOne) {
   for (const auto* topic : {"Square", "Circle"}) {
     Pair pair(kOpenMessages);

@@ -1,6 +1,6 @@
-// Every message of two participants that find each other and exchange a sample: cut at each octet,
-// and each field at its extremes. All forms of the first three of each length and sender go to one
-// running pair, before the honest message does.
+// Two participants find each other and exchange a sample. Each of their messages is cut at each
+// octet, and each field gets extreme values. All forms of the first three messages of each length
+// and sender go to one running pair, before the honest message does.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -14,8 +14,8 @@ constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 using Use = std::function<void(BytesView)>;
 
-// Where the octets of the last submessage's length stand, and where those begin that it counts;
-// nothing if it is not little-endian or ends with the datagram.
+// The position of the last submessage's length, and that of the octets that it counts. Empty if the
+// length is not little-endian, or the datagram ends with the submessage.
 struct LastLength {
   std::size_t at = 0, begin = 0;
 };
@@ -30,8 +30,8 @@ std::optional<LastLength> last_length(BytesView datagram) {
   return std::nullopt;
 }
 
-// Cut at each octet: the datagram alone, and the last submessage with its length changed to fit,
-// so that the cut is seen by whoever reads what is in it.
+// Cuts the datagram at each octet: the datagram alone, and also with the last submessage's length
+// changed to fit, so that the reader of its content notices the cut.
 void each_truncation(const Bytes& datagram, const Use& use) {
   for (std::size_t size = 0; size < datagram.size(); ++size) use(BytesView(datagram).first(size));
   const auto length = last_length(datagram);
@@ -45,7 +45,7 @@ void each_truncation(const Bytes& datagram, const Use& use) {
   }
 }
 
-// Each field of two and of four octets at its extremes, in either byte order.
+// Sets each field of two and of four octets to its extreme values, in either byte order.
 void each_extreme(const Bytes& datagram, const Use& use) {
   auto changed = datagram;
   const auto try_at = [&](std::size_t at, const auto& octets) {
@@ -81,7 +81,7 @@ bool is_announcement(BytesView datagram) {
   return false;
 }
 
-// Sends the broken forms of a message before it, but for repetitions.
+// Sends the broken forms of a message before it, but not for repetitions of the message.
 class Breaker {
  public:
   Breaker(Pair& pair, bool is_discovery_open) : pair_(pair), is_discovery_open_(is_discovery_open) {
@@ -105,8 +105,8 @@ class Breaker {
     };
     each_truncation(datagram, use);
     each_extreme(datagram, use);
-    // The first of two submessages is whole when only the second is cut: so it may match, and what
-    // came may come. Nothing else does, but where anybody may say what endpoints there are.
+    // If only the second of two submessages is cut, the first one is whole: it may match, and its
+    // sample may arrive. No other form has an effect, except where anyone may announce endpoints.
     if (!is_discovery_open_) {
       EXPECT_GE(to.listener.matched, matched);
     }

@@ -1,4 +1,4 @@
-// One certificate, good for nothing of ours, and as many participants as its owner likes.
+// The owner of one certificate, which has no rights here, runs as many participants as it likes.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -6,12 +6,12 @@ namespace {
 
 using namespace testing;
 
-// Participants of one certificate that talk to `victim` only, and are never heard again.
+// Participants of one certificate that send to `victim` only, and are never heard again.
 class Insiders {
  public:
   explicit Insiders(Node& victim) : victim_(victim) {}
 
-  // True: one more has authenticated within a second.
+  // Adds a participant. Returns true if it has authenticated within a second.
   bool join(MonotonicTime& now) {
     auto insider = make(++count_);
     for (int step = 0; step < 100; ++step, now += milliseconds(10)) {
@@ -58,7 +58,7 @@ class Insiders {
   std::uint32_t count_ = 0;
 };
 
-// Before: 512 of them authenticated in six seconds, and nobody else ever joined.
+// Before the fix, 512 of them authenticated in six seconds, and no other participant ever joined.
 TEST(CertificatePlaces, OneCertificate_TakesHalfOfThem) {
   Pair pair({});
   pair.world.nodes = {&pair.a};

@@ -8,14 +8,14 @@ namespace {
 
 using namespace testing;
 
-// a writes, b reads, with keys for the topic.
+// a writes and b reads, with keys for the topic.
 struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
   ClearEndpointsWithKeys() : pair(GetParam()) {
     EXPECT_TRUE(pair.match());
     pair.world.run(100);
     data = *pair.b.participant->remote_participants().endpoint(pair.writer);
   }
-  // In a's name, to b.
+  // Sends to b in a's name.
   void send(PayloadKind kind, BytesView payload, InlineQos qos = {}) {
     pair.b->receive(
         forged(
@@ -48,7 +48,7 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
                                                        .count = ++count}),
                     pair.world.now, attacker);
   }
-  // A reading is disturbed, however late it comes.
+  // Disturbs a reading, however late it comes.
   void hide_announcements_until_read() {
     const auto& reading =
         pair.b->remote_participants().all().at(pair.a->prefix()).announcement_refresh;
@@ -81,8 +81,8 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
   }
   const Locator attacker = *Locator::parse("127.0.0.1", 7000);
   Pair pair;
-  EndpointData data;      // of the true writer
-  std::int64_t next = 2;  // a has announced one writer
+  EndpointData data;      // the data of the true writer
+  std::int64_t next = 2;  // the next number; a has announced one writer
   std::int32_t count = 1000;
 };
 
@@ -94,7 +94,7 @@ TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
   EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
 }
 
-// Before the fix, each took the room of one whose keys are kept.
+// Before the fix, each of them took the room of a writer whose keys are kept.
 TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
   for (std::uint32_t i = 0; i < AnnouncementRefresh::kMaxEnded; ++i) {
     announce(other_writer(i));
@@ -136,7 +136,7 @@ TEST_P(ClearEndpointsWithKeys, WhereAForgedHeartbeatDisturbsTheReading_MatchAfte
   EXPECT_TRUE(delivers());
 }
 
-// They are not parted for good, and it does not take long.
+// The writers and readers match again, and soon.
 TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
   std::vector<Guid> writers{pair.writer};
   while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
@@ -151,7 +151,7 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == all; }, 1000));
 }
 
-// Ends that are true count at the latest when they are read.
+// Ends that are true count when they are read, at the latest.
 TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
   std::vector<Guid> writers;
   while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
@@ -165,7 +165,7 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
   EXPECT_TRUE(delivers());
 }
 
-// The keys of some that have ended are still kept, because a reading can be disturbed.
+// The keys of some writers that have ended are still kept, because a reading can be disturbed.
 TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd) {
   pair.a->remove(pair.writer, pair.world.now);
   pair.world.run(1000);
@@ -181,7 +181,7 @@ TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd)
   EXPECT_FALSE(knows_keys(pair.writer));
 }
 
-// The true writer is hidden from a reading, and its keys are given up for those of others.
+// The true writer is hidden from a reading, and its keys are given up for those of other writers.
 struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
   void lose_keys() {
     dispose(pair.writer);

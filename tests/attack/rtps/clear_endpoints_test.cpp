@@ -9,13 +9,13 @@ namespace {
 using namespace testing;
 
 constexpr std::size_t kMaxMatches = MatchTable::kMaxOfOne;
-constexpr std::uint32_t kFirstPort = 20000;  // of those that the attacker names
+constexpr std::uint32_t kFirstPort = 20000;  // the first of the ports that the attacker names
 
 Locator at(std::uint32_t port) {
   return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
 }
 
-// a writes, b reads.
+// a writes and b reads.
 struct ClearEndpoints : ::testing::Test {
   ClearEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
     EXPECT_TRUE(pair.match());
@@ -82,11 +82,11 @@ struct ClearEndpoints : ::testing::Test {
   }
 
   Pair pair;
-  std::set<std::uint32_t> ports;  // of the attacker's, to which anything was sent
-  std::int64_t next = 2;          // the next number of an announcement: b has announced one reader
+  std::set<std::uint32_t> ports;  // the attacker's ports to which anything was sent
+  std::int64_t next = 2;          // the next number of an announcement; b has announced one reader
 };
 
-// Before the fix: to all 800 ports.
+// Before the fix, messages were sent to all 800 ports.
 TEST_F(ClearEndpoints, AtManyPorts_GetMessagesAtFewOfThem) {
   announce_at_many_ports(200);
   ASSERT_EQ(matched(), 201u);
@@ -108,7 +108,7 @@ TEST_F(ClearEndpoints, AtManyPortsAgainAndAgain_GetMessagesAtFewOfThem) {
   EXPECT_LE(ports.size(), ClearAddresses::kMax);
 }
 
-// What has ended takes no room.
+// A reader that has ended takes no room.
 TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
   announce_at_many_ports(10);
   for (std::uint32_t i = 0; i < 10; ++i) dispose(forged_reader(i).guid);
@@ -122,7 +122,7 @@ TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
   EXPECT_EQ(ports, std::set{30000u});
 }
 
-// Before the fix, only a new announcement matched.
+// Before the fix, only a new announcement made it match.
 TEST_F(ClearEndpoints, ThatUseUpThePlaces_KeepAnotherOutOnlyUntilOneEnds) {
   for (std::uint32_t i = 1; i < kMaxMatches; ++i) announce(forged_reader(i));
   ASSERT_EQ(matched(), kMaxMatches);
@@ -147,7 +147,7 @@ TEST_F(ClearEndpoints, ThatUseUpThePlaces_GiveWayToOneAnnouncedSecurely) {
   EXPECT_EQ(matched(), kMaxMatches);
 }
 
-// Before the fix, the two had parted for good.
+// Before the fix, the two never matched again.
 TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
   for (int i = 0; i < 3; ++i) {
     dispose(pair.reader);
@@ -244,7 +244,7 @@ TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNe
   ASSERT_TRUE(pair.world.run_until([&] { return reading.is_under_way(); }, 1000));
   pair.world.run(10);
   next = 2;
-  announce(honest);  // as its participant does now
+  announce(honest);  // its participant does so now
   EXPECT_TRUE(is_reliable());
   EXPECT_TRUE(matches(honest.guid));
 }
@@ -258,7 +258,7 @@ TEST_F(ClearEndpoints, ThatHaveEnded_DoNotComeBack) {
   EXPECT_EQ(pair.a.listener.unmatched, 1);
 }
 
-// What is read again and has not changed is not reported again.
+// An endpoint that is read again and has not changed is not reported again.
 TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
   announce(forged_reader(1));
   dispose(forged_reader(1).guid);
@@ -268,7 +268,7 @@ TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
   EXPECT_TRUE(matches(pair.reader));
 }
 
-// The limit is for what anyone can have announced.
+// The limit is for announcements that anyone can have made.
 TEST_F(ClearEndpoints, AnnouncedSecurelyAtManyPorts_GetMessagesAtAllOfThem) {
   for (std::uint32_t i = 0; i < 20; ++i) {
     auto data = forged_reader(i);

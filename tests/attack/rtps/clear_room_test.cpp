@@ -27,7 +27,7 @@ struct ClearRoom : ::testing::Test {
     world.run(100);
   }
   Node& victim() { return *nodes.front(); }
-  // Named in no forged announcement.
+  // Returns the node that no forged announcement names.
   Node& honest() { return *nodes.back(); }
   static EndpointData reader(const GuidPrefix& prefix, std::uint32_t number) {
     return {
@@ -38,7 +38,7 @@ struct ClearRoom : ::testing::Test {
         .type_name = "T",
         .qos = default_reader_qos()};
   }
-  // In the name of that peer, to the victim, in the clear.
+  // Announces readers to the victim in the name of that peer, in the clear.
   void announce_clearly(const GuidPrefix& prefix, std::uint32_t count) {
     for (std::uint32_t i = 0; i < count; ++i) {
       Bytes buffer(4096);
@@ -53,7 +53,7 @@ struct ClearRoom : ::testing::Test {
                         world.now, *Locator::parse("127.0.0.1", 7999));
     }
   }
-  // By the peer itself, under its keys.
+  // Lets the peer itself announce readers, under its keys.
   void announce_securely(Node& peer, std::uint32_t count) {
     auto& local = const_cast<LocalEndpoints&>(peer->local_endpoints());
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -81,7 +81,8 @@ struct ClearRoom : ::testing::Test {
   World world;
 };
 
-// Before the fix: about 200, which fit into what each participant may announce in any case.
+// Before the fix, about 200 were known, which fit into what each participant may announce in any
+// case.
 TEST_F(ClearRoom, InManyNames_LeavesSecureAnnouncementsTheirs) {
   fill();
   announce_securely(honest(), 1000);

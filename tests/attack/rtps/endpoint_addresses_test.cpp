@@ -14,7 +14,7 @@ LocatorList victim() {
           at("192.0.2.3", 7990)};
 }
 
-// A writer, and an insider with a reader.
+// A participant with a writer, and an insider with a reader.
 struct InsiderAddresses : ::testing::Test {
   const spi::PropertyList properties =
       properties_of("CN=mallory,O=Example", everything(ProtectionKind::encrypt));
@@ -24,7 +24,7 @@ struct InsiderAddresses : ::testing::Test {
   Node mallory{2, properties};
   World world;
   Guid writer, reader;
-  std::size_t to_victim = 0;  // octets
+  std::size_t to_victim = 0;  // octets that were sent to the victim
 
   void SetUp() override {
     world.nodes = {&alice, &mallory};
@@ -33,7 +33,7 @@ struct InsiderAddresses : ::testing::Test {
         to_victim += port >= 7990 && port < 8000 ? octets.size() : 0;
     };
   }
-  // Mallory is replaced by a participant with these addresses.
+  // Replaces mallory by a participant with these addresses.
   void announce_participant_at(const LocatorList& addresses) {
     auto own = OwnSecurity::create(
         {{*mallory.authentication, *mallory.access_control, *mallory.cryptography}, properties}, 0,
@@ -77,7 +77,7 @@ TEST_F(InsiderAddresses, OfAnEndpoint_AtOtherHosts_AreNotUsed) {
   ASSERT_TRUE(match());
   write(50);
   world.run(100);
-  EXPECT_EQ(to_victim, 0u);  // before the fix: 20 times what mallory sends
+  EXPECT_EQ(to_victim, 0u);  // before the fix, 20 times what mallory sends
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
   EXPECT_EQ(alice.events.count(Code::rtps_address_unproven), 1) << alice.events.text();
 }
@@ -136,8 +136,8 @@ TEST_F(InsiderAddresses, OfTheParticipant_BesideItsOwn_AreNotUsedOnceItHasAuthen
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-// As of a host with two networks: each address is used from the first message on that comes from
-// it.
+// The participant is like a host with two networks: each address is used from the first message on
+// that comes from it.
 TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
   announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
   create_writer();
@@ -158,15 +158,15 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
   EXPECT_TRUE(alice.events.is_quiet()) << alice.events.text();
 }
 
-// The datagram with other octets of the same number.
+// Returns the datagram with other octets of the same number.
 Bytes with(Bytes datagram, BytesView old, BytesView replacement) {
   const auto found = std::ranges::search(datagram, old);
   if (!found.empty()) std::ranges::copy(replacement, found.begin());
   return datagram;
 }
 
-// As of a stock peer behind a router, which repeats no challenge, while a stranger announces its
-// own address in the peer's name.
+// The participant is like a stock peer behind a router, which repeats no challenge, while a
+// stranger announces its own address in the peer's name.
 TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOne) {
   announce_participant_at({at("192.0.2.1", 7002), at("192.0.2.2", 7002)});
   world.filter = [&](const Node& from, Bytes datagram) {
@@ -182,7 +182,7 @@ TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOn
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-// What a datagram announces of its participant in the clear.
+// Returns what a datagram announces of its participant in the clear.
 std::optional<ParticipantData> announced_in(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -199,8 +199,8 @@ bool contains(BytesView datagram, std::string_view text) {
   return !std::ranges::search(datagram, as_bytes(text)).empty();
 }
 
-// Of eight announced addresses the fifth is its own, where it hears the request. One more displaces
-// it before the reply, so that the victim is the only host in the list.
+// The fifth of eight announced addresses is its own, where it hears the request. One more address
+// displaces it before the reply, so that the victim is the only host in the list.
 TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNotProven) {
   announce_participant_at({at("192.0.2.1", 7990), at("127.0.0.1", 7002)});
   bool replies = false;
@@ -238,8 +238,8 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNot
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-// A peer that nothing reaches where it sends from: ports 7990 and 7991 lead to it only at the two
-// addresses that it announces.
+// Nothing reaches the peer at the address from which it sends: ports 7990 and 7991 lead to it only
+// at the two addresses that it announces.
 struct AddressesItNeverSendsFrom : InsiderAddresses {
   struct Routers final : Transport {
     Node::Post* post = nullptr;
@@ -250,7 +250,7 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
     }
   };
   Routers routers;
-  std::optional<Locator> source;  // of what mallory sends; empty: as usual
+  std::optional<Locator> source;  // the source of what mallory sends; empty for the usual one
 
   void SetUp() override {
     routers.post = &alice.post;
@@ -273,13 +273,13 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
       return std::vector<Bytes>{};
     };
   }
-  // Samples are written until messages from there have proven this address.
+  // Writes samples until messages from this address have proven it.
   void send_from(const Locator& address) {
     source = address;
     write(20);
     source.reset();
   }
-  // Mallory forgets alice and returns. Meanwhile alice still hears mallory.
+  // Lets mallory forget alice and return. Meanwhile alice still hears mallory.
   void meet_again() {
     const auto carry = std::exchange(world.filter, [&](const Node& from, Bytes datagram) {
       return &from == &alice ? std::vector<Bytes>{} : one(std::move(datagram));
@@ -308,7 +308,7 @@ TEST_F(AddressesItNeverSendsFrom, OnceProven_AreUsedAfterAnotherHandshakeToo) {
   EXPECT_EQ(mallory.listener.changes.size(), 20u) << alice.events.text();
 }
 
-// What a stranger repeats from another address is not new.
+// A message that a stranger repeats from another address is not new.
 TEST_F(InsiderAddresses, FromWhichOldMessagesAreRepeated_AreNotProven) {
   announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
   std::vector<Bytes> heard;

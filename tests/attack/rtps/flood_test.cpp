@@ -1,5 +1,5 @@
 // Floods against secured participants that authenticate: memory is bounded, public-key work is
-// rationed before it is done, and an honest peer joins within two seconds of simulated time, also
+// limited before it is done, and an honest peer joins within two seconds of simulated time, also
 // when the flood is in its own name.
 #include <malloc.h>
 
@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-constexpr int kPerStep = 100;  // of 10 ms: 10,000 a second
+constexpr int kPerStep = 100;  // in each step of 10 ms, so 10,000 a second
 
 // 100,000 participants that do not exist, 10,000 a second (T22).
 TEST(Flood, AnHonestPeerAmongFakeParticipants_Joins) {
@@ -39,7 +39,7 @@ spi::Token bogus_request(std::uint32_t i) {
   return {"DDS:Auth:PKI-DH:1.0+Req", {}, {{"c.id", certificate}}};
 }
 
-// From a hundred announced participants (T33).
+// A hundred announced participants send the handshakes (T33).
 TEST(Flood, BogusHandshakes_AreRateLimitedAndAnHonestPeerJoins) {
   Pair pair({});
   const auto& target = pair.a->prefix();
@@ -58,13 +58,13 @@ TEST(Flood, BogusHandshakes_AreRateLimitedAndAnHonestPeerJoins) {
   while (!know_each_other(pair) && pair.world.now - begin < seconds(5)) flood();
   EXPECT_TRUE(know_each_other(pair));
   EXPECT_LT(pair.world.now - begin, seconds(2));
-  // Far fewer refusals than messages: the rest was not looked at.
+  // There are far fewer refusals than messages, so the others were not looked at.
   const auto looked_at = pair.a.events.all.size();
   for (int round = 0; round < 100; ++round) flood();
   EXPECT_LT(pair.a.events.all.size() - looked_at, 1000u);
 }
 
-// Every refusal, and still nothing grows (T32).
+// Every handshake is refused, and still no memory grows (T32).
 TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
   Pair pair({});
   pair.world.nodes = {&pair.a};
@@ -86,10 +86,10 @@ TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
   EXPECT_LT(in_use() - before, 512 << 10);
 }
 
-// In the names of both, to both, so many messages a second in random order.
+// Sends so many messages a second in the names of both participants, to both, in random order.
 class OwnNameFlood {
  public:
-  // Which of the two begins is a matter of their names.
+  // The names decide which of the two begins.
   explicit OwnNameFlood(Pair& pair, std::uint32_t seed)
       : pair_(pair),
         begins_(pair.a->prefix() < pair.b->prefix() ? pair.a : pair.b),
@@ -100,7 +100,7 @@ class OwnNameFlood {
   void to_the_one_who_answers(Forge forge) { to_answerer_.push_back(std::move(forge)); }
   void to_the_one_who_begins(Forge forge) { to_beginner_.push_back(std::move(forge)); }
 
-  // How long it took; nothing if it never happened.
+  // Returns the time that it took; empty if it never happened.
   std::optional<MonotonicTime> until_they_know_each_other() {
     pair_.world.attack = [this](World::Traffic& traffic) {
       for (const auto& [port, datagram] : traffic) ears_.hear(datagram);
@@ -134,7 +134,7 @@ void scramble(Bytes& octets, std::mt19937& random) {
   for (auto& octet : octets) octet = static_cast<std::uint8_t>(random());
 }
 
-// Somebody who heard another handshake and not this one.
+// The attacker heard another handshake, and not this one.
 TEST(Flood, FloodInThePeersNameByAPartialListener_ChangesNothing) {
   Eavesdropper other;
   {
@@ -163,9 +163,9 @@ TEST(Flood, FloodInThePeersNameByAPartialListener_ChangesNothing) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// An attacker who hears every message before it arrives, and has everything but the keys. Not with
-// every seed: if the one Final is not looked at, the pair needs 10 s more (measured: with 4 of 30
-// seeds).
+// An attacker hears every message before it arrives, and has everything except the keys. This does
+// not hold for every seed: if the one Final is not looked at, the pair needs 10 s more (measured:
+// with 4 of 30 seeds).
 TEST(Flood, FloodInThePeersNameByAFullListener_DelaysTheHandshakeLittle) {
   for (std::uint32_t seed = 2; seed <= 4; ++seed) {
     Pair pair({});
@@ -173,7 +173,7 @@ TEST(Flood, FloodInThePeersNameByAFullListener_DelaysTheHandshakeLittle) {
     const auto& ears = flood.ears();
     flood.to_the_one_who_answers([&](std::mt19937& random) -> std::optional<spi::Token> {
       if (ears.heard("+Req") == nullptr) return std::nullopt;
-      auto token = *ears.heard("+Req");  // as good as the honest one, until its Final is asked for
+      auto token = *ears.heard("+Req");  // as good as the honest one, until its Final is requested
       scramble(*field(token, "challenge1"), random);
       return token;
     });
@@ -198,7 +198,7 @@ TEST(Flood, FloodInThePeersNameByAFullListener_DelaysTheHandshakeLittle) {
   }
 }
 
-// Announcements in the names of others make nobody send much to whom they name (T60).
+// Announcements in the names of others cause little traffic to the addresses that they name (T60).
 TEST(Flood, AnnouncementsInOthersNames_AreNotAmplified) {
   Pair pair({});
   pair.world.nodes = {&pair.a};
@@ -216,7 +216,7 @@ TEST(Flood, AnnouncementsInOthersNames_AreNotAmplified) {
     pair.a->receive(datagram, pair.world.now);
     if (fake % 10 == 9) run(1);
   }
-  run(12'000);  // the leases of those who are left end
+  run(12'000);  // the leases of the participants that are left end
   EXPECT_GT(out, 0u);
   EXPECT_LT(out, 3 * in);
   EXPECT_EQ(pair.a->remote_participants().size(), 0u);

@@ -7,8 +7,8 @@ namespace {
 
 using namespace testing;
 
-// a writes, b reads. The attacker hears the last DATA of a's writer, and changes what surrounds its
-// payload.
+// a writes and b reads. The attacker hears the last DATA of a's writer, and changes what is around
+// its payload.
 struct ForgedEnds : ::testing::TestWithParam<ProtectionKind> {
   ForgedEnds() : pair({.data = GetParam()}) {
     EXPECT_TRUE(pair.match());
@@ -34,12 +34,12 @@ struct ForgedEnds : ::testing::TestWithParam<ProtectionKind> {
   void forge(const StatusInfo& status, PayloadKind kind) {
     auto changed = qos;
     changed.status = status;
-    // A refused number is free, so that each forgery would be the next change.
+    // The number of a refused change is free, so each forgery would be the next change.
     pair.b->receive(forged(pair.a->prefix(), Data{pair.reader.entity, pair.writer.entity,
                                                   number.next(), changed, kind, payload}),
                     pair.world.now, *Locator::parse("127.0.0.1", 7999));
   }
-  // By a's writer.
+  // Lets a's writer end its instance.
   void end(const StatusInfo& status, std::size_t size = 8) {
     Change change;
     change.status = status;
@@ -69,7 +69,8 @@ TEST_P(ForgedEnds, WithThePayloadOfASample_AreDropped) {
   EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing)) << pair.b.events.text();
 }
 
-// An unregister is no dispose, the key of an end is no sample, and an end is no longer one.
+// An unregister does not pass as a dispose, the key of an end does not pass as a sample, and an end
+// does not pass as an ordinary change.
 TEST_P(ForgedEnds, WithThePayloadOfAnotherEnd_AreDropped) {
   end({.unregistered = true});
   ASSERT_EQ(received().size(), 1u);
@@ -104,7 +105,7 @@ TEST_P(ForgedEnds, ThatAreNotForged_CountInFragments) {
   EXPECT_TRUE(pair.world.run_until([&] { return received().size() == 2; }, 300));
 }
 
-// All of its fragments say that the sample ends its instance.
+// All fragments of the sample say that it ends its instance.
 TEST_P(ForgedEnds, InTheFragmentsOfASample_AreDropped) {
   pair.world.filter = [&](const Node& from, Bytes datagram) {
     auto reader = MessageReader::open(datagram);
@@ -113,7 +114,7 @@ TEST_P(ForgedEnds, InTheFragmentsOfASample_AreDropped) {
       if ((*at)->id != SubmessageId::data_frag) continue;
       auto frag = read_data_frag(**at).value();
       frag.inline_qos.status.disposed = true;
-      frag.payload = frag.encoded;  // as it was
+      frag.payload = frag.encoded;  // the payload as it was sent
       return one(forged(pair.a->prefix(), frag));
     }
     return one(std::move(datagram));
@@ -126,7 +127,7 @@ TEST_P(ForgedEnds, InTheFragmentsOfASample_AreDropped) {
   EXPECT_TRUE(received()[0].is_alive());
 }
 
-// A peer of an earlier version, or of another vendor. Remedy: protect metadata, too.
+// The peer has an earlier version, or is of another vendor. The remedy is to protect metadata, too.
 TEST_P(ForgedEnds, OfAPeerThatDoesNotMarkThem_Count) {
   auto& a_for_b =
       const_cast<RemoteParticipant&>(pair.b->remote_participants().all().at(pair.a->prefix()));

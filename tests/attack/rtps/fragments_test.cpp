@@ -32,7 +32,7 @@ struct Fragments {
   }
 };
 
-// Of a datagram with a handshake message that has to be cut.
+// Returns the fragments of a datagram with a handshake message that has to be cut.
 std::optional<Fragments> fragments_of(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -47,10 +47,12 @@ std::optional<Fragments> fragments_of(BytesView datagram) {
   return std::nullopt;
 }
 
-// Everything is sent in fragments; whoever hears them adds others in the same name.
+// Sends everything in fragments, and adds forged ones in the same name as soon as an attacker can
+// have heard them.
 class Forger {
  public:
-  // `between`: so many at most between two honest ones; `per_step`: so many more.
+  // At most `between` forgeries are between two honest fragments, and `per_step` more are in each
+  // step.
   Forger(Pair& pair, int between, int per_step, std::uint32_t seed)
       : between_(between), per_step_(per_step), random_(seed) {
     pair.world.attack = [this](World::Traffic& traffic) { change(traffic); };
@@ -58,7 +60,7 @@ class Forger {
   int honest = 0, forgeries = 0;
 
  private:
-  using Victim = std::pair<std::uint32_t, Fragments>;  // to that port
+  using Victim = std::pair<std::uint32_t, Fragments>;  // the port of the victim, and the message
 
   void change(World::Traffic& traffic) {
     World::Traffic out;
@@ -89,7 +91,8 @@ class Forger {
     for (int i = 0; i < count && !heard_.empty(); ++i)
       out.push_back(forgery(heard_[random_() % heard_.size()]));
   }
-  // One fragment with an octet changed; of this message, or of the next one before it is sent.
+  // Returns one fragment with a changed octet: of this message, or of the next one before it is
+  // sent.
   std::pair<std::uint32_t, Bytes> forgery(const Victim& victim) {
     ++forgeries;
     auto [port, message] = victim;
@@ -107,7 +110,7 @@ class Forger {
   std::vector<Victim> heard_;
 };
 
-// How long it took; nothing if it never happened.
+// Returns the time that it took; empty if it never happened.
 std::optional<MonotonicTime> joined_after(int between, int per_step, std::uint32_t seed) {
   Pair pair({});
   Forger forger(pair, between, per_step, seed);
@@ -124,7 +127,7 @@ TEST(Fragments, FragmentsOfAHandshake_ArePutTogether) {
   EXPECT_LT(*took, 200ms);
 }
 
-// One who reacts to each honest fragment before the next one comes.
+// The attacker reacts to each honest fragment before the next one comes.
 TEST(Fragments, ForgedOnesBetweenTheHonest_DoNotKeepThePeerOut) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const auto took = joined_after(2, 0, seed);
@@ -133,7 +136,7 @@ TEST(Fragments, ForgedOnesBetweenTheHonest_DoNotKeepThePeerOut) {
   }
 }
 
-// 10,000 a second.
+// 10,000 forged fragments arrive in a second.
 TEST(Fragments, AFloodOfForgedOnes_DoesNotKeepThePeerOut) {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const auto took = joined_after(1, 100, seed);

@@ -1,5 +1,5 @@
-// What was recorded before a participant or a reader was there is not new to it (T41), and what
-// came once does not come again.
+// Messages that were recorded before a participant or a reader existed are not new to it (T41), and
+// a message that came once does not count again.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -19,16 +19,16 @@ const std::vector<Rules>& governances() {
   return all;
 }
 
-// Datagrams with a DATA of that writer that anybody can read: with another number, for those who
-// can change it.
+// Changes the number of a DATA of that writer, if the datagram has one that can be read, as an
+// attacker could.
 Bytes renumbered(Bytes datagram, const EntityId& writer, std::uint8_t by) {
   const auto at = std::ranges::search(datagram, writer.octets);
-  constexpr std::ptrdiff_t kLowOctet = 4 + 4;  // of the number, little-endian, behind the writer
+  constexpr std::ptrdiff_t kLowOctet = 4 + 4;  // of the number, little-endian, after the writer
   if (!at.empty() && datagram.end() - at.begin() > kLowOctet) at.begin()[kLowOctet] += by;
   return datagram;
 }
 
-// Alice writes, and all that she sends is recorded.
+// Alice writes, and everything that she sends is recorded.
 struct Freshness {
   explicit Freshness(const Rules& rules)
       : a(1, properties_of("CN=alice,O=Example", rules)),
@@ -57,7 +57,7 @@ struct Freshness {
     a->local_endpoints().writer(writer)->write(std::move(change), world.now);
     world.run(10);
   }
-  // As it was, and with later numbers.
+  // Replays the recording as it was, and with later numbers.
   void replay_to(Node& node) {
     const auto past = std::exchange(recorded, {});
     for (const auto& datagram : past)
@@ -87,7 +87,7 @@ TEST(RecordedSamples, ForAParticipantThatJoinsLater_AreNotNew) {
   }
 }
 
-// Where messages alone are protected, a reader has no keys of its own that could say when it came.
+// Where only messages are protected, a reader has no keys of its own that could show when it came.
 TEST(RecordedSamples, ForAReaderMadeLater_AreNotNew) {
   for (const auto& rules : governances()) {
     if (!is_protected(rules.metadata) && !is_protected(rules.data)) continue;
@@ -125,8 +125,8 @@ TEST(RecordedSamples, AfterTheTwoLostEachOther_AreNotNew) {
   }
 }
 
-// INFO_TS is anybody's where submessages alone are protected. Before, a sample of 1000 s was
-// delivered as one of 2113930216 s.
+// Anyone can change INFO_TS where only submessages are protected. Before the fix, a sample of 1000
+// s was delivered as one of 2113930216 s.
 TEST(SourceTime, SourceTimeOfAProtectedSample_IsWhatItsWriterSaid) {
   for (const auto kind : {kSign, kEncrypt, kEncryptOa}) {
     Freshness test({.metadata = kind});

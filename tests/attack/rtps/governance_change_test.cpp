@@ -1,5 +1,5 @@
-// An insider that tries to end the first phase of a governance change, in which participants still
-// accept the former protection, before all have the document.
+// An insider tries to end the first phase of a governance change, in which participants still
+// accept the former protection, before all of them have the document.
 #include "tests/unit/rtps_security/governance_changes.hpp"
 
 namespace ddssec::rtps::governance_changes {

@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-// a writes, b reads. Each test hides a second reader of b from a.
+// a writes and b reads. Each test hides a second reader of b from a.
 struct HiddenEndpoints : ::testing::Test {
   HiddenEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
     EXPECT_TRUE(pair.match());
@@ -18,7 +18,7 @@ struct HiddenEndpoints : ::testing::Test {
   void send_to_a(const Message& message) {
     pair.a->receive(forged(pair.b->prefix(), message), pair.world.now, attacker);
   }
-  // In b's name: the announcement of a reader that does not exist.
+  // Sends, in b's name, the announcement of a reader that does not exist.
   void invent(SequenceNumber number) {
     auto data = *pair.a.participant->remote_participants().endpoint(pair.reader);
     data.guid.entity.octets = {0x40, 0, 0, 7};
@@ -109,7 +109,7 @@ TEST_F(HiddenEndpoints, ByAHeartbeat_AreFoundBeforeAnotherIsAnnounced) {
   EXPECT_TRUE(is_found(reader, kOffer));
 }
 
-// b believes that a has it.
+// b wrongly believes that a has the announcement.
 TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
@@ -124,8 +124,8 @@ TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
   EXPECT_TRUE(is_found(reader, kOffer));
 }
 
-// The forged announcement has the right number, the true one is lost, and b believes that a has it:
-// nothing contradicts anything. Other vendors do not say again what they have announced.
+// The forged announcement has the right number, the true one is lost, and b believes that a has it,
+// so there is no contradiction. Other vendors do not announce again what they have announced.
 TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
   auto& a_for_b =
       const_cast<RemoteParticipant&>(pair.b->remote_participants().all().at(pair.a->prefix()));
@@ -144,7 +144,7 @@ TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
   EXPECT_TRUE(is_found(reader, 256s + kShort));
 }
 
-// The forgeries cost the peer one reading in 256 s at last.
+// In the end, the forgeries cost the peer only one reading in 256 s.
 TEST_F(HiddenEndpoints, ByForgeriesThatGoOn_AreReadLessAndLessOften) {
   int readings = 0;
   bool was_under_way = false;

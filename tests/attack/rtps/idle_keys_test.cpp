@@ -10,10 +10,10 @@ using namespace testing;
 constexpr auto kMax = static_cast<std::uint32_t>(IdlePairs::kMaxOfOne);
 constexpr Rules kRules{.metadata = ProtectionKind::encrypt};
 
-// a writes, b reads, with keys for the topic.
+// a writes and b reads, with keys for the topic.
 struct IdleKeys : ::testing::Test {
   IdleKeys() : pair(kRules) {}
-  // In b's name, to a: readers that never send keys.
+  // Announces readers to a in b's name that never send keys.
   void announce_readers(std::uint32_t count) {
     auto data = pair.b.participant->local_endpoints().find(pair.reader.entity);
     ASSERT_NE(data, nullptr);
@@ -39,7 +39,7 @@ struct IdleKeys : ::testing::Test {
   std::size_t keys() const {
     return keyring().pairs_with_keys(pair.b.participant->prefix()).size();
   }
-  // Nothing else is: it contains keys, or samples.
+  // True if the datagram contains keys or samples: nothing else is protected here.
   static bool is_protected(BytesView datagram) {
     auto reader = MessageReader::open(datagram);
     while (reader) {
@@ -60,7 +60,7 @@ struct IdleKeys : ::testing::Test {
   bool is_held_back = false;
 };
 
-// Before the fix: a pair of keys for each announcement.
+// Before the fix, each announcement got a pair of keys.
 TEST_F(IdleKeys, OfReadersThatSendNoKeys_TakeABoundedPlace) {
   ASSERT_TRUE(pair.match());
   pair.world.run(100);
@@ -70,7 +70,7 @@ TEST_F(IdleKeys, OfReadersThatSendNoKeys_TakeABoundedPlace) {
   EXPECT_TRUE(delivers());
 }
 
-// Its pair is the oldest one when its keys arrive.
+// The pair of the honest reader is the oldest one when its keys arrive.
 TEST_F(IdleKeys, OfAReaderWhoseKeysArriveAfterTheFlood_Match) {
   pair.world.filter = [&](const Node& from, Bytes datagram) {
     return &from == &pair.b && is_held_back && is_protected(datagram) ? std::vector<Bytes>()
@@ -90,7 +90,8 @@ TEST_F(IdleKeys, OfAReaderWhoseKeysArriveAfterTheFlood_Match) {
   EXPECT_TRUE(delivers());
 }
 
-// All of them send their keys. Before the fix, those that had no place kept a pair of keys, too.
+// All of the readers send their keys. Before the fix, those that had no place kept a pair of keys,
+// too.
 TEST_F(IdleKeys, OfReadersThatHaveNoPlace_AreSuspended) {
   ASSERT_TRUE(pair.match());
   auto qos = default_reader_qos();

@@ -1,4 +1,4 @@
-// A peer that announces an infinite lease and is gone (T60): it does not stay for good. One that is
+// A peer that announces an infinite lease and is gone (T60) does not stay for good. One that is
 // alive stays, however silent it is.
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -26,7 +26,7 @@ struct InfiniteLease : ::testing::Test {
     ASSERT_TRUE(world.run_until([&] { return alice.knows(bob) && bob.knows(alice); }));
     world.run(100);
   }
-  // How long alice knows bob, at most this time.
+  // Returns how long alice knows bob, at most this time.
   MonotonicTime known(MonotonicTime most) {
     const auto begin = world.now;
     while (alice.knows(bob) && world.now - begin < most) world.run(100);

@@ -1,5 +1,5 @@
-// What a stock reader says to one participant opens at all others, because it has one key for all
-// of them, and INFO_DST is not protected. An attacker on the path sends it to another one (T41).
+// All participants can decrypt what a stock reader sends to one of them, because it has one key for
+// all, and INFO_DST is not protected. An attacker on the path sends it to another one (T41).
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/nack_frag.hpp"
@@ -11,7 +11,7 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// a announces writers to b. b's SEDP reader has far higher counts with another participant.
+// a announces writers to b. The SEDP reader of b has far higher counts with another participant.
 struct RedirectedRequests : ::testing::Test {
   static constexpr Rules kRules{.discovery = kEncrypt, .liveliness = kEncrypt};
   static constexpr std::int32_t kFarAhead = 1000;
@@ -19,7 +19,7 @@ struct RedirectedRequests : ::testing::Test {
     EXPECT_TRUE(pair.match());
     pair.world.run(100);
   }
-  // What b said to another one, and a receives.
+  // Sends to a what b sent to another participant.
   template <class Message>
   void redirect(const Message& message) {
     Bytes plain(256), protected_one(512);
@@ -37,7 +37,7 @@ struct RedirectedRequests : ::testing::Test {
   AckNack acknack(std::int64_t base, std::int32_t count) const {
     return {reader, writer, SequenceNumberSet(SequenceNumber{base}), count, true};
   }
-  // a announces a further writer, and nothing of it arrives at first.
+  // Lets a announce a further writer, while nothing that a sends arrives.
   void announce_into_the_void() {
     pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
     static_cast<void>(
@@ -60,7 +60,8 @@ struct RedirectedRequests : ::testing::Test {
   Pair pair;
 };
 
-// All requests of the reader counted as repetitions until its counts had reached the others.
+// Before the fix, all requests of the reader counted as repetitions until its counts had reached
+// those of the redirected one.
 TEST_F(RedirectedRequests, WithHighCounts_HideNoLaterRequest) {
   redirect(acknack(1, kFarAhead));
   announce_into_the_void();
@@ -88,7 +89,7 @@ TEST_F(RedirectedRequests, OfAPeerThatIsGone_AreNoSignOfLife) {
   EXPECT_EQ(pair.a->remote_participants().size(), 0u);
 }
 
-// a believes that b has it, and b does not know of it.
+// a wrongly believes that b has the announcement.
 TEST_F(RedirectedRequests, ThatAcknowledgeWhatWasLost_AreHealedByTheNextOffer) {
   announce_into_the_void();
   redirect(acknack(3, kFarAhead));

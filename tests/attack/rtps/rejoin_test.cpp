@@ -1,5 +1,5 @@
-// A peer that was cut off until it was forgotten, and comes back with the keys that it has: what
-// was recorded before is as valid as it was then, and must not count again.
+// A peer that was cut off until it was forgotten comes back with the same keys. Messages that were
+// recorded before are as valid as they were then, and must not count again.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -15,7 +15,7 @@ struct Case {
   Rules rules;
   bool is_reliable;
   DurabilityKind durability;
-  bool both_ways;  // neither hears the other, or only bob does not hear alice
+  bool both_ways;  // true if neither hears the other, false if only bob does not hear alice
 };
 
 std::vector<Case> cases() {
@@ -36,7 +36,7 @@ std::vector<Case> reliable_cases() {
   return out;
 }
 
-// Alice writes to bob, and all of it is recorded.
+// Alice writes to bob, and everything is recorded.
 struct Rejoin : ::testing::TestWithParam<Case> {
   Node a{1, properties_of("CN=alice,O=Example", GetParam().rules)};
   Node b{2, properties_of("CN=bob,O=Example", GetParam().rules)};
@@ -80,7 +80,7 @@ struct Rejoin : ::testing::TestWithParam<Case> {
     world.run(100);
     world.filter = {};
   }
-  // Each of them before whatever is honest.
+  // Replays the whole recording before each honest message.
   void replay_everything() {
     world.attack = [this](World::Traffic& traffic) {
       traffic.insert(traffic.begin(), recorded.begin(), recorded.end());
@@ -104,12 +104,12 @@ TEST_P(Rejoin, WhatWasRecordedBefore_IsNotNew) {
   EXPECT_EQ(numbers(), history) << "of the writer's history alone";
 }
 
-// Only reliable samples are repaired.
+// These cases have reliable samples, because only those are repaired.
 struct ReliableRejoin : Rejoin {};
 
-// Recorded acknowledgements must not silence the ones that come.
+// Recorded acknowledgements must not hide the present ones.
 TEST_P(ReliableRejoin, WhatIsLostAfterwards_IsStillRepaired) {
-  for (int i = 0; i < 20; ++i) write();  // many acknowledgements
+  for (int i = 0; i < 20; ++i) write();  // this causes many acknowledgements
   cut_off();
   ASSERT_TRUE(meet()) << a.events.text() << b.events.text();
   world.run(50);

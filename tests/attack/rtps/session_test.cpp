@@ -1,5 +1,5 @@
-// Against participants that know each other: replays, keys by the wrong way, claims to be another
-// writer, octets that are cut or lie about lengths, and what is readable for everybody.
+// Attacks on participants that know each other: replays, keys in the wrong way, false claims about
+// the writer, octets that are cut or have false lengths, and names that everyone could read.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -11,7 +11,7 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-// All that was ever sent, in both directions, three times more (T41).
+// Everything that was ever sent is sent three times more, in both directions (T41).
 TEST(Session, ReplaysOfEverything_ChangeNothing) {
   for (const auto& rules : {Rules{}, everything(kSign), everything(kEncrypt),
                             everything(kEncryptOa), Rules{.data = kEncrypt}}) {
@@ -43,8 +43,8 @@ bool is_announcement(const Bytes& datagram) {
   return !std::ranges::search(datagram, kSpdpWriter.octets).empty();
 }
 
-// One recorded datagram kept a dead peer and its writers alive for ever: no ownership failed over,
-// and no watchdog on LIVELINESS saw it.
+// Before the fix, one recorded datagram kept a dead peer and its writers alive for ever: no
+// ownership failed over, and no watchdog on LIVELINESS noticed it.
 TEST(Session, ReplaysOfADeadPeersMessages_AreNoSignOfLife) {
   for (const auto& rules :
        {everything(kSign), everything(kEncrypt), everything(kEncryptOa),
@@ -65,7 +65,7 @@ TEST(Session, ReplaysOfADeadPeersMessages_AreNoSignOfLife) {
     pair.world.run(200);
     EXPECT_GT(pair.b.listener.alive, 0);
     pair.world.nodes = {&pair.b};
-    pair.world.run(5);  // what was under way
+    pair.world.run(5);  // messages that were under way
     const auto alive = pair.b.listener.alive;
     if (recorded.size() > 60) recorded.erase(recorded.begin(), recorded.end() - 60);
     for (int i = 0; i < 40; ++i) {
@@ -78,7 +78,7 @@ TEST(Session, ReplaysOfADeadPeersMessages_AreNoSignOfLife) {
   }
 }
 
-// Whatever the governance leaves unprotected is forged easily, with numbers that are new.
+// An attacker can easily forge what the governance leaves unprotected, with new numbers.
 TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
   Pair pair(Rules{.discovery = kEncrypt, .liveliness = kEncrypt, .metadata = kSign});
   auto offered = default_writer_qos();
@@ -89,7 +89,7 @@ TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
   pair.world.run(200);
   EXPECT_GT(pair.b.listener.alive, 0);
   pair.world.nodes = {&pair.b};
-  pair.world.run(5);  // what was under way
+  pair.world.run(5);  // messages that were under way
   const auto alive = pair.b.listener.alive;
   for (std::int32_t i = 1; i <= 100; ++i) {
     const Heartbeat heartbeat{.reader = kEntityIdUnknown,
@@ -105,7 +105,8 @@ TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
   EXPECT_EQ(pair.b.listener.alive, alive);
 }
 
-// To a participant of the same certificate that started later: the keys are others (T41).
+// The replays go to a participant of the same certificate that started later, which has other keys
+// (T41).
 TEST(Session, ReplaysToASuccessor_ChangeNothing) {
   const auto rules = everything(kEncrypt);
   const auto bob = properties_of("CN=bob,O=Example", rules);
@@ -131,8 +132,9 @@ TEST(Session, ReplaysToASuccessor_ChangeNothing) {
   EXPECT_GT(successor->protection_counters().undecodable, 0u);
 }
 
-// Both directions of the key exchange have one key (DDS-Security 1.2, clause 10.5.2.1): what one
-// side said must not come back to it as said by the other, or the other's tokens count as heard.
+// Both directions of the key exchange have one key (DDS-Security 1.2, clause 10.5.2.1). A message
+// of one side must not come back to it as one of the other side, because the other side's tokens
+// would then count as received.
 TEST(Reflection, KeyExchangeMessagesSentBack_ChangeNothing) {
   for (const bool to_a : {true, false}) {
     Pair pair(everything(kEncrypt));
@@ -157,7 +159,7 @@ TEST(Reflection, KeyExchangeMessagesSentBack_ChangeNothing) {
   }
 }
 
-// Keys that come by the stateless endpoint, or in the clear (T46).
+// The keys come by the stateless endpoint, or in the clear (T46).
 TEST(Session, KeysOutsideOfTheVolatileSecureChannel_AreIgnored) {
   Pair pair(everything(kEncrypt));
   ASSERT_TRUE(pair.match());
@@ -197,7 +199,7 @@ TEST(Session, ClaimedOriginalWriter_IsNotTakenForTheWriter) {
   Header header;
   header.prefix = pair.a->prefix();
   write(out, header);
-  // DATA with inline QoS and data, little-endian.
+  // The submessage is a DATA with inline QoS and data, little-endian.
   const Bytes head = {0x15, 0x07, 60, 0, 0, 0, 16, 0, 0, 0, 0, 0};
   out.write_bytes(head);
   out.write_bytes(pair.writer.entity.octets);
@@ -210,7 +212,8 @@ TEST(Session, ClaimedOriginalWriter_IsNotTakenForTheWriter) {
   EXPECT_EQ(pair.b.listener.changes[0].writer, pair.writer);
 }
 
-// What a participant is called and carries with it, where discovery is protected (T63).
+// Where discovery is protected, strangers cannot read the name and the user data of a participant
+// (T63).
 TEST(Session, UserDataAndName_AreNotReadableByStrangers) {
   const Rules rules{.discovery = kEncrypt};
   Pair pair(rules);

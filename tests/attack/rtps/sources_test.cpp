@@ -1,4 +1,4 @@
-// Strangers with one address against room that is shared by address: whatever they announce, say or
+// Strangers with one address attack room that is shared by address: whatever they announce, send or
 // cut into fragments, an honest peer with another address joins in time.
 #include <malloc.h>
 
@@ -12,14 +12,15 @@ using namespace testing;
 
 const Locator kStranger = *Locator::parse("192.0.2.66", 7410);
 
-// An auth_request: one word that costs nothing.
+// Returns an auth_request, which is one word that costs nothing.
 Bytes one_word(const GuidPrefix& from, const GuidPrefix& to) {
   return handshake_message(from, to, spi::Token{"DDS:Auth:PKI-DH:1.0+AuthReq", {}, {}},
                            message_class::kAuthRequest);
 }
 
 struct Sources : ::testing::Test {
-  // After `per_step` in each step of 10 ms; nothing if it does not happen within 30 s.
+  // Returns the time until the pair has joined, with `per_step` called in each step of 10 ms; empty
+  // if that takes more than 30 s.
   std::optional<MonotonicTime> joined_after(const std::function<void()>& per_step) {
     pair.world.nodes = {&pair.a, &pair.b};
     const auto begin = pair.world.now;
@@ -38,8 +39,8 @@ struct Sources : ::testing::Test {
   std::uint32_t fakes = 0;
 };
 
-// One name, ever new addresses, and the forged announcement is heard first. Before: not joined
-// after 120 s.
+// One name has ever new addresses, and the forged announcement is heard first. Before the fix, the
+// pair had not joined after 120 s.
 TEST_F(Sources, ForgedAddresses_DoNotPushOutThePeersOwn) {
   std::uint16_t port = 10'000;
   const auto forge = [&](int count) {
@@ -60,8 +61,8 @@ TEST_F(Sources, ForgedAddresses_DoNotPushOutThePeersOwn) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// A full table of participants that each said one word, and 1,000 more a second. Before: not joined
-// after 60 s.
+// The table is full of participants that each sent one word, and 1,000 more come in a second.
+// Before the fix, the pair had not joined after 60 s.
 TEST_F(Sources, FakesThatSpeak_GiveWayToANewcomerFromElsewhere) {
   pair.world.nodes = {&pair.a};
   for (int i = 0; i < 1'000; ++i) {
@@ -81,7 +82,7 @@ TEST_F(Sources, FakesThatSpeak_GiveWayToANewcomerFromElsewhere) {
 }
 
 // A forged announcement with an impossible token is heard first, then 10,000 silent fakes a second.
-// Before: not joined after 60 s.
+// Before the fix, the pair had not joined after 60 s.
 TEST_F(Sources, FakesThatAreSilent_DoNotUseUpTheStartsOfOthers) {
   auto impossible = secured_data(pair.b->prefix(), static_cast<std::uint16_t>(pair.b.port));
   impossible.identity_token->class_id = "DDS:Auth:Nothing:9.9";
@@ -99,7 +100,7 @@ TEST_F(Sources, FakesThatAreSilent_DoNotUseUpTheStartsOfOthers) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// Before: 73 MiB for 512 participants.
+// Before the fix, 512 participants took 73 MiB.
 TEST_F(Sources, LargeAnnouncements_TakeFewOctetsTogether) {
   pair.world.nodes = {&pair.a};
   pair.world.run(2);
@@ -121,8 +122,8 @@ TEST_F(Sources, LargeAnnouncements_TakeFewOctetsTogether) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// The handshake messages of one datagram in fragments as Cyclone DDS cuts them, each in a datagram
-// of its own; the datagram itself if there is none that must be cut.
+// Returns the handshake messages of a datagram in fragments as Cyclone DDS cuts them, each in a
+// datagram of its own. Returns the datagram itself if it has none that must be cut.
 std::vector<Bytes> in_fragments(const Bytes& datagram) {
   constexpr std::uint16_t kSize = 1344;
   auto reader = MessageReader::open(datagram);
@@ -150,7 +151,7 @@ std::vector<Bytes> in_fragments(const Bytes& datagram) {
   return {datagram};
 }
 
-// One fragment in each of seventeen names, one after the other.
+// Returns a datagram with one fragment in each of seventeen names, one after the other.
 Bytes seventeen_names(std::uint32_t first) {
   Bytes buffer(65536);
   SpanWriter out(buffer);
@@ -171,7 +172,8 @@ Bytes seventeen_names(std::uint32_t first) {
   return to_bytes(out.view());
 }
 
-// Before: not joined after 90 s, by one datagram of 1.1 kB between two honest fragments.
+// Before the fix, one datagram of 1.1 kB between two honest fragments was enough: the pair had not
+// joined after 90 s.
 TEST_F(Sources, FragmentsInManyNames_TakeNoRoomOfTheHonest) {
   pair.world.nodes = {&pair.a};
   pair.world.run(2);

@@ -1,5 +1,5 @@
-// A participant without any right to a topic sends key messages in another's name, under keys that
-// it was given.
+// A participant without any right to a topic sends key messages in another's name, protected by
+// keys that it was given.
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
@@ -28,7 +28,7 @@ KeyMaterial made_up(ProtectionKind kind, std::uint8_t number) {
   return out;
 }
 
-// Alice writes, bob reads. Mallory may use another topic only, and keeps all keys that it is
+// Alice writes and bob reads. Mallory may use another topic only, and keeps all keys that it is
 // given.
 struct Outsider {
   explicit Outsider(const Rules& rules) : Outsider(rules, KeyThief::into(stolen)) {}
@@ -171,8 +171,8 @@ struct Requests {
   std::optional<GuidPrefix> own = {};
 };
 
-// Does what the plugin it stands before does, but never acknowledges key tokens. Instead, it
-// requests a fragment of each message of the volatile writer.
+// Does what the plugin behind it does, but never acknowledges key tokens. Instead, it requests a
+// fragment of each message of the volatile writer.
 class Requester final : public spi::Cryptography, spi::CryptoTransform {
  public:
   Requester(std::unique_ptr<spi::Cryptography> engine, Requests& requests)
@@ -237,7 +237,7 @@ class Requester final : public spi::Cryptography, spi::CryptoTransform {
 
   spi::CryptoTransform& engine() { return engine_->transform(); }
 
-  // A NACK_FRAG of the volatile reader for another message each time.
+  // Returns a NACK_FRAG of the volatile reader, for another message each time.
   BytesView request() {
     constexpr std::size_t kMessages = 40;
     FragmentNumberSet missing(FragmentNumber{1});
@@ -266,7 +266,7 @@ class Requester final : public spi::Cryptography, spi::CryptoTransform {
   Bytes request_;
 };
 
-// Alice has one volatile writer for each peer, so that no request reaches the tokens for another.
+// Alice has one volatile writer for each peer, so no request reaches the tokens for another peer.
 TEST(VolatileKeys, RequestedByNackFrag_AreThoseForThePeerAlone) {
   Requests requests;
   const Rules rules{.rtps = kSign,
