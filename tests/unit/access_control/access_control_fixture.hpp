@@ -44,7 +44,7 @@ inline governance::Criteria topics(std::vector<std::string> names) {
   return criteria;
 }
 
-/// Domains 0 to 230.
+/// Returns a rule for domains 0 to 230.
 inline governance::GrantRule rule(bool allow) {
   governance::GrantRule out;
   out.allow = allow;
@@ -75,7 +75,7 @@ inline governance::Grant grant(std::string subject, std::vector<governance::Gran
 
 inline std::string data_uri(BytesView octets) { return "data:," + std::string(as_text(octets)); }
 
-/// Keys are made once for all tests.
+/// The authorities and identities of the tests. Their keys are made once for all tests.
 struct Authorities {
   pki::Authority identity_ca = pki::make_ca("CN=Identity CA,O=Example");
   pki::Authority permissions_ca = pki::make_ca("CN=Permissions CA,O=Example");
@@ -104,7 +104,7 @@ class AccessControlTest : public testing::Test {
     return signed_document(
         governance::to_xml(governance::Permissions{.grants = std::move(grants)}));
   }
-  /// May publish and subscribe to everything.
+  /// Returns permissions to publish and subscribe to everything.
   std::string open_permissions(const char* subject) const {
     auto all = rule(true);
     all.publish = {topics({"*"})};
@@ -128,7 +128,7 @@ class AccessControlTest : public testing::Test {
     plugin = make_access_control(services, std::move(options));
   }
 
-  /// A local participant of the talker in domain 0.
+  /// Makes a local participant of the talker in domain 0.
   Result<spi::PermissionsHandle> local(const std::string& permissions_file) {
     return local(governance_document, permissions_file);
   }
@@ -144,7 +144,7 @@ class AccessControlTest : public testing::Test {
     return {.class_id = "DDS:Auth:PKI-DH:1.0",
             .properties = {{"c.id", peer.certificate.pem()}, {"c.perm", permissions_file}}};
   }
-  /// The listener as a peer of the local participant.
+  /// Makes the listener a peer of the local participant.
   Result<spi::PermissionsHandle> remote(const std::string& permissions_file,
                                         const spi::SessionFacts& facts = {}) {
     auto token = credential(authorities().listener, permissions_file);
@@ -153,7 +153,7 @@ class AccessControlTest : public testing::Test {
                                                token);
   }
 
-  WallTime signing_time = kNow;  ///< of what is signed next
+  WallTime signing_time = kNow;  ///< of the document that is signed next
   ManualClock clock{kNow};
   SystemRandom random;
   test::RecordedEvents log;
@@ -163,7 +163,7 @@ class AccessControlTest : public testing::Test {
   governance::Governance governance_document = protected_governance();
 };
 
-/// The call is refused with the code, and one event says so.
+/// Expects that the call is refused with the code, and that one event says so.
 #define EXPECT_REFUSED(call, expected_code)     \
   do {                                          \
     log.all.clear();                            \

@@ -1,4 +1,5 @@
-// Handles of access control: those of others, returned ones, and how many there may be.
+// Handles of access control: handles of another plugin, returned handles, and the limit of their
+// number.
 #include "plugins/access_control/access_control.hpp"
 
 #include "tests/unit/access_control/access_control_fixture.hpp"

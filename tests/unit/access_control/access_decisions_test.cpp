@@ -74,7 +74,7 @@ TEST_F(Decisions, Peers_AreJudgedByLocalGovernanceAndTheirPermissions) {
                  topic_not_covered);
 }
 
-// RVD#447: partitions count for peers too.
+// A peer is judged by its partitions, too (vulnerability RVD#447).
 TEST_F(Decisions, PartitionsAndTagsOfPeers_Count) {
   auto allowed = publish_rule(true, {"closed"});
   allowed.publish[0].partitions = {{{"p", 0}}};
@@ -99,7 +99,8 @@ TEST_F(Decisions, PartitionsAndTagsOfPeers_Count) {
       plugin->check_remote_datawriter(legacy, 0, {.topic_name = "closed", .partitions = both}));
 }
 
-// A program that prints its errors and its events prints each refusal once.
+// An event says whether the application gets the error too, so that a program that prints both can
+// print each refusal once.
 TEST_F(Decisions, AnEvent_SaysWhetherTheApplicationGetsTheErrorToo) {
   const auto expect_returned = [&](bool is_returned, const auto& refused) {
     EXPECT_FALSE(refused);
@@ -134,7 +135,8 @@ TEST_F(Decisions, AMatch_IsJudgedWhetherOrNotTheHostAskedBefore) {
   EXPECT_GT(details.line, 0);
   EXPECT_REFUSED(plugin->check_remote_match(peer, match({.topic_name = "closed_out"}, false)),
                  match_not_permitted);
-  // What governance leaves open is open; "written" may be read by all.
+  // A topic without access control is open to all, and all may read a topic with write control
+  // only.
   EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "open"})));
   EXPECT_TRUE(plugin->check_remote_match(peer, match({.topic_name = "written"}, false)));
   EXPECT_REFUSED(plugin->check_remote_match(peer, match({.topic_name = "written"})),
@@ -158,14 +160,15 @@ TEST_F(Decisions, AMatch_IsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThat
   EXPECT_TRUE(may(p));
   for (const auto& ours : {q, both, all, Partitions{}})
     EXPECT_REFUSED(may(ours), match_not_permitted);
-  EXPECT_REFUSED(announce(both), announced_writer_not_allowed);  // is not remembered
+  // the plugin remembers no such announcement
+  EXPECT_REFUSED(announce(both), announced_writer_not_allowed);
   EXPECT_REFUSED(may(both), match_not_permitted);
   EXPECT_TRUE(announce(p));
   EXPECT_TRUE(may(both));
   EXPECT_TRUE(may(all));
   EXPECT_REFUSED(may(q), match_not_permitted);
   EXPECT_REFUSED(may({}), match_not_permitted);
-  clock.set(kNow + 25h);  // and not longer than the grant
+  clock.set(kNow + 25h);  // not longer than the grant, either
   EXPECT_REFUSED(may(both), match_not_permitted);
 }
 
@@ -184,7 +187,7 @@ TEST_F(Decisions, Relays_AreLetInOnlyIfAsked) {
   const auto reader = plugin->check_remote_datareader(peer_with({relay}), 0, request);
   ASSERT_TRUE(reader);
   EXPECT_FALSE(reader->is_relay_only);
-  // The default does not make a relay.
+  // The default of the permissions makes no relay.
   const auto denied = peer_with({subscribe_rule(false, {"closed_relay"})}, true);
   EXPECT_REFUSED(plugin->check_remote_datareader(denied, 0, request), announced_reader_not_allowed);
 }
@@ -245,7 +248,8 @@ TEST_F(Decisions, BuiltinSecureTopics_HaveAttributes) {
                  topic_not_covered);
 }
 
-// An announced endpoint in one partition speaks for no hidden one in another.
+// An endpoint that is announced in one partition does not stand for a hidden endpoint in another
+// one.
 TEST_F(Decisions, PeerThatHidesEndpoints_IsJudgedInOurPartitions) {
   auto allowed = publish_rule(true, {"closed"});
   allowed.publish[0].partitions = {{{"p", 0}}};

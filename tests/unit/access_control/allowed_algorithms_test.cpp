@@ -50,7 +50,7 @@ class Algorithms : public AccessControlTest {
   Result<spi::PermissionsHandle> local_of(const Party& party) {
     return local_of(party, party.ca.certificate());
   }
-  // As our authentication hands it over after a handshake.
+  // Hands the certificate over as our authentication does after a handshake.
   Result<spi::PermissionsHandle> remote_of(const pki::Certificate& certificate,
                                            const char* key_establishment = kEcdhe) {
     spi::Token credential{
@@ -101,7 +101,8 @@ TEST_F(Algorithms, OwnAuthority_MustBeListed) {
   const Party under_p384(kP256, kP384), under_rsa(kP256, kRsa3072), plain(kP256, kP256);
   EXPECT_REFUSED(local_of(under_p384), trust_chain_algorithm_not_allowed);
   EXPECT_REFUSED(local_of(under_rsa), trust_chain_algorithm_not_allowed);
-  // Of an own list only that counts; the permissions CA, on P-256, signs the documents.
+  // If the document has a list for the trust chain, only that list counts for the CA. The
+  // permissions CA, which has a P-256 key, signs the documents.
   allowed.digital_signature_identity_trust_chain = list({kEc384});
   EXPECT_REFUSED(local_of(plain), trust_chain_algorithm_not_allowed);
   EXPECT_REFUSED(local_of(under_p384), trust_chain_algorithm_not_allowed);
@@ -133,7 +134,8 @@ TEST_F(Algorithms, APeersKeyAndAuthority_MustBeListed) {
   EXPECT_TRUE(remote_of(of(kRsa2048)));
   EXPECT_REFUSED(remote_of(of(kP384)), identity_algorithm_not_allowed);
   EXPECT_REFUSED(remote_of(of(kRsa3072)), identity_algorithm_not_allowed);
-  // Of a CA that is not in identity_ca: from trusted_ca_dir, whose keys are not known here.
+  // This certificate is of a CA from trusted_ca_dir, not from identity_ca. Its keys are not known
+  // here.
   const Party other(kP256, kP256, kListener);
   EXPECT_REFUSED(remote_of(other.own.certificate), trust_chain_algorithm_not_allowed);
 }
@@ -155,7 +157,8 @@ TEST_F(Algorithms, ThePeersHandshake_MustBeListed) {
     EXPECT_TRUE(remote_of(peer, name)) << name;
   EXPECT_REFUSED(remote_of(peer, kEcdhe384), key_establishment_not_allowed);
   EXPECT_REFUSED(remote_of(peer, "org.example.Handshake"), key_establishment_not_allowed);
-  // A stock authentication plugin does not say; it can use both that are listed.
+  // A stock authentication plugin does not say which algorithm it used. It can use both that are
+  // listed.
   EXPECT_TRUE(remote_of(peer, nullptr));
   allowed.key_establishment = list({kEcdhe});
   ASSERT_TRUE(local_of(own));
@@ -183,7 +186,7 @@ TEST_F(Algorithms, AnAbsentList_AllowsWhatTheStandardNames) {
   const auto peer = pki::make_leaf(own.ca, kListener).certificate;
   for (const auto* name : {kEcdhe, kEcdhe384, kDhe}) EXPECT_TRUE(remote_of(peer, name)) << name;
   EXPECT_REFUSED(remote_of(peer, "org.example.Handshake"), key_establishment_not_allowed);
-  // The other lists count all the same.
+  // The other lists count nevertheless.
   allowed.digital_signature = list({kEc});
   EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
 }
@@ -196,7 +199,7 @@ TEST_F(Algorithms, NoAlgorithmElement_AllowsAll) {
   EXPECT_TRUE(plugin->validate_local_permissions(kLocalIdentity, 0, all));
 }
 
-// The identity CAs are a file, which may be replaced.
+// The identity CAs are in a file, which a test replaces.
 class AlgorithmsOfLaterCas : public Algorithms {
  protected:
   Result<spi::PermissionsHandle> local_with_file() {

@@ -40,7 +40,7 @@ TEST(AnnouncedEndpoints, ManyEndpoints_TheNewestStayAndWildcardsMeetNames) {
   EXPECT_EQ(announced.of_topic(Action::publish, "0").size(), 1u);
 }
 
-// Compiled, an expression takes a multiple of its text.
+// A compiled expression takes many times as much memory as its text.
 TEST(AnnouncedEndpoints, Memory_IsBoundedAndTheNewestStays) {
   AnnouncedEndpoints announced;
   const auto note = [&](char c) {
@@ -62,17 +62,18 @@ TEST(AnnouncedEndpoints, Memory_IsBoundedAndTheNewestStays) {
       announced.of_topic(Action::publish, "t").front()->partitions.views().front().ends_with('!'));
 }
 
-// A peer that may do everything in every partition, and our participant.
+// Our participant, and a peer that may do everything in every partition.
 class HostilePartitions : public AccessControlTest {
  protected:
   void SetUp() override { ASSERT_TRUE(local(open_permissions(kTalker))); }
   spi::PermissionsHandle peer(std::vector<governance::GrantRule> rules) {
     return remote(signed_permissions({grant(kListener, std::move(rules))})).value();
   }
-  // Of its own processor time: a busy machine changes little.
+  // The process's own processor time is measured, because a busy machine changes it little.
   static double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-  // An announcement as large as is remembered, of the most that a compiler could get lost in.
+  // The largest announcement that is remembered, full of what makes the compiler of expressions
+  // slow.
   struct Announcement {
     explicit Announcement(char number) {
       for (const std::string unit : {"[:", "[[=", "[[.", "*["}) {
@@ -87,8 +88,8 @@ class HostilePartitions : public AccessControlTest {
   };
 };
 
-// 32 endpoints of such partitions, matched one after the other, kept a process standing for an
-// hour.
+// Without these limits, 32 endpoints with such partitions, matched one after the other, occupy a
+// process for an hour.
 TEST_F(HostilePartitions, ManyEndpoints_AreCompiledOnceAndQuickly) {
   auto all = subscribe_rule(true, {"t"});
   all.subscribe[0].partitions = {{{"*", 0}}};

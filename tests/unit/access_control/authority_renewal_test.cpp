@@ -19,7 +19,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// The talker has files of the first CA; the second has the same name.
+// The talker has files that the first CA signed. The second CA has the same name.
 class AuthorityRenewal : public AccessControlTest {
  protected:
   void SetUp() override {
@@ -113,7 +113,8 @@ class AuthorityRenewal : public AccessControlTest {
 
 // ---- relative paths
 
-// The properties have relative paths, and the process has changed its working directory since.
+// The properties have relative paths, and the process has changed its working directory after it
+// read them.
 class RelativePaths : public AuthorityRenewal {
  protected:
   void SetUp() override {
@@ -177,7 +178,7 @@ TEST_F(AuthorityRenewal, DocumentsOfTheSecondCa_AreTakenDuringTheOverlap) {
   EXPECT_EQ(plugin->renewals(*own_), 1u) << "authentication must present it";
 }
 
-// ---- the first one leaves
+// ---- the first CA leaves
 
 TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   put({&first(), &second()});
@@ -238,7 +239,7 @@ TEST_F(AuthorityRenewal, GovernanceThatComesWithAnotherCa_IsAnEvent) {
                                             Code::governance_renewed));
 }
 
-// Whose endpoints can get another protection.
+// A host whose endpoints can get another protection.
 class ChangingHost : public AuthorityRenewal {
  protected:
   void SetUp() override {
@@ -253,7 +254,7 @@ class ChangingHost : public AuthorityRenewal {
   }
 };
 
-// The key of a CA that leaves at once may have been stolen.
+// A CA that leaves at once may have left because its key was stolen.
 TEST_F(ChangingHost, CaLeavesWhileItsDocumentWaits_TheDocumentIsDropped) {
   put({&first(), &second()});
   codes_after_looking();
@@ -278,7 +279,7 @@ TEST_F(AuthorityRenewal, DocumentsThatComeOneLookLater_AreNoRefusal) {
               ElementsAre(Code::permissions_ca_renewed, Code::permissions_renewed));
 }
 
-// ---- what is not taken
+// ---- what is refused
 
 TEST_F(AuthorityRenewal, FileWithoutTheCaOfOurDocuments_IsRefused) {
   put({&second()});
@@ -445,7 +446,8 @@ TEST_F(PresentedOnce, SecondCa_IsAcceptedUntilItLeaves) {
   EXPECT_FALSE(accepts(second()));
 }
 
-// Otherwise it is taken together with the permissions that are in their file now.
+// With an overlap, the CA is adopted together with the permissions that are in their file at that
+// time.
 TEST_F(PresentedOnce, CaWithoutOverlap_IsRefused) {
   sign_all(second());
   put({&second()});

@@ -11,7 +11,8 @@ using Partitions = std::vector<std::string_view>;
 
 class Decisions : public AccessControlTest {
  protected:
-  /// "open" has no access control, "written" only write control, the rest both.
+  /// The topic "open" has no access control, "written" has write control only, the others have
+  /// both.
   void SetUp() override {
     auto& rules = governance_document.domain_rules[0].topic_rules;
     rules = {{.topic_expression = "open",

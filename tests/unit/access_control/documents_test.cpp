@@ -1,4 +1,5 @@
-// Documents that were read before: what is kept of them, for whom, and how much.
+// The cache of documents that were read before: what it keeps, for which participants, and how
+// much.
 #include "plugins/access_control/documents.hpp"
 
 #include "tests/unit/access_control/access_control_fixture.hpp"

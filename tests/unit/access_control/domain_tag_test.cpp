@@ -84,7 +84,7 @@ TEST_F(DomainTags, Tag_SelectsThePermissionRules) {
   const auto secure = local_with("secure", rules, permissions),
              empty = local_with("", rules, permissions);
   ASSERT_TRUE(secure && empty);
-  EXPECT_FALSE(may_publish(*secure, "a"));  // the deny rule has the tag
+  EXPECT_FALSE(may_publish(*secure, "a"));  // because the deny rule has the tag
   EXPECT_TRUE(may_publish(*secure, "b"));
   EXPECT_FALSE(may_publish(*secure, "c"));
   EXPECT_TRUE(may_publish(*empty, "a"));

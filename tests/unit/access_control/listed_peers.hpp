@@ -1,4 +1,4 @@
-// A peer whose permissions end in 20 s, and a renewal list of ours.
+// A peer whose permissions end in 20 s, and a renewal list of the local participant.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -9,8 +9,8 @@
 
 namespace ddssec::access_control {
 
-/// The talker is ours and has a list; the listener is the peer, whose permissions end 20 s from
-/// now.
+/// The talker is the local participant and has a renewal list. The listener is the peer, whose
+/// permissions end 20 s from now.
 class ListedPeers : public AccessControlTest {
  protected:
   ListedPeers() {
@@ -33,7 +33,7 @@ class ListedPeers : public AccessControlTest {
     peer_ = remote(text, facts).value_or(spi::PermissionsHandle{});
     EXPECT_TRUE(peer_);
   }
-  /// The listener may publish `names`.
+  /// Returns permissions of the listener to publish `names`.
   std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
                        std::chrono::seconds until = 20s, const char* subject = kListener) const {
     auto out = grant(subject, {publish_rule(true, std::move(names))});

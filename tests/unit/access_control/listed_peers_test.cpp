@@ -96,7 +96,8 @@ TEST_F(ListedPeers, AListThatNoLongerHasIt_LeavesAnExtensionUntilItsEnd) {
   EXPECT_THAT(poll(1s), ElementsAre(peer_));
 }
 
-// It is signed, and holds until its end. What takes it away is the revocation of the certificate.
+// The wide document is signed, and is valid until its end. Only a revocation of the certificate can
+// take these rights away earlier.
 TEST_F(ListedPeers, ALaterEntryWithLessRights_LeavesThePeerUntilTheWideOneEnds) {
   meet(document({"t", "u"}));
   const auto wide = document({"t", "u"}, 0s, 60s);
@@ -156,7 +157,7 @@ TEST_F(ListedPeers, SignedByAnotherCa_IsOneEventAndChangesNothing) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 18h);
 }
 
-// Authentication reports such a list.
+// Authentication reports such a list, so access control raises no event.
 TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   put({document({"t"}, 0s, 24h)});
   poll();
@@ -166,11 +167,11 @@ TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   EXPECT_THAT(log.all, IsEmpty());
 }
 
-// ---- ours, which the peer has seen
+// ---- our own permissions, which the peer has seen
 
 class OwnListedPermissions : public ListedPeers {
  protected:
-  // Ours end first, and are renewed; the peer has seen the former ones.
+  // The local permissions end first, and are renewed. The peer has seen the former ones.
   void begin(bool peer_reads_lists, const std::vector<std::string>& next_topics = {"*"},
              const std::vector<std::string>& first_topics = {"*"}) {
     (void)plugin->return_permissions_handle(peer_);
@@ -206,7 +207,7 @@ TEST_F(OwnListedPermissions, AnExtensionOfWhatThePeerHasSeen_KeepsTheSession) {
   EXPECT_THAT(pass_the_end(), IsEmpty()) << "the peer goes by it, too";
 }
 
-// The peer does not go by them.
+// The peer does not judge us by permissions with other rights, so its session ends.
 TEST_F(OwnListedPermissions, RenewedPermissionsWithOtherRights_EndTheSession) {
   begin(true, {"t"});
   put({next_});
@@ -214,7 +215,7 @@ TEST_F(OwnListedPermissions, RenewedPermissionsWithOtherRights_EndTheSession) {
   EXPECT_THAT(codes(), ElementsAre(Code::session_outlived_documents));
 }
 
-// The peer goes on by them, with the rights that it has seen.
+// The peer judges us by the renewed permissions, but with the rights that it has seen.
 TEST_F(OwnListedPermissions, RenewedPermissionsWithMoreRights_KeepTheSession) {
   begin(true, {"t", "u"}, {"t"});
   put({next_});

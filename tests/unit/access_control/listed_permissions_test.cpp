@@ -33,7 +33,7 @@ TEST_F(ListedPeers, OfSeveral_TheOneThatEndsLastCounts) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
 }
 
-// What the list has for a peer that presents "t" and "u".
+// A list with other permissions for a peer that presents "t" and "u".
 class OtherRights : public ListedPeers,
                     public testing::WithParamInterface<std::vector<std::string>> {
  protected:
@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(All, OtherRights,
                                          std::vector<std::string>{"*"},
                                          std::vector<std::string>{}));
 
-// The peer gets none of them before it presents them.
+// The peer gets none of the additional rights before it presents them.
 TEST_F(ListedPeers, MoreRights_KeepThePeerWithTheRightsThatItPresented) {
   put({document({"t", "u"}, 0s, 24h)});
   EXPECT_THAT(pass_the_end(), IsEmpty());
@@ -119,7 +119,8 @@ TEST_F(ListedPeers, MoreRights_KeepThePeerWithTheRightsThatItPresented) {
   EXPECT_TRUE(may_publish("u"));
 }
 
-// It gets them as before: the session ends with what it presented, and begins with the others.
+// The peer gets the additional rights as it does without a list: the session ends with the
+// permissions that it presented, and a new one begins with the others.
 TEST_F(ListedPeers, MoreRightsThatThePeerWants_DoNotKeepIt) {
   put({document({"t", "u"}, 0s, 24h)});
   EXPECT_THAT(poll(19s), IsEmpty());
@@ -146,7 +147,7 @@ TEST_F(ListedPeers, TheSameRights_KeepAPeerThatWantsMore) {
   EXPECT_THAT(pass_the_end(), IsEmpty());
 }
 
-// Fewer rights took their place, and are to end in time.
+// Permissions with fewer rights replaced these, and must end in time.
 TEST_F(ListedPeers, MoreRightsThatWereSignedEarlier_DoNotKeepThePeer) {
   signing_time = kNow - 1h;
   put({document({"t", "u"}, 0s, 24h)});
@@ -160,7 +161,7 @@ TEST_F(ListedPeers, MoreRightsThatEnd_EndThePeer) {
   EXPECT_THAT(poll(1s), ElementsAre(peer_));
 }
 
-// Before, the end of the listed ones locked the participant out for good.
+// The end of the listed permissions must not lock the participant out for good.
 TEST_F(ListedPeers, MoreRightsForAWhile_LockNoParticipantOut) {
   const auto own = document({"circle"}, -24h, 1000h);
   meet(own);
@@ -176,7 +177,7 @@ TEST_F(ListedPeers, MoreRightsForAWhile_LockNoParticipantOut) {
   EXPECT_THAT(codes(), IsEmpty());
 }
 
-// Before, rights that were given back had no effect as long as they began before the listed ones.
+// Rights that are given back count even though they begin before the listed permissions.
 TEST_F(ListedPeers, RightsThatAreGivenBack_CountAtOnce) {
   const auto full = document({"t", "u"}, -24h, 1000h);
   const auto narrow = document({"t"}, 0s, 60s);

@@ -23,7 +23,7 @@ TEST_F(LocalPermissions, ValidDocuments_AreAcceptedAndHandedOn) {
   EXPECT_TRUE(log.all.empty());
 }
 
-// Cyclone DDS hands documents over as texts that end at a NUL.
+// Cyclone DDS passes documents on as texts that end with a NUL.
 TEST_F(LocalPermissions, NulAtTheEndOfTheFile_IsNotHandedOn) {
   const auto document = open_permissions(kTalker);
   const auto handle = local(document + '\0');
@@ -116,7 +116,7 @@ TEST_F(LocalPermissions, ExpiredAndFutureGrants_AreRefused) {
   clock.set(kNow + 24h);
   EXPECT_REFUSED(local(document), grant_expired);
   clock.set(kNow - 24h - 1s);
-  // The permissions CA itself is not valid before that either.
+  // The permissions CA itself is not valid before that time either.
   EXPECT_REFUSED(local(document), certificate_not_yet_valid);
   auto late = grant(kTalker, {rule(true)});
   late.validity = {kNow + 1s, kNow + 24h};
@@ -228,7 +228,7 @@ TEST_F(RemotePermissions, TokenClass_IsComparedByNameAndMajorVersion) {
   }
 }
 
-// Where joining is free a peer without permissions gets a handle, and only what is open to all.
+// Where joining is free, a peer without permissions gets a handle, and access to open topics only.
 TEST_F(RemotePermissions, FreeJoining_NeedsNoPermissions) {
   governance_document.domain_rules[0].enable_join_access_control = false;
   auto& rules = governance_document.domain_rules[0].topic_rules;
@@ -250,7 +250,8 @@ TEST_F(RemotePermissions, FreeJoining_NeedsNoPermissions) {
   EXPECT_REFUSED(plugin->check_remote_topic(*peer, 0, "closed"), peer_has_no_permissions);
 }
 
-// Trap: each participant's own documents count, also in one process.
+// Each participant is judged by the documents of the local participant that it meets, also if
+// several of them are in one process.
 TEST_F(RemotePermissions, EachLocalParticipant_JudgesByItsOwnCa) {
   ASSERT_TRUE(local(open_permissions(kTalker)));
   auto list =
@@ -268,7 +269,8 @@ TEST_F(RemotePermissions, EachLocalParticipant_JudgesByItsOwnCa) {
       smime_signer_not_permissions_ca);
 }
 
-// The open governance of the one lets nobody in at the other, whoever leaves first.
+// The open governance of one local participant lets no peer in at the other one, whichever leaves
+// first.
 TEST_F(RemotePermissions, EachLocalParticipant_JudgesByItsOwnGovernance) {
   auto open = governance_document;
   for (auto& domain : open.domain_rules) {

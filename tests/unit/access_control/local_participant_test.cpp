@@ -1,4 +1,4 @@
-// Governance documents with another protection of topics in use, and revisions.
+// Governance documents that protect topics in use in another way, and their revisions.
 #include "plugins/access_control/local_participant.hpp"
 
 #include <gmock/gmock.h>
@@ -131,7 +131,7 @@ TEST_F(GovernancePhases, SameContentSignedAnew_IsNoEvent) {
 }
 
 TEST_F(GovernancePhases, WithoutARevision_MoreProtectionIsRefused) {
-  put(5);  // so that the one in force is known
+  put(5);  // so that the document in force is known
   codes_after_looking();
   raise();
   put(0);
@@ -239,7 +239,7 @@ TEST_F(GovernancePhases, RuleBeforeTheOneInUse_ThatProtectsLess_IsRefused) {
   expect_refused("data_protection_kind", "\"t\": restart it");
 }
 
-// As in Cyclone DDS, whose endpoints keep the protection that they were made with.
+// Endpoints keep the protection that they were made with, as those of Cyclone DDS do.
 class GovernanceOfAFixedHost : public GovernancePhases {
  protected:
   GovernanceOfAFixedHost() : GovernancePhases(false) {}

@@ -26,7 +26,7 @@ class Renewal : public AccessControlTest {
     log.all.clear();
   }
 
-  // The talker may publish and subscribe `names`, from then on for so long.
+  // Returns permissions of the talker to publish and subscribe `names` in the given period.
   std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
                        std::chrono::seconds until = 24h, const char* subject = kTalker) const {
     auto all = rule(true);
@@ -50,7 +50,7 @@ class Renewal : public AccessControlTest {
     clock.advance(5s);
     return plugin->expire();
   }
-  // As often as a host would in a quarter of a minute.
+  // Polls as often as a host does in a quarter of a minute.
   std::vector<Code> codes_after_looking() {
     log.all.clear();
     for (int i = 0; i < 3; ++i) poll();
@@ -99,7 +99,7 @@ TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 48h);
 }
 
-// A restart with it would fail, and so would a renewal that begins with it.
+// A restart with this document would fail, and so would a renewal that begins with it.
 TEST_F(Renewal, UnsignedDocument_ComesWithTheRemedyOfItsReason) {
   folder_.replace("permissions.p7s", "garbage");
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
@@ -162,7 +162,8 @@ TEST_F(Renewal, EarlierBegin_IsRefusedAsARollBack) {
   expect_refused(document({"t", "u"}, -25h, 48h), to_string(kNow - 24h) + " or later");
 }
 
-// Before, it was taken: documents that ddssec writes for one certificate begin alike.
+// Documents that ddssec writes for one certificate begin at the same time, so the time of signing
+// decides.
 TEST_F(Renewal, DocumentThatWasSignedEarlier_IsRefusedAsARollBack) {
   const auto wide = document({"t", "u"});
   signing_time = kNow + 10s;
@@ -218,7 +219,8 @@ TEST_F(Renewal, DocumentWithoutASigningTime_FollowsOnlyOneWithoutIt) {
   EXPECT_TRUE(may_publish("u"));
 }
 
-// As in both hosts. Before, the second one was lost: both documents have the same end.
+// Both hosts limit the rate of events. Both documents have the same end, but the second event must
+// not be lost.
 TEST_F(Renewal, TwoChangesWithinTheRateLimit_AreTwoEvents) {
   test::RecordedEvents passed;
   RateLimitedSink limited(passed, clock);
@@ -291,7 +293,7 @@ TEST_F(Renewal, DocumentOfTheLastSecond_IsTaken) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-// A peer whose own permissions end long after ours.
+// A peer whose own permissions end long after those of the local participant.
 class RenewalWithPeers : public Renewal {
  protected:
   spi::PermissionsHandle peer(const spi::SessionFacts& facts = {}) {
@@ -301,7 +303,7 @@ class RenewalWithPeers : public Renewal {
     EXPECT_TRUE(handle);
     return handle.value_or(spi::PermissionsHandle{});
   }
-  // Of a handshake that presented this document.
+  // Returns the facts of a handshake in which this document was presented.
   static spi::SessionFacts that_presented(const std::string& text) {
     return {.presented_permissions = sha256(as_bytes(text))};
   }
@@ -379,7 +381,7 @@ TEST_F(RenewalWithPeers, Session_EndsWithTheDocumentThatThePeerHasSeen) {
   EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
 }
 
-// Before, a time before the former document began counted as its end.
+// A time before the former document began does not count as its end.
 TEST_F(RenewalWithPeers, ClockThatGoesBackAfterARenewal_EndsNoSession) {
   const auto handle = peer(that_presented(first_));
   renew(second_);

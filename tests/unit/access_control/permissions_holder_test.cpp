@@ -39,7 +39,7 @@ class Expiry : public AccessControlTest {
   };
 };
 
-// T3
+// T3 (docs/attacks.md): a peer stays matched after its permissions have expired.
 TEST_F(Expiry, EndedGrant_IsReportedOnceAndDeniesAlways) {
   const auto own = local(open_permissions(kTalker));
   auto brief = grant(kListener, {publish_rule(true, {"t"})});
@@ -102,8 +102,9 @@ TEST_F(Expiry, PeersPermissions_AreNotOurs) {
   EXPECT_TRUE(log.all.empty());
 }
 
-// T4: the wall clock at the check counts, wherever it jumped. What was valid has not ended when the
-// clock goes back: a clock that was wrong for a minute parted honest participants for good.
+// T4 (docs/attacks.md): the wall clock at the time of the check counts, even if it jumped.
+// Permissions that were valid do not end when the clock is set back. Otherwise a clock that is
+// wrong for a minute would part honest participants for good.
 TEST_F(Expiry, ClockThatJumps_IsFollowed) {
   const auto own = local(open_permissions(kTalker));
   ASSERT_TRUE(own);
@@ -135,7 +136,7 @@ TEST_F(Expiry, AnotherGrantOfTheDocument_TakesOver) {
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
 }
 
-// What was matched under the first grant is not judged again under the second.
+// Endpoints that were matched under the first grant are not judged again under the second one.
 TEST_F(Expiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
   const auto own = local(open_permissions(kTalker));
   ASSERT_TRUE(own);
@@ -167,7 +168,7 @@ TEST_F(Expiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
   EXPECT_TRUE(plugin->expire().empty());
 }
 
-// T2: the permissions CA ends.
+// T2 (docs/attacks.md): an expired CA is accepted. Here the permissions CA ends.
 TEST_F(Expiry, EndOfThePermissionsCa_EndsWhatItSigned) {
   auto ca = pki::make_ca("CN=Brief CA", {}, {kNow - 24h, kNow + 10s});
   auto list = properties(signed_by(ca, governance::to_xml(governance_document)),
@@ -182,7 +183,7 @@ TEST_F(Expiry, EndOfThePermissionsCa_EndsWhatItSigned) {
   EXPECT_EQ(plugin->expire(), std::vector{*own});
 }
 
-// Cyclone DDS keeps the writers of a participant that it deleted: their readers must go.
+// Cyclone DDS keeps the writers of a participant that it deleted, so their readers must go.
 TEST_F(Expiry, EndOfALocalParticipant_EndsItsPeersUnlessAnotherHasThem) {
   auto brief = grant(kTalker, {rule(true)});
   brief.validity.not_after = kNow + 10s;
@@ -219,7 +220,8 @@ TEST_F(Expiry, LocalParticipantsThatEndTogether_EndThePeersTheyShare) {
   EXPECT_TRUE(plugin->expire().empty());
 }
 
-// Hosts of one participant each must not be told of others', nor take what others have to hear.
+// A host that has one participant must not get the events of another host's participant, nor take
+// events away from it.
 TEST_F(Expiry, EndOfALocalParticipant_IsToldToItsOwnHostOnly) {
   TwoLocals two(*this, brief(), spi::IdentityHandle{9});
   clock.advance(10s);

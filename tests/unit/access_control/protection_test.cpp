@@ -1,4 +1,4 @@
-// What the values of a governance document become, and what the plugins cannot do.
+// The attributes that the values of a governance document become, and what the plugins cannot do.
 #include "plugins/access_control/protection.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 using governance::DomainRule;
 using governance::TopicRule;
 
-// Every algorithm that the plugins always use.
+// Returns every algorithm that the plugins always use.
 governance::AllowedAlgorithms algorithms() {
   governance::AllowedAlgorithms out;
   out.line = 9;

@@ -58,14 +58,14 @@ TEST_F(Decisions, ARefusedPeer_IsToldApartFromTheLocalParticipant) {
   ASSERT_FALSE(ours);
   EXPECT_FALSE(mentions(ours.error().details().note, "peer"));
   EXPECT_EQ(ours.error().hint(), info(Code::publish_not_allowed).hint);
-  // Of a match the announcement may be forged: that hint stays.
+  // The announcement behind a match may be forged, so that hint stays.
   const auto matched = plugin->check_remote_match(peer, match({.topic_name = "closed_in"}));
   ASSERT_FALSE(matched);
   EXPECT_EQ(matched.error().hint(), info(Code::match_not_permitted).hint);
 }
 
-// Anybody can announce an endpoint in a peer's name where discovery is not protected, and any
-// participant where its origin is not authenticated.
+// Anyone can announce an endpoint in a peer's name if discovery is not protected, and any
+// participant can if its origin is not authenticated.
 TEST_F(Decisions, AnAnnouncementInAPeersName_DoesNotAccuseThePeer) {
   const auto peer = peer_with({rule(true)});
   const auto writer = plugin->check_remote_datawriter(peer, 0, {.topic_name = "closed_in"});
@@ -89,7 +89,7 @@ TEST_F(Decisions, Refusal_NamesDocumentLineRuleAndValues) {
   ASSERT_FALSE(status);
   const auto& details = status.error().details();
   EXPECT_EQ(details.document, "dds.sec.access.permissions");
-  EXPECT_EQ(details.line, 25);  // of the file
+  EXPECT_EQ(details.line, 25);  // the line of the file
   EXPECT_EQ(details.field, "<deny_rule>");
   EXPECT_EQ(details.expected, "an allow_rule to publish topic \"closed_b\" in partition \"\"");
   EXPECT_NE(details.note.find(kTalker), std::string::npos);

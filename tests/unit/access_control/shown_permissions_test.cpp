@@ -1,4 +1,4 @@
-// Renewed permissions that a peer shows within its session, and ours that it has seen.
+// Renewed permissions that a peer shows within its session, and own permissions that it has seen.
 #include <gmock/gmock.h>
 
 #include "tests/unit/access_control/access_control_fixture.hpp"
@@ -18,7 +18,7 @@ class ShownPermissions : public AccessControlTest {
     log.all.clear();
   }
 
-  // The listener may publish `names`.
+  // Returns permissions of the listener to publish `names`.
   std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
                        std::chrono::seconds until = 12h, const char* subject = kListener) const {
     auto out = grant(subject, {publish_rule(true, std::move(names))});
@@ -86,7 +86,8 @@ TEST_F(ShownPermissions, ThatWereSignedEarlier_AreRefusedAsARollBack) {
 
 TEST_F(ShownPermissions, OfAnotherSubject_AreRefused) {
   EXPECT_REFUSED(show(document({"u"}, 0s, 48h, kTalker)), no_grant_for_subject);
-  // Also together with the other's certificate: the session is that of the listener.
+  // They are refused also together with the other identity's certificate: the session is the
+  // listener's.
   EXPECT_REFUSED(plugin->renew_remote_permissions(
                      peer_, permissions_token(),
                      credential(authorities().talker, document({"u"}, 0s, 48h, kTalker))),
