@@ -1,5 +1,5 @@
 // What the authentication tests share: identities, engines, pairs of participants that shake hands,
-// and a peer played by hand in the style of another vendor.
+// and a peer whose tokens the test builds in the style of another vendor.
 #pragma once
 
 #include <algorithm>
@@ -42,7 +42,8 @@ using test::kNow;
 using test::kYear;
 using test::test_random;
 
-/// RSA keys take long to make: one of each kind and index in a process.
+/// Returns a key of this kind and index, which is made once in a process, because RSA keys take
+/// long to make.
 inline const pki::PrivateKey& key_of(KeySpec spec, int index = 0) {
   static std::map<std::tuple<KeyKind, int, int>, pki::PrivateKey> keys;
   const std::tuple id{spec.kind, spec.bits, index};
@@ -55,7 +56,7 @@ inline pki::Authority make_ca(std::string_view subject = "CN=Identity CA,O=Examp
   return test::make_ca(subject, key, validity);
 }
 
-/// The CA of tests that do not care.
+/// Returns the CA of tests for which any CA will do.
 inline const pki::Authority& test_ca() {
   static const pki::Authority ca = make_ca();
   return ca;
@@ -115,8 +116,8 @@ inline Guid candidate(std::uint8_t number) {
 using VendorId = std::array<std::uint8_t, 2>;
 inline constexpr VendorId kCycloneDds{1, 16}, kFastDds{1, 15};
 
-/// ParticipantBuiltinTopicData as a big-endian parameter list.
-/// With an IdentityToken in it, if there is one.
+/// Returns ParticipantBuiltinTopicData as a big-endian parameter list, with the IdentityToken in it
+/// if there is one.
 inline Bytes participant_data(const Guid& guid, const Token* identity_token = nullptr,
                               const VendorId& vendor = kCycloneDds) {
   Writer writer(Endian::big);
@@ -140,7 +141,7 @@ inline Bytes participant_data(const Guid& guid, const Token* identity_token = nu
   return writer.take();
 }
 
-/// Tokens taken apart.
+/// Returns a field of a token.
 inline const Bytes& field(const Token& token, std::string_view name) {
   const Bytes* value = spi::find_binary_property(token, name);
   static const Bytes kNone;
@@ -159,11 +160,11 @@ inline Token without(Token token, std::string_view name) {
   std::erase_if(token.binary_properties, [&](const auto& p) { return p.name == name; });
   return token;
 }
-/// A request that an attacker can send after seeing an honest one.
+/// Returns a request that an attacker can send after it has seen an honest one.
 inline Token forged(const Token& request, std::uint8_t number) {
   return without(with(request, "challenge1", Bytes(32, number)), "hash_c1");
 }
-/// An AuthRequestMessageToken.
+/// Returns an AuthRequestMessageToken.
 inline Token sample() {
   return {.class_id = "DDS:Auth:PKI-DH:1.0+AuthReq",
           .binary_properties = {{"future_challenge", Bytes(32)}}};
@@ -199,7 +200,7 @@ struct Participant {
   Bytes data;
 };
 
-/// Two participants that know of each other; `low` begins.
+/// Two participants that know of each other. The handshake begins at `low`.
 struct Two {
   Two(Participant& a, Participant& b)
       : low(a.guid < b.guid ? a : b), high(a.guid < b.guid ? b : a) {
@@ -288,7 +289,7 @@ struct Style {
   std::string key_agreement_name = "ECDH+prime256v1-CEUM";
 };
 
-/// A peer played by hand from the standard's text, without the plugin's own message code.
+/// A peer that follows the text of the standard, without the plugin's own message code.
 class HandMadePeer {
  public:
   HandMadePeer(Identity identity, std::uint8_t number, Style style = {})
@@ -313,7 +314,7 @@ class HandMadePeer {
     return token;
   }
 
-  /// Takes the other side's reply as the standard wants it.
+  /// Checks the other side's reply as the standard demands it, and returns the final message.
   Token final(const Token& reply, const pki::Certificate& signer) {
     EXPECT_EQ(field(reply, "challenge1"), challenge1_);
     EXPECT_EQ(field(reply, "dh1"), dh1_);

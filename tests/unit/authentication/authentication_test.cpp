@@ -1,4 +1,4 @@
-// Remote identities: which are refused, and what an event says of them.
+// Remote identities: which are refused, and what an event says about them.
 #include "plugins/authentication/authentication.hpp"
 
 #include "tests/unit/authentication/authentication_fixture.hpp"
@@ -36,7 +36,8 @@ TEST(RemoteIdentity, AnotherToken_IsRefusedOnlyAfterAuthentication) {
   pairing.expect_success();
   EXPECT_CODE(engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid),
               identity_token_changed);
-  // The same one still is the same one; after it left, a restarted peer may come with another.
+  // The identity with the same token is still the same one. After it left, a restarted peer may
+  // come with another token.
   ASSERT_OK(two.low.discover(two.high));
   ASSERT_OK(engine->return_identity_handle(two.high_at_low));
   const auto fresh = engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid);
@@ -52,7 +53,7 @@ TEST(RemoteIdentity, IdentityOfAnotherCa_IsRefused) {
   EXPECT_CODE(pairing.two.reply(*req->message), issuer_unknown);
 }
 
-// The subject's text is on the event as soon as it is proven.
+// Once the subject is proven, the event has its name.
 TEST(RemoteIdentity, RefusalAfterProof_NamesThePeerInItsEvent) {
   Pairing pairing;
   pairing.expect_success();

@@ -21,7 +21,7 @@ using testing::IsEmpty;
 constexpr auto kName = "CN=Identity CA,O=Example";
 constexpr pki::Validity kDecade{kNow - days(2), kNow + days(3650)};
 
-// Of one name, as `ddssec ca rotate` makes them.
+// The two CAs have one name, as those that `ddssec ca rotate` makes.
 const pki::Authority& old_ca() {
   static const auto ca = make_ca(kName, {}, kDecade);
   return ca;
@@ -54,7 +54,8 @@ Identity bob_of(const pki::Authority& ca) {
   return trusting_all(make_identity(ca, "CN=bob,O=Example", {}, kYear, 1));
 }
 
-// Alice has files and a certificate of the old CA. Bob, of the old one, believes all.
+// Alice has files and a certificate of the old CA. Bob, whose certificate is of the old CA too,
+// trusts both CAs.
 class AuthorityRenewal : public testing::Test {
  protected:
   AuthorityRenewal() : pairing_(alice(), bob_of(old_ca())) {}
@@ -91,7 +92,7 @@ class AuthorityRenewal : public testing::Test {
     EXPECT_THAT(events().front().error.to_sentence(), HasSubstr("read before stay in force"));
     EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
   }
-  // Whether a participant that has not met Alice authenticates with her.
+  // True if a participant that has not met Alice authenticates with her.
   bool meets(const pki::Authority& ca) {
     Engine other{7};
     Participant carol(other, trusting_all(make_identity(ca, "CN=carol,O=Example", {}, kYear, 2)),
@@ -157,7 +158,8 @@ TEST_F(AuthorityRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
 
 // ---- relative paths
 
-// Alice's properties have relative paths, and the process has changed its working directory since.
+// Alice's properties have relative paths, and the process has changed its working directory after
+// it read them.
 struct RelativePaths : testing::Test {
   RelativePaths() {
     write_all(folder, {&old_ca()}, alice.certificate);
@@ -174,7 +176,7 @@ struct RelativePaths : testing::Test {
     where.replace("cert.pem", certificate.pem());
     where.replace("key.pem", pem_text(alice.key));
   }
-  // Where the files are that events are about, after looking.
+  // Returns the events after several looks, each with the place of the file that it is about.
   std::vector<std::pair<Code, std::string>> told() {
     engine.events.all.clear();
     for (int i = 0; i < 3; ++i) {
@@ -212,7 +214,7 @@ TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
   EXPECT_THAT(told(), ElementsAre(std::pair(Code::crl_renewed, in("crl.pem"))));
 }
 
-// ---- the old one leaves
+// ---- the old CA leaves
 
 TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   pairing_.expect_success();
@@ -330,7 +332,7 @@ TEST_F(AuthorityRenewal, ListsOfBothCas_CountDuringTheOverlap) {
   EXPECT_THAT(other->expire(), ElementsAre(alone.handle));
 }
 
-// ---- what is not taken
+// ---- what is refused
 
 TEST_F(AuthorityRenewal, FileWithoutOurCa_IsRefused) {
   put({&new_ca()});
@@ -474,7 +476,7 @@ TEST_F(AuthorityRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
 
 // ---- ends
 
-// `ddssec ca renew`: the same name and key, a later end.
+// `ddssec ca renew` makes a certificate with the same name and key, and a later end.
 TEST(AuthorityRenewalOfOneKey, CaThatLivesLonger_MovesTheEndOfSessions) {
   const test::TemporaryFolder folder;
   const auto ca = make_ca(kName, {}, {kNow - days(2), kNow + days(30)});

@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::days;
 
-// Alice alone: what her engine says while days go by.
+// Alice alone, and what her engine reports while days go by.
 class Alone {
  public:
   explicit Alone(const Identity& identity) {
@@ -17,7 +17,7 @@ class Alone {
     EXPECT_TRUE(local);
     handle_ = local->handle;
   }
-  // The codes of the next `count` days.
+  // Returns the codes of the events of the next `count` days.
   std::vector<Code> live(int count) {
     engine_.events.all.clear();
     std::vector<Code> out;

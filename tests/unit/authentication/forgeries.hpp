@@ -6,7 +6,7 @@
 
 namespace ddssec::authentication::forgeries {
 
-/// What somebody does to a message, and why it is refused.
+/// A change of a message by an attacker, and the code that refuses it.
 struct Forgery {
   std::string name;
   Code code;
@@ -51,7 +51,8 @@ inline Forgery sets(std::string label, std::string name, Bytes value, Code code)
           [name, value](Token t) { return with(std::move(t), name, value); }};
 }
 
-/// As an attacker would: hashes are optional, so that a change can be hidden from them.
+/// Returns the same change without the hashes. They are optional, so an attacker can leave them out
+/// to hide a change from them.
 inline Forgery unhashed(Forgery forgery) {
   forgery.name += "_unhashed";
   forgery.change = [change = forgery.change](Token t) {
@@ -68,7 +69,8 @@ inline const Identity& stranger() {
 
 inline Bytes stranger_pem() { return bytes(stranger().certificate.pem()); }
 
-/// A certificate of 40 KB for which some patch levels of OpenSSL take many times as much memory.
+/// Returns a certificate of 40 KB, for which some patch levels of OpenSSL take many times as much
+/// memory.
 inline Bytes memory_bomb_pem() {
   return bytes(test::with_distribution_points({stranger().certificate, stranger().key},
                                               test::PointName::relative, 1500, 200));

@@ -1,4 +1,5 @@
-// Finals that must be refused, each with exactly its code, and without harm to the honest one.
+// Final messages that must be refused, each with exactly its code, and without harm to the honest
+// one.
 #include "plugins/authentication/handshake_final.hpp"
 
 #include "tests/unit/authentication/authentication_fixture.hpp"

@@ -67,7 +67,7 @@ TEST(FlippedBit, BitFlippedAnywhereInAReply_IsRefused) {
   pairing.expect_finish(*req, *rep);
 }
 
-// Without the hashes the signature alone must notice.
+// Without the hashes, only the signature can show the change.
 TEST(FlippedBit, BitFlippedInAReplyWithoutOptionalFields_IsRefused) {
   Pairing pairing;
   const auto req = pairing.two.request();

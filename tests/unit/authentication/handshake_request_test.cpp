@@ -56,7 +56,7 @@ TEST_P(ForgedRequest, ForgedRequest_IsRefusedAndTheHonestOneSucceeds) {
   pairing.expect_finish(*req, *rep);
 }
 
-// A request is not signed: what was changed in it must be noticed in the reply.
+// A request is not signed, so a change of it must be noticed in the reply.
 TEST(FlippedBit, BitFlippedInAnAnsweredRequest_MakesTheInitiatorRefuse) {
   for (const auto* name : {"c.perm", "challenge1"}) {
     Pairing pairing;

@@ -49,12 +49,12 @@ TEST(Handshake, Request_HasTheStandardsFieldsInOrderWithoutNuls) {
   EXPECT_EQ(field(*request->message, "c.perm"), Bytes(1));
 }
 
-// ---- a peer played by hand
+// ---- a peer that the test plays
 
 // The engine's participant has the higher GUID.
 Identity ours(std::string_view = {}) { return make_identity(test_ca(), "CN=ours", {}, kYear, 1); }
 
-// A subject whose adjusted GUID lies below or above that of `ours`.
+// Returns an identity whose adjusted GUID is lower or higher than that of `ours`.
 Identity theirs(bool below, KeySpec spec = {}) {
   const auto digest = ours().certificate.subject_digest();
   const Guid our_guid = adjusted_guid(digest, candidate(1));
@@ -135,7 +135,7 @@ TEST_P(InitiatorStyle, RequestInEachStyle_GetsItsReply) {
   ASSERT_OK(credential);
   EXPECT_EQ(as_text(field(*credential, "c.perm")),
             param.style.permissions ? "signed document" : "");
-  // The kind by one name, however the peer spells it.
+  // The kind has one name here, however the peer spells it.
   EXPECT_EQ(as_text(field(*credential, "c.kagree_algo")),
             param.kind == KeyAgreementKind::ecdh_p256   ? "ECDH+prime256v1-CEUM"
             : param.kind == KeyAgreementKind::ecdh_p384 ? "ECDHE-CEUM+P384"
@@ -177,7 +177,8 @@ TEST_P(ReplierStyle, ReplyInEachStyle_GetsItsFinal) {
   peer.expect_same_secret(**secret);
 }
 
-// DH results with leading zero octets must agree on both sides: one in 256.
+// In one of 256 handshakes the result of Diffie-Hellman begins with a zero octet. Both sides must
+// get the same secret from it.
 TEST(Handshake, ModpSecrets_AgreeManyTimes) {
   Engine engine;
   Participant us(engine, ours(), 1);

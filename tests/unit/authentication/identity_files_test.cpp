@@ -1,5 +1,5 @@
-// The files that the properties of a participant name: each is there, fits the others, or is
-// refused by its name.
+// The files that the properties of a participant name. Each must exist and fit the others;
+// otherwise it is refused by its name.
 #include "plugins/authentication/identity_files.hpp"
 
 #include <gmock/gmock.h>
@@ -22,14 +22,14 @@ PropertyList alice_with(std::string_view name, std::string value) {
 
 using test::TemporaryFolder;
 
-// What create() says of alice's documents in files, after `change(files, properties)`.
+// Returns what create() says about Alice's documents in files, after `change(files, properties)`.
 template <class Change>
 std::string sentence_about_files(const TemporaryFolder& folder, Change&& change) {
   auto properties = alice().properties;
   for (const auto& [name, file] : {std::pair{property::kIdentityCa, "ca.pem"},
                                    {property::kIdentityCertificate, "cert.pem"},
                                    {property::kPrivateKey, "key.pem"}}) {
-    const auto text = spi::find_property(properties, name)->substr(6);  // after data:,
+    const auto text = spi::find_property(properties, name)->substr(6);  // the text after "data:,"
     set(properties, name, "file:" + folder.replace(file, text));
   }
   change();

@@ -1,4 +1,4 @@
-// Handles that were returned or never given out, and how many identities and handshakes there are.
+// Handles that were returned or never given out, and the limits for identities and handshakes.
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
@@ -20,7 +20,7 @@ TEST(Handles, UnknownOrReturnedHandles_AreRefused) {
               unknown_identity);
   EXPECT_CODE(engine->begin_handshake_request({99}, two.high_at_low, two.low.data),
               unknown_identity);
-  // A local handle is no remote one.
+  // The handle of a local identity is not accepted as that of a remote one.
   EXPECT_CODE(engine->begin_handshake_request(two.low.handle, two.low.handle, two.low.data),
               unknown_identity);
 }

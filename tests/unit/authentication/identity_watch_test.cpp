@@ -1,4 +1,4 @@
-// When renewed files are read and taken, and what is said of files that cannot be.
+// When renewed files are read and adopted, and what is reported about files that cannot be.
 #include <sys/stat.h>
 
 #include "tests/unit/authentication/renewal_fixture.hpp"

@@ -1,4 +1,4 @@
-// What an authenticated peer is known by: its permissions, its ciphers, its credential.
+// What is known about an authenticated peer: its permissions, its ciphers, its credential.
 #include "plugins/authentication/judged_peer.hpp"
 
 #include "tests/unit/authentication/authentication_fixture.hpp"
@@ -30,7 +30,7 @@ TEST(Handshake, Permissions_TravelBothWays) {
   EXPECT_EQ(field(*at_low, "c.id"), field(*rep->message, "c.id"));
 }
 
-// The ciphers that each side holds the other able to decrypt, after a handshake in which
+// Returns the ciphers that each side believes the other one can decrypt, after a handshake in which
 // discovery's tokens were replaced by `announced`, if there is one.
 std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced) {
   Engine first{1}, second{2};
@@ -52,7 +52,7 @@ std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced
 TEST(Handshake, Ciphers_AreToldToEachSide) {
   const std::pair right{spi::kAllCiphers, spi::kStandardCiphers};
   EXPECT_EQ(ciphers_after(nullptr), right);
-  // Nobody vouches for what discovery brought: it neither takes away nor adds.
+  // Discovery is not proven, so what it brought neither takes ciphers away nor adds any.
   const Token bare{std::string(spi::class_id::kIdentity)};
   EXPECT_EQ(ciphers_after(&bare), right);
 }

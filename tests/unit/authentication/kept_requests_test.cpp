@@ -1,4 +1,4 @@
-// What becomes of a request when the host drops a peer and meets it again: stock plugins answer the
+// What happens to a request when the host drops a peer and meets it again. Stock plugins answer the
 // first request that they saw, and no other.
 #include "plugins/authentication/kept_requests.hpp"
 
@@ -8,7 +8,7 @@ namespace ddssec::authentication {
 namespace {
 
 struct KeptRequest : ::testing::Test {
-  // The host of the one that begins drops the other, and meets it again.
+  // The host of the participant that begins drops the other one, and meets it again.
   void meet_again() {
     ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
     const auto again = two.low.discover(two.high);
@@ -58,7 +58,7 @@ TEST_F(KeptRequest, AnsweredRequest_IsNotKept) {
   EXPECT_NE(request(), *first->message);
 }
 
-// Begins with so many others, and drops them.
+// Begins handshakes with `count` other participants, and drops them.
 void KeptRequest::invent(std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     auto guid = two.high.guid;
@@ -77,7 +77,7 @@ TEST_F(KeptRequest, StrangersInventingOthers_DoNotDisplaceIt) {
   const auto first = request();
   ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
   two.low.engine->clock.advance(1s);
-  invent(KeptRequests::kMax);  // the oldest is not the first to go
+  invent(KeptRequests::kMax);  // the oldest request is not the first to go
   const auto again = two.low.discover(two.high);
   ASSERT_OK(again);
   two.high_at_low = again->handle;
@@ -94,9 +94,9 @@ TEST_F(KeptRequest, TooManyRequests_TheFirstIsForgotten) {
   EXPECT_NE(request(), first);
 }
 
-// Stock plugins take no reply with another challenge than the one that we announced first. They
-// keep to the first reply that they get, which may be the one that the host gave up: before, its
-// final then did not verify.
+// Stock plugins accept no reply with another challenge than the one that we announced first. They
+// keep to the first reply that they get, which may be one that the host gave up. Their final
+// message must verify nevertheless.
 TEST_F(KeptRequest, ReplierMeetingAgain_KeepsItsChallengeAndKey) {
   const auto req = two.request();
   ASSERT_OK(req);
@@ -136,7 +136,7 @@ TEST_F(KeptRequest, AnotherRequest_GetsAnotherKey) {
   EXPECT_NE(field(*second->message, "dh2"), field(*first->message, "dh2"));
 }
 
-// Else what was recorded of one session would do for the next.
+// Otherwise the recorded messages of one session would be valid in the next one.
 TEST_F(KeptRequest, OneChallenge_NeverServesTwoSessions) {
   const auto req = two.request();
   ASSERT_OK(req);

@@ -59,14 +59,14 @@ TEST(Expiry, AnEndedIdentity_IsRefusedEverywhere) {
   EXPECT_CODE(pairing.b.discover(pairing.a), identity_ended);
   EXPECT_CODE(pairing.two.request(), identity_ended);
   EXPECT_CODE(pairing.second_engine->identity_token(pairing.b.handle), identity_ended);
-  // The clock set back does not bring it back: the host has cut it off.
+  // Setting the clock back does not bring the identity back, because the host has cut it off.
   pairing.first_engine.clock.set(kNow);
   EXPECT_CODE(pairing.a.discover(pairing.b), identity_ended);
   ASSERT_OK(pairing.first_engine->return_identity_handle(ending.bob_at_alice()));
   EXPECT_TRUE(pairing.a.discover(pairing.b));
 }
 
-// T4: the calendar jumps; the next look at it counts.
+// T4 (docs/attacks.md): the calendar jumps, and the next look at it counts.
 TEST(Expiry, CalendarThatIsSet_IsFollowed) {
   Ending ending({kNow - 24h, kNow + 1000h});
   auto& pairing = ending.pairing;

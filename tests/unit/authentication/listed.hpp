@@ -17,7 +17,7 @@ inline constexpr auto kBob = "CN=bob,O=Example";
 inline constexpr pki::Validity kShort{kNow - 24h, kNow + 20s};
 inline constexpr pki::Validity kNext{kNow + 5s, kNow + 100 * 24h};
 
-/// Bob's key has index 1.
+/// Returns an identity of Bob. His key has index 1.
 inline Identity bob_with(pki::Validity validity, int key = 1, const pki::Authority& ca = test_ca(),
                          const std::string& subject = kBob) {
   return make_identity(ca, subject, {}, validity, key);
@@ -31,7 +31,7 @@ inline std::string list_of(std::vector<pki::Certificate> certificates) {
   return pki::RenewalList{.certificates = std::move(certificates)}.text().value();
 }
 
-/// Alice has files; Bob has a certificate that ends 20 seconds from now.
+/// Alice has files. Bob has a certificate that ends 20 seconds from now.
 class Listed : public testing::Test {
  protected:
   explicit Listed(const std::string& crl = {}) : pairing_(with_files(crl), bob_) {}
@@ -53,7 +53,7 @@ class Listed : public testing::Test {
     engine().clock.advance(after);
     return engine()->expire();
   }
-  /// Until a minute after the end of Bob's certificate; who ended.
+  /// Polls until a minute after the end of Bob's certificate. Returns the identities that ended.
   std::vector<IdentityHandle> pass_the_end() {
     std::vector<IdentityHandle> ended;
     for (int i = 0; i < 16; ++i)

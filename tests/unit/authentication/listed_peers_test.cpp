@@ -1,4 +1,4 @@
-// Peers whose certificates end, and who stay because a renewal list has their later ones.
+// Peers whose certificates end, and that stay because a renewal list has their later ones.
 #include "plugins/authentication/listed_peers.hpp"
 
 #include <gmock/gmock.h>
@@ -56,7 +56,7 @@ TEST_F(Listed, AListOfTheLastSecond_Counts) {
   EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_taken, Code::peer_renewal_listed));
 }
 
-// ---- what does not
+// ---- what does not keep it
 
 TEST_F(Listed, WithoutAList_ThePeerEndsInTime) {
   EXPECT_THAT(poll(19s), IsEmpty());
@@ -74,7 +74,7 @@ TEST_F(Listed, AListThatComesAfterTheEnd_BringsNoOneBack) {
 
 // ---- our own certificate, which a peer has seen
 
-// Bob has files; his certificate ends, and is renewed in time.
+// Bob has files. His certificate ends, and is renewed in time.
 class OwnListed : public testing::Test {
  protected:
   explicit OwnListed(spi::CipherMask ciphers = spi::kAllCiphers)

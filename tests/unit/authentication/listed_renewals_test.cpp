@@ -1,4 +1,4 @@
-// What a renewal list may have, and which of its certificates count.
+// What a renewal list may contain, and which of its certificates count.
 #include "plugins/authentication/listed_renewals.hpp"
 
 #include <cstring>
@@ -96,7 +96,7 @@ TEST_F(ListedWithCrl, ARevocationOfTheFirstCertificate_EndsAPeerThatIsKept) {
   EXPECT_THAT(codes(), Contains(Code::certificate_revoked));
 }
 
-// The list was made before the revocation, and is put back after it.
+// The list was made before the revocation, and an attacker puts it back after it.
 TEST_F(ListedWithCrl, AReplayedList_BringsNoRevokedPeerBack) {
   const auto later = renewed_bob();
   revoke({later, bob_.certificate});
@@ -114,7 +114,7 @@ class BadList : public Listed {
     poll();
     EXPECT_THAT(codes(), ElementsAre(Code::renewal_list_taken));
   }
-  // It changes nothing, and one event says what is wrong.
+  // Expects that the list changes nothing, and that one event says what is wrong.
   void expect_refused(std::string_view why) {
     EXPECT_THAT(pass_the_end(), IsEmpty());
     std::vector<Event> refusals;
@@ -192,7 +192,7 @@ TEST_F(BadList, EntryOfAnotherCa_IsRefused) {
   expect_refused("CN=Identity CA,O=Example");
 }
 
-// With a CA of the same name.
+// The certificate in the list is of a CA of the same name.
 TEST_F(BadList, EntryOfACaOfTheSameName_IsRefused) {
   const auto other = make_ca();
   put(list_of({bob_with(kNext, 1, other).certificate}));

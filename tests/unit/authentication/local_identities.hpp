@@ -1,4 +1,4 @@
-// Identities made of properties, and what must refuse them.
+// Identities that are made from properties, and the faults for which they must be refused.
 #pragma once
 
 #include "tests/unit/authentication/authentication_fixture.hpp"
@@ -17,7 +17,7 @@ inline Result<spi::Authentication::LocalIdentity> create(const PropertyList& pro
   return create(properties, engine);
 }
 
-/// Exactly this code, about exactly this property.
+/// Expects a refusal with exactly this code, about exactly this property.
 inline void expect_refused(const PropertyList& properties, Code code, std::string_view document) {
   Engine engine;
   const auto result = create(properties, engine);

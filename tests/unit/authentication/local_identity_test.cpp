@@ -1,4 +1,4 @@
-// Identities of our own: what the properties name must exist, fit together and be believed.
+// Local identities: the documents that the properties name must exist, fit together and be trusted.
 #include "plugins/authentication/local_identity.hpp"
 
 #include <gmock/gmock.h>
@@ -89,7 +89,7 @@ TEST(CycloneData, GoodIdentities_AreTaken) {
   EXPECT_TRUE(create(cyclone_identity("identity_ca", "identity_certificate", "private_key")));
   EXPECT_TRUE(
       create(cyclone_identity("ec_identity_ca", "ec_identity_certificate", "ec_private_key")));
-  // This key's certificate ended in 2019.
+  // The certificate of this key ended in 2019.
   Engine then;
   then.clock.set(std::chrono::sys_days(std::chrono::year(2019) / 1 / 1));
   EXPECT_TRUE(create(cyclone_identity("old/identity_ca", "old/identity_certificate",
@@ -97,7 +97,7 @@ TEST(CycloneData, GoodIdentities_AreTaken) {
                      then));
   EXPECT_TRUE(create(cyclone_identity("ec_identity_ca", "ec_identity_certificate",
                                       "ec_private_key_w_password", "CHAM-570")));
-  // The CA is a subordinate one: stock Cyclone refuses it.
+  // This CA is a subordinate one. Stock Cyclone DDS refuses it.
   EXPECT_TRUE(
       create(cyclone_identity("Identity_CA_Test_With_Chain.crt", "Bob_Chain_Test.crt", "bob.pem")));
 }
@@ -149,7 +149,8 @@ TEST(CycloneData, ARevokedPeer_IsRefusedInTheHandshake) {
   };
   Engine first(1), second(2);
   const Identity shape = alice();  // only the properties count
-  // Both have the same subject, so the candidates decide who begins: try both ways.
+  // Both have the same subject, so the candidate GUIDs decide which side begins. Both orders are
+  // tried.
   for (std::uint8_t number = 1; number < 20; ++number) {
     Participant watcher(first, {shape.certificate, shape.key, identity("local", true)}, number);
     Participant revoked(second, {shape.certificate, shape.key, identity("revoked", false)}, 77);

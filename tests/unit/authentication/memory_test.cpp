@@ -1,5 +1,5 @@
-// Memory fails at any moment while a revoked certificate is found: it is found all the same, later.
-// A program of its own: it replaces malloc and operator new.
+// Memory fails at any moment while a revoked certificate is looked up. The certificate is still
+// found, later. This is a program of its own because it replaces malloc and operator new.
 #include <new>
 
 #include "tests/support/failing_memory.hpp"
@@ -12,7 +12,7 @@ namespace {
 using failing_memory::Extent;
 using failing_memory::Source;
 
-// Alice's list comes to name bob, who has authenticated.
+// Bob has authenticated, and then Alice's list names him.
 struct Scene {
   Scene() : pairing(alice(), bob()) {
     pairing.expect_success();
@@ -36,7 +36,7 @@ struct Scene {
                                    .number = number};
     folder.replace("crl.pem", test_ca().make_crl(content)->pem());
   }
-  // What a host would do once more after five seconds.
+  // Polls after five seconds, as a host does.
   std::size_t poll() {
     pairing.first_engine.clock.advance(5s);
     try {

@@ -1,5 +1,5 @@
-// The wire form of every message, cut anywhere, is refused by the token reader. What a host learns
-// of a message before any work.
+// The wire form of every message: cut anywhere, it is refused by the token reader. And what a host
+// learns about a message before it does any work.
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
@@ -53,7 +53,7 @@ TEST(Outline, OfEachMessage_SaysWhatItIsAndAnswers) {
   EXPECT_TRUE(std::ranges::equal(second.challenge2, third.challenge2));
 }
 
-// The host still passes them on, so that the plugin says why it refuses them.
+// The host still passes such messages on, so that the plugin says why it refuses them.
 TEST(Outline, OfAnotherPluginsMessage_GoesByTheEndOfItsClass) {
   Pairing pairing;
   auto& engine = *pairing.two.low.engine;

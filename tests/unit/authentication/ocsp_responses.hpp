@@ -1,4 +1,4 @@
-// OCSP responses of the CA of the tests, and identities that have or want one.
+// OCSP responses of the CA of the tests, and identities that have or demand one.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ inline Bytes response_about(const pki::Certificate& certificate,
                               .now = kNow});
 }
 
-/// `identity` with a file for its response.
+/// Returns `identity` with a file for its response.
 inline Identity with_file(Identity identity, const test::TemporaryFolder& folder,
                           const std::string& name = "ocsp.der") {
   set(identity.properties, spi::property::kOcspResponse, "file:" + folder.path() + "/" + name);

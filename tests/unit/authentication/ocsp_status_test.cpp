@@ -1,11 +1,11 @@
-// OCSP responses in handshakes: what a response of a peer means under each policy.
+// OCSP responses in handshakes: what the response of a peer means under each policy.
 #include "pki/renewal_list.hpp"
 #include "tests/unit/authentication/ocsp_responses.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-// Two that shake hands; what each sends is changed on the way.
+// Two participants that shake hands. What each of them sends is changed on the way.
 struct Meeting {
   Meeting(const Identity& first, const Identity& second) : pairing(first, second) {}
 
@@ -16,7 +16,7 @@ struct Meeting {
                       : without(std::move(token), "ocsp_status");
     };
   }
-  // The first error of the handshake.
+  // Returns the first error of the handshake.
   Status meet(const Change& request_change, const Change& reply_change) {
     auto& two = pairing.two;
     DDSSEC_ASSIGN_OR_RETURN(const auto request, two.request());
@@ -26,7 +26,7 @@ struct Meeting {
     DDSSEC_RETURN_IF_ERROR(two.at_high(reply.handle, *final.message));
     return {};
   }
-  // Both show this response of theirs.
+  // Both present the response that `response` returns for their certificate.
   Status meet_with(const std::function<std::optional<Bytes>(const pki::Certificate&)>& response) {
     const auto& low = pairing.two.low.guid == pairing.a.guid ? alice() : bob();
     const auto& high = pairing.two.low.guid == pairing.a.guid ? bob() : alice();
@@ -42,7 +42,7 @@ struct Meeting {
 // ---- the policies
 
 struct Policies : testing::TestWithParam<bool> {
-  // With what only one side demands: that of the request or that of the reply.
+  // Only one side demands a response: that of the request or that of the reply.
   Status meet(const std::string& policy,
               std::optional<Bytes> (*response)(const pki::Certificate&)) {
     Meeting meeting(GetParam() ? with_policy(alice(), policy) : with_policy(alice(), "ignore"),
@@ -84,7 +84,8 @@ TEST_P(Policies, Hard_WantsAGoodResponse) {
   EXPECT_CODE(meet("hard", too_long), ocsp_too_large);
 }
 
-// DDS-Security 1.2, Table 59: "revoked" counts, "good" counts, all else is as no response.
+// DDS-Security 1.2, Table 59: "revoked" and "good" count, and everything else is treated as a
+// missing response.
 TEST_P(Policies, Soft_RefusesARevokedPeerOnly) {
   EXPECT_TRUE(meet("soft", good));
   EXPECT_EQ(unused, 0);
@@ -115,7 +116,7 @@ TEST(OcspPolicy, MissingPolicy_IsSoftAndUnknownWordsAreRefused) {
   }
 }
 
-// A stranger who copies messages cannot end an honest handshake.
+// A stranger that copies messages cannot end an honest handshake.
 TEST(OcspStatus, GarbageInACopyOfARequest_LeavesTheHonestOneAlone) {
   Meeting meeting(with_policy(alice(), "hard"), with_policy(bob(), "hard"));
   auto& two = meeting.pairing.two;
@@ -130,7 +131,8 @@ TEST(OcspStatus, GarbageInACopyOfARequest_LeavesTheHonestOneAlone) {
   EXPECT_CODE(two.reply(with(*request->message, "ocsp_status", Bytes(9))), ocsp_malformed);
   const auto reply = two.reply(showing(*request->message, low));
   ASSERT_OK(reply);
-  // The same request without its response gets the same reply: it was judged.
+  // The same request without its response gets the same reply, because the request was already
+  // judged.
   ASSERT_OK(two.reply(*request->message));
   EXPECT_CODE(two.at_low(request->handle, *reply->message), ocsp_status_missing);
   EXPECT_CODE(two.at_low(request->handle, with(*reply->message, "ocsp_status", Bytes(9))),
@@ -173,7 +175,7 @@ TEST(OcspStatus, GoodResponse_DoesNotHelpACertificateOnAList) {
               certificate_revoked);
 }
 
-// A renewal list has no response of a responder.
+// A renewal list contains no OCSP responses.
 TEST(RenewalList, WhereAResponseIsDemanded_KeepsNoPeer) {
   for (const auto* const policy : {"hard", "soft"}) {
     const test::TemporaryFolder folder;

@@ -1,4 +1,4 @@
-// Our own OCSP response: when it is read, sent and replaced.
+// The local OCSP response: when it is read, sent and replaced.
 #include <gmock/gmock.h>
 
 #include "tests/support/recorded_document.hpp"
@@ -41,7 +41,7 @@ TEST(OwnOcsp, ThatComesLater_IsTaken) {
   engine.clock.advance(6s);
   EXPECT_TRUE(engine->expire().empty());
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
-  // The same request, which waits for its reply.
+  // The request is the same, because it still waits for its reply.
   const auto request = two.request();
   ASSERT_OK(request);
   EXPECT_EQ(field(*request->message, "ocsp_status"), response);
@@ -74,7 +74,7 @@ TEST_F(OwnOcspFile, ThatCannotBeUsed_IsReportedOnceAndDoesNotKeepUsOut) {
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
 }
 
-// Before, a recorded answer of the responder took the place of a later one.
+// A recorded answer of the responder must not take the place of a later one.
 TEST_F(OwnOcspFile, ThatIsEarlierThanTheOneInForce_IsRefused) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 48h));
   ASSERT_OK(start());

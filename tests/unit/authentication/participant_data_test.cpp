@@ -23,7 +23,7 @@ TEST(ParticipantData, MissingSentinelAndRepetition_AreTolerated) {
   EXPECT_TRUE(participant_guid_in(twice));
 }
 
-// RTPS Locator_t in a parameter.
+// Returns a parameter with an RTPS Locator_t.
 Bytes locator(std::uint16_t id, std::int32_t kind, std::uint32_t port,
               std::initializer_list<std::uint8_t> end) {
   Writer writer;
@@ -54,10 +54,11 @@ TEST(ParticipantData, UnicastAddressesOfDiscovery_AreFound) {
   EXPECT_EQ(to_hex(BytesView(found[0].address).subspan(12)), "0a000001");
   EXPECT_TRUE(addresses_in({}).empty());
   for (const auto& bad : {locator(kDefaultUnicast, 1, 7410, {10, 0, 0, 1}),
-                          locator(kMetatrafficUnicast, 4, 7410, {10, 0, 0, 1}),     // TCP
-                          locator(kMetatrafficUnicast, 1, 0, {10, 0, 0, 1}),        // no port
-                          locator(kMetatrafficUnicast, 1, 0x11cf2, {10, 0, 0, 1}),  // nor this
-                          locator(kMetatrafficUnicast, 1, 7410, {0, 0, 0, 0}),      // nobody
+                          locator(kMetatrafficUnicast, 4, 7410, {10, 0, 0, 1}),  // TCP
+                          locator(kMetatrafficUnicast, 1, 0, {10, 0, 0, 1}),     // no port
+                          // no port either
+                          locator(kMetatrafficUnicast, 1, 0x11cf2, {10, 0, 0, 1}),
+                          locator(kMetatrafficUnicast, 1, 7410, {0, 0, 0, 0}),      // no address
                           locator(kMetatrafficUnicast, 1, 7410, {239, 255, 0, 1}),  // multicast
                           locator(kMetatrafficUnicast, 1, 7410, {255, 255, 255, 255})})
     EXPECT_TRUE(addresses_in({bad}).empty());
@@ -119,7 +120,7 @@ TEST(IdentityToken, TokenInParticipantData_SaysWhatCounts) {
   EXPECT_EQ(ciphers_in_participant_data(data), spi::kAllCiphers);
   EXPECT_EQ(ciphers_in_participant_data(participant_data(candidate(7))), spi::kStandardCiphers);
   EXPECT_EQ(ciphers_in_participant_data({}), spi::kStandardCiphers);
-  // Two of them, or half of one, announce nothing.
+  // Two parameters, or half of one, announce nothing.
   auto twice = data;
   twice.resize(twice.size() - 4);
   twice.insert(twice.end(), data.begin(), data.end());

@@ -1,4 +1,4 @@
-// Messages in a wrong state, repeated ones, and challenges that were announced before.
+// Messages in a wrong state, repeated messages, and challenges that were announced before.
 #include "plugins/authentication/pki_dh.hpp"
 #include "tests/support/hostile_pki.hpp"
 #include "tests/unit/authentication/authentication_fixture.hpp"
@@ -16,16 +16,16 @@ TEST(WrongState, MessageInTheWrongState_IsRefused) {
   const auto fin = pairing.two.at_low(req->handle, *rep->message);
   ASSERT_OK(fin);
   const auto req2 = Pairing().two.request();
-  // Established, initiator.
+  // The initiator is established.
   EXPECT_CODE(pairing.two.at_low(req->handle, *req->message), unexpected_message);
   EXPECT_CODE(pairing.two.at_low(req->handle, *fin->message), unexpected_message);
   EXPECT_CODE(pairing.two.at_low(req->handle, with(*rep->message, "signature", Bytes(70))),
               unexpected_message);
-  // Waiting for a final.
+  // The replier waits for a final message.
   EXPECT_CODE(pairing.two.at_high(rep->handle, *rep->message), unexpected_message);
   EXPECT_CODE(pairing.two.at_high(rep->handle, *req2->message), unexpected_message);
   ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
-  // Established, replier.
+  // The replier is established.
   EXPECT_CODE(pairing.two.at_high(rep->handle, *req->message), unexpected_message);
   EXPECT_CODE(pairing.two.at_high(rep->handle, *rep->message), unexpected_message);
   EXPECT_CODE(pairing.two.at_high(rep->handle, with(*fin->message, "signature", Bytes(70))),
@@ -129,7 +129,7 @@ TEST(FutureChallenge, AnotherOne_IsRefusedInBothRoles) {
   ASSERT_OK(two.high.discover(two.low, forged));
   const auto req = two.request();
   EXPECT_CODE(two.reply(*req->message), challenge_not_announced);
-  // The honest announcement mends it.
+  // After the honest announcement the handshake succeeds.
   ASSERT_OK(two.high.discover(two.low, two.low.discover(two.high)->local_auth_request));
   const auto rep = two.reply(*req->message);
   ASSERT_OK(rep);

@@ -1,4 +1,4 @@
-// What a finished handshake gives out, and how long.
+// What a finished handshake gives out, and for how long.
 #include "plugins/authentication/pki_dh.hpp"
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
@@ -12,13 +12,13 @@ TEST(Handshake, TheCredential_IsDroppedOnceItWasGivenOut) {
   ASSERT_OK(rep);
   pairing.expect_finish(*req, *rep);
   auto& low = *pairing.two.low.engine;
-  low->expire();  // not before
+  low->expire();  // must not expire the credential before it was given out
   EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
   EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
   low->expire();
   EXPECT_CODE(low->authenticated_peer_credential_token(req->handle), credential_given_out);
   EXPECT_TRUE(low->shared_secret(req->handle));
-  // That of another handshake is another.
+  // Another handshake has a credential of its own.
   const auto again = pairing.two.request();
   const auto answer = pairing.two.reply(*again->message);
   pairing.expect_finish(*again, *answer);

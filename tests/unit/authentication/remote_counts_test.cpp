@@ -1,4 +1,4 @@
-// How many remote identities there may be, in total and of one certificate.
+// The limits for remote identities, in total and for one certificate.
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
@@ -12,7 +12,7 @@ TEST(RemoteIdentityBounds, TooManyRemoteIdentities_AreRefused) {
     ASSERT_OK(engine->validate_remote_identity(us.handle, {}, token, candidate(0x80 + i)));
   EXPECT_CODE(engine->validate_remote_identity(us.handle, {}, token, candidate(0x90)),
               too_many_remote_identities);
-  // Those that are known are not affected, and one that leaves makes room.
+  // Identities that are known already are not affected. One that leaves makes room.
   const auto known = engine->validate_remote_identity(us.handle, {}, token, candidate(0x80));
   ASSERT_OK(known);
   ASSERT_OK(engine->return_identity_handle(known->handle));
@@ -23,7 +23,8 @@ TEST(RemoteIdentityBounds, TooManyRemoteIdentities_AreRefused) {
 struct Fleet {
   explicit Fleet(const std::string& subject, std::uint64_t seed)
       : engine(seed), identity(make_identity(test_ca(), subject, {}, kYear, 1)) {}
-  // One more authenticates with `us`; the error of the call in which `us` refuses it.
+  // One more participant authenticates with `us`. Returns the error of the call in which `us`
+  // refuses it.
   Result<IdentityHandle> join(Participant& us) {
     members.push_back(std::make_unique<Participant>(engine, identity,
                                                     static_cast<std::uint8_t>(members.size() + 1)));
@@ -61,7 +62,7 @@ TEST(RemoteIdentityBounds, ACertificateThatFillsItsShare_LeavesRoomForAnother) {
   EXPECT_NE(told.to_sentence().find("CN=greedy"), std::string::npos);
   EXPECT_NE(told.to_sentence().find("at most 3 participants"), std::string::npos);
   EXPECT_TRUE(honest.join(us));
-  // One that leaves makes room.
+  // An identity that leaves makes room.
   ASSERT_OK(engine->return_identity_handle(last));
   EXPECT_TRUE(greedy.join(us));
 }
@@ -93,7 +94,8 @@ TEST(RemoteIdentityBounds, InventedParticipants_AreCountedApart) {
     return {};
   };
   for (std::uint8_t i = 0; i < 3; ++i) ASSERT_OK(invent(i));
-  // They leave no room but for one claim at a time; who proves one frees it.
+  // The invented identities leave room for one claim at a time. A participant that proves its claim
+  // frees it.
   EXPECT_TRUE(fleet.join(us));
   EXPECT_TRUE(fleet.join(us));
   ASSERT_OK(invent(3));
@@ -101,7 +103,7 @@ TEST(RemoteIdentityBounds, InventedParticipants_AreCountedApart) {
   EXPECT_CODE(refused, too_many_remote_identities);
   EXPECT_TRUE(spi::refusal_passes(refused.error().code()));
   ASSERT_OK(engine->return_identity_handle(invented.back()));
-  EXPECT_FALSE(fleet.join(us));  // two of four: no more than are free
+  EXPECT_FALSE(fleet.join(us));  // it has two of four, and only as many are free
   EXPECT_TRUE(Fleet("CN=another", 3).join(us));
 }
 
@@ -121,7 +123,7 @@ TEST(RemoteIdentityBounds, AShare_IsCheckedAgainWhenAClaimIsProven) {
   };
   ASSERT_OK(shake(with_first));
   EXPECT_CODE(shake(with_second), too_many_identities_of_subject);
-  // Who is counted may authenticate again; and what is counted is forgotten with it.
+  // An identity that is counted may authenticate again. When it leaves, it is not counted any more.
   EXPECT_TRUE(shake(with_first));
   const bool we_begin = &with_first.low == &us;
   ASSERT_OK(

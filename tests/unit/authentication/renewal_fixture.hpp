@@ -17,7 +17,7 @@ using testing::IsEmpty;
 inline constexpr auto kAlice = "CN=alice,O=Example";
 inline constexpr pki::Validity kLater{kNow, kNow + days(500)};
 
-/// It lives longer than what it issues.
+/// Returns a CA that lives longer than the certificates that it issues.
 inline const pki::Authority& long_lived_ca() {
   static const auto ca =
       make_ca("CN=Identity CA,O=Example", {}, {kNow - days(2), kNow + days(2000)});
@@ -33,13 +33,13 @@ inline const Identity& bob_of_it() {
   return identity;
 }
 
-/// A certificate of Alice that begins now, with one of the keys of the tests.
+/// Returns a certificate of Alice that begins now, with one of the keys of the tests.
 inline Identity renewed(int key = 0, pki::Validity validity = kLater, std::string subject = kAlice,
                         KeySpec spec = {}, const pki::Authority& ca = long_lived_ca()) {
   return make_identity(ca, std::move(subject), spec, validity, key);
 }
 
-/// Alice has files; Bob has none.
+/// Alice has files. Bob has none.
 class Renewal : public testing::Test {
  protected:
   explicit Renewal(const Identity& first = first_of_alice())
@@ -60,7 +60,7 @@ class Renewal : public testing::Test {
     engine().clock.advance(5s);
     return engine()->expire();
   }
-  /// As often as a host would in a quarter of a minute.
+  /// Polls as often as a host does in a quarter of a minute.
   std::vector<Code> codes_after_looking() {
     events().clear();
     for (int i = 0; i < 3; ++i) poll();
@@ -68,7 +68,7 @@ class Renewal : public testing::Test {
     for (const auto& event : events()) out.push_back(event.error.code());
     return out;
   }
-  /// It is not taken, and that is said once.
+  /// Expects that the certificate is refused, and that one event says so.
   void expect_refused(const Identity& identity, std::string_view field, std::string_view expected,
                       std::string_view found) {
     put(identity);
@@ -82,7 +82,7 @@ class Renewal : public testing::Test {
     EXPECT_THAT(codes_after_looking(), IsEmpty()) << "told twice";
     EXPECT_EQ(presented(), first_of_alice().certificate.pem());
   }
-  /// c.id of a handshake that begins now, with a new peer.
+  /// Returns c.id of a handshake that begins now, with a new peer.
   std::string presented() {
     Engine engine_of_carol{7};
     Participant carol(engine_of_carol,

@@ -16,7 +16,7 @@ TEST_F(Renewal, HandshakeUnderWay_GoesOnWithWhatItBeganWith) {
   pairing_.expect_finish(*request, *reply);
 }
 
-// Alice with a peer whose GUID is the higher or the lower one.
+// Alice with a peer whose GUID is higher or lower than hers.
 struct Chosen {
   Chosen(Participant& alice, bool alice_begins)
       : peer(engine, choose(alice, alice_begins), 20), two(alice, peer) {}

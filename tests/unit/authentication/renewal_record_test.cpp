@@ -1,4 +1,4 @@
-// The record of the certificates in force, for a person who asks.
+// The record of the certificates in force, as `ddssec` shows it.
 #include "tests/support/recorded_document.hpp"
 #include "tests/unit/authentication/renewal_fixture.hpp"
 

@@ -1,17 +1,17 @@
-// Which renewed certificates are refused, and what moves with one that is taken: ends, sessions,
-// warnings.
+// Which renewed certificates are refused, and what changes with one that is adopted: ends,
+// sessions, warnings.
 #include "tests/unit/authentication/renewal_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-// ---- what is not taken
+// ---- what is refused
 
 TEST_F(Renewal, AnotherSubject_IsRefused) {
   expect_refused(renewed(0, kLater, "CN=alice,O=Other"), "subject", kAlice, "CN=alice,O=Other");
 }
 
-// The octets of the name count, not what is printed of them.
+// Names are compared by their octets, not by their printed form.
 TEST_F(Renewal, SubjectInAnotherOrder_IsRefused) {
   expect_refused(renewed(0, kLater, "O=Example,CN=alice"), "subject", kAlice, "O=Example,CN=alice");
 }
@@ -65,7 +65,7 @@ TEST_F(Renewal, RevokedCertificate_IsRefused) {
   EXPECT_THAT(other.events.all.back().error.to_sentence(), HasSubstr("was revoked"));
 }
 
-// A list that names the former certificate does not touch a participant that has a new one.
+// A list that names the former certificate does not affect a participant that has a new one.
 TEST_F(Renewal, ListWithTheFormerCertificate_DoesNotEndUs) {
   const auto list = folder_.write("crl.pem", pem({}, long_lived_ca()));
   Engine other{3};

@@ -1,4 +1,4 @@
-// Where a revocation list is looked for, and how often.
+// The places where a revocation list is looked for, and how often.
 #include "plugins/authentication/revocation_lists.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ struct Watcher {
       : identity(with_list(alice(), "file:" + folder.path() + "/crl.pem", name)) {
     set(identity.properties, property::kFilesPollInterval, interval);
   }
-  // How long after alice's list came she ended, if she did within a minute.
+  // Returns how long after Alice's list appeared her identity ended, if it ended within a minute.
   std::optional<std::chrono::seconds> ends_after(const test::TemporaryFolder& folder) {
     Participant us(engine, identity);
     for (int i = 0; i < 30; ++i) poll();
@@ -101,7 +101,7 @@ TEST(LaterCrl, ListThatIsThereAlready_Counts) {
   EXPECT_CODE(create(), crl_file_empty);
 }
 
-// Both would look as if the later list were watched.
+// Otherwise it would look as if the later list were watched.
 TEST(LaterCrl, BesideAListThatIsNamed_IsRefused) {
   const test::TemporaryFolder folder;
   Watcher watcher(folder, property::kLaterCrl, "1");
@@ -125,7 +125,7 @@ TEST(LaterCrl, FolderOfAuthorities_IsRefusedBesideIt) {
 
 // ---- a list that no property names
 
-// Alice's certificate, or her CA's, is a file; no property names a list.
+// Alice's certificate, or her CA's, is in a file. No property names a list.
 struct UnnamedRevocationList : testing::Test {
   UnnamedRevocationList() { set(identity.properties, property::kFilesPollInterval, "1"); }
   void put_certificate() {
@@ -136,7 +136,7 @@ struct UnnamedRevocationList : testing::Test {
     const auto path = where.write("identity_ca.cert.pem", test_ca().certificate().pem());
     set(identity.properties, property::kIdentityCa, "file:" + path);
   }
-  // Did she end within three looks?
+  // True if Alice's identity ended within three looks.
   bool ends() {
     bool ended = false;
     for (int i = 0; i < 3; ++i) {
@@ -189,7 +189,7 @@ struct TwoRevocationLists : UnnamedRevocationList {
     put_certificate();
     put_ca(elsewhere);
   }
-  // What is said within three looks.
+  // Returns the events of three looks.
   std::vector<Code> told() {
     engine.events.all.clear();
     EXPECT_FALSE(ends());
@@ -279,7 +279,7 @@ TEST_F(TwoRevocationLists, FileThatDisappears_IsReportedAndItsListStays) {
   EXPECT_THAT(told(), testing::IsEmpty());
 }
 
-// Before, the other place was not read for as long as this one was wrong in a new way at each look.
+// The other place must be read although this one is wrong in a new way at each look.
 TEST_F(TwoRevocationLists, FileThatIsWrongAtEachLook_DoesNotHideTheOther) {
   folder.write("crl.pem", pem({1}));
   elsewhere.write("crl.pem", pem({1}));
@@ -297,7 +297,7 @@ TEST_F(TwoRevocationLists, FileThatIsWrongAtEachLook_DoesNotHideTheOther) {
 
 TEST_F(TwoRevocationLists, ForgedList_ReplacesNone) {
   folder.write("crl.pem", pem({5}));
-  const auto forger = make_ca();  // of the same name
+  const auto forger = make_ca();  // has the same name as the CA
   ASSERT_OK(create());
   told();
   elsewhere.replace("crl.pem", pem({99}, forger));
@@ -340,7 +340,7 @@ TEST_F(UnnamedRevocationList, List_ThatIsInvalidOrForeign_ChangesNothingAndIsRep
   put_certificate();
   ASSERT_OK(create());
   const auto stranger = make_ca("CN=Stranger");
-  const auto forger = make_ca();  // of the same name
+  const auto forger = make_ca();  // has the same name as the CA
   const std::pair<std::string, Code> lists[] = {
       {"nothing", Code::crl_file_empty},
       {pem({9, {alice().certificate}}, stranger), Code::crl_missing},
@@ -393,7 +393,8 @@ TEST_F(UnnamedRevocationList, FolderOfAuthorities_NoListIsLookedFor) {
 
 // ---- two participants of one process with the same files
 
-// The second is made between two looks of the first, so that it looks at other times.
+// The second participant is made between two looks of the first one, so they look at different
+// times.
 struct TwoParticipantsWithOneList : UnnamedRevocationList {
   TwoParticipantsWithOneList() {
     identity = make_identity(test_ca(), "CN=alice,O=Example", {}, {kNow - 24h, kEnd});
@@ -405,7 +406,7 @@ struct TwoParticipantsWithOneList : UnnamedRevocationList {
     second.emplace(engine, identity, 2);
     pass(10s);
   }
-  // Who ended at the first look at which one did.
+  // Returns the identities that ended at the first look at which any of them did.
   std::vector<IdentityHandle> pass(std::chrono::seconds time) {
     for (; time > 0s; time -= 1s) {
       engine.clock.advance(1s);
@@ -421,7 +422,7 @@ TEST_F(TwoParticipantsWithOneList, ListThatNamesBoth_EndsBothAtOnce) {
   for (int i = 0; i < 4; ++i) {
     folder.replace("crl.pem", pem({static_cast<std::uint64_t>(i + 1), {}}));
     EXPECT_THAT(pass(6s), testing::IsEmpty());
-    pass(std::chrono::seconds(i));  // at another distance from the next look of each
+    pass(std::chrono::seconds(i));  // changes the distance from the next look of each
   }
   folder.replace("crl.pem", pem({9, {identity.certificate}}));
   EXPECT_THAT(pass(6s), testing::UnorderedElementsAre(first->handle, second->handle));

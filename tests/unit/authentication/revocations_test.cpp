@@ -1,4 +1,4 @@
-// Revocation lists that come while identities are in use.
+// Revocation lists that arrive while identities are in use.
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -14,14 +14,14 @@ using testing::MatchesRegex;
 namespace ddssec::authentication {
 namespace {
 
-// Alice has a file with a list; Bob has none.
+// Alice has a file with a list. Bob has none.
 class RunningRevocation : public testing::Test {
  protected:
   explicit RunningRevocation(const std::string& first = pem({}))
       : path_(folder_.write("crl.pem", first)),
         pairing_(with_list(alice(), "file:" + path_), bob()) {}
 
-  // Alice looks at her list as often as a host would in a quarter of a minute.
+  // Alice looks at her list as often as a host does in a quarter of a minute.
   std::vector<IdentityHandle> wait() {
     std::vector<IdentityHandle> ended;
     for (int i = 0; i < 3; ++i) {
@@ -34,7 +34,7 @@ class RunningRevocation : public testing::Test {
     folder_.replace("crl.pem", text);
     return wait();
   }
-  // Once more the handshake of the two, from the first message to the end or the first refusal.
+  // Repeats the handshake of the two, from the first message to the end or the first refusal.
   Status handshake() {
     auto& two = pairing_.two;
     DDSSEC_RETURN_IF_ERROR(two.low.discover(two.high));
@@ -55,7 +55,7 @@ class RunningRevocation : public testing::Test {
   IdentityHandle& bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }
-  // The host gave the handle back, and Bob is discovered again.
+  // The host gives the handle back, and Bob is discovered again.
   void rediscover_bob() {
     ASSERT_OK(engine()->return_identity_handle(bob_at_alice()));
     const auto again = pairing_.a.discover(pairing_.b);
@@ -96,7 +96,7 @@ TEST_F(RunningRevocation, PeerNotOnTheList_Stays) {
   EXPECT_TRUE(handshake());
 }
 
-// What was judged before is not believed for having been judged.
+// A certificate that was judged before is judged again by the new list.
 TEST_F(RunningRevocation, AHandshakeUnderWay_IsJudgedByTheNewList) {
   auto& two = pairing_.two;
   const auto request = two.request();
@@ -124,7 +124,7 @@ TEST_F(RunningRevocation, OurOwnRevocation_EndsUsAndOurPeers) {
   EXPECT_TRUE(wait().empty());
 }
 
-// Each goes by its own list, and each is told by itself.
+// Each participant is judged by its own list, and each gets an event of its own.
 TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
   Participant second(engine(), make_identity(test_ca(), "CN=second"), 7);
   Two other(second, pairing_.b);
@@ -141,12 +141,12 @@ TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
   EXPECT_TRUE(second.discover(pairing_.b));
 }
 
-// ---- files that loosen nothing
+// ---- files that may not bring a revoked peer back
 
 class RefusedRevocationList : public RunningRevocation {
  protected:
   RefusedRevocationList() : RunningRevocation(pem({5, {bob().certificate}})) {}
-  // Said once, however often it is looked at; Bob stays out.
+  // Expects one event, however often the file is looked at. Bob stays out.
   void expect_refused(std::string_view text, Code code) {
     put(text);
     expect_refused(code);
@@ -192,7 +192,7 @@ TEST_F(RefusedRevocationList, ListsOutOfTheirTime_AreRefused) {
   expect_refused(pem({6, {}, kNow + 1h}), Code::crl_not_yet_valid);
 }
 
-// Its time comes without anybody touching the file.
+// The list becomes valid although its file does not change.
 TEST_F(RefusedRevocationList, AListOfTheFuture_IsTakenWhenItsTimeHasCome) {
   const auto recorded = [&] {
     return test::recorded_document(engine().documents, "revocation list")["refused"];
@@ -209,7 +209,7 @@ TEST_F(RefusedRevocationList, AListOfTheFuture_IsTakenWhenItsTimeHasCome) {
   EXPECT_TRUE(handshake());
 }
 
-// The clocks of all were ahead, and were set: what was revoked stays so.
+// All clocks were ahead and were set back. The revoked peer stays revoked.
 TEST_F(RefusedRevocationList, ListOfToday_ReplacesOneOfTheFutureIfItNamesAll) {
   engine().clock.set(kNow + 200 * 24h);
   put(pem({6, {bob().certificate}, kNow + 200 * 24h}));
@@ -262,7 +262,7 @@ TEST_F(RefusedRevocationList, ListWithAnyBitChanged_IsRefused) {
   EXPECT_CODE(handshake(), certificate_revoked);
 }
 
-// Half of the file at one look, all of it at the next: nobody hears of the half.
+// One look finds half of the file, the next one all of it. No event reports the half.
 TEST_F(RunningRevocation, AFileThatIsJustBeingWritten_IsNoReasonToComplain) {
   const auto whole = pem({2, {bob().certificate}});
   pairing_.expect_success();
@@ -310,7 +310,7 @@ TEST(RevokedAuthority, RevokedCa_EndsThePeersItIssued) {
   EXPECT_EQ(event.peer_subject, "CN=bob");
 }
 
-// Who takes a list away would hide a revocation.
+// An attacker who removes a list would hide a revocation.
 TEST(RevokedAuthority, TwoCasOfOneName_EachKeepsItsList) {
   const auto old = make_ca("CN=Plant"), now = make_ca("CN=Plant");
   const std::vector anchors{old.certificate(), now.certificate()};
@@ -360,12 +360,12 @@ TEST(ManyRevoked, ManyRevokedPeers_EndAtOnce) {
   EXPECT_EQ(ours->expire().size(), kPeers / 2u);
 }
 
-// Lists come in while other threads shake hands: whoever is revoked at the end is out.
+// Lists arrive while other threads shake hands. Each peer that is revoked at the end is out.
 TEST(ManyRevoked, RevocationDuringHandshakes_EndsEveryRevokedPeer) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("crl.pem", pem({}));
   for (int round = 0; round < 20; ++round) {
-    const bool revokes = round > 0;  // without a revocation, the handshake succeeds
+    const bool revokes = round > 0;  // without a revocation the handshake succeeds
     folder.replace("crl.pem", pem({}));
     auto first = with_list(alice(), "file:" + path);
     set(first.properties, property::kFilesPollInterval, "1");

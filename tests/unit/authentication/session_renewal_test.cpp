@@ -1,4 +1,4 @@
-// A certificate that is renewed is shown to a peer within the session.
+// A renewed certificate is presented to a peer within the session.
 #include <gmock/gmock.h>
 
 #include "tests/support/temporary_folder.hpp"
@@ -23,7 +23,7 @@ Identity renewed(int key = 0, pki::Validity validity = kLong, std::string subjec
   return make_identity(ca, std::move(subject), {}, validity, key);
 }
 
-// Alice has files; Bob has none. They have a session.
+// Alice has files, and Bob has none. They have a session.
 class SessionRenewal : public testing::Test {
  protected:
   SessionRenewal()
@@ -39,7 +39,7 @@ class SessionRenewal : public testing::Test {
     set(identity.properties, spi::property::kPrivateKey, "file:" + key_path_);
     return identity;
   }
-  // The handles at Alice and at Bob.
+  // Returns the handles at Alice and at Bob.
   std::pair<HandshakeHandle, HandshakeHandle> shake_hands() {
     auto& two = pairing_.two;
     const auto request = two.request().value();
@@ -49,7 +49,7 @@ class SessionRenewal : public testing::Test {
     return begins ? std::pair(request.handle, reply.handle)
                   : std::pair(reply.handle, request.handle);
   }
-  // From now on Alice presents it.
+  // Puts a renewed certificate in place. From now on Alice presents it.
   void put(const Identity& identity) {
     folder_.replace("cert.pem", identity.certificate.pem());
     folder_.replace("key.pem", pem_text(identity.key));
@@ -60,7 +60,7 @@ class SessionRenewal : public testing::Test {
     }
   }
   std::optional<Token> offer() { return alice()->offer_renewal(at_alice_).value(); }
-  // What both hosts do.
+  // Does what both hosts do for a renewal.
   void renew() {
     const auto shown = offer();
     ASSERT_TRUE(shown);
@@ -69,7 +69,7 @@ class SessionRenewal : public testing::Test {
     ASSERT_OK(answer);
     ASSERT_OK(alice()->note_renewal_taken(at_alice_, *answer));
   }
-  // Bob's side refuses it, says so, and is as before.
+  // Expects that Bob's side refuses the offer, reports it, and stays as before.
   void expect_refused(const Token& offer, Code code) {
     bob().events.all.clear();
     const auto judged = bob()->judge_renewal(at_bob_, offer);
@@ -132,7 +132,7 @@ TEST_F(SessionRenewal, SecondRenewal_IsTakenToo) {
   EXPECT_EQ(bob()->next_expiry(), kNow + days(200));
 }
 
-// The peer could go back to a certificate with a key that was replaced for a reason.
+// Otherwise the peer could go back to a certificate whose key was replaced for a reason.
 TEST_F(SessionRenewal, AnOlderCertificateThanTheOneInForce_IsRefused) {
   put(renewed(3));
   const auto first = *offer();
@@ -171,7 +171,8 @@ TEST_F(SessionRenewal, AnyOctetChanged_IsRefused) {
 
 TEST_F(SessionRenewal, TheCertificateWithoutItsKey_IsRefused) {
   put(renewed(3));
-  // Signed by another key: the peer has seen such a certificate, but not made it.
+  // The peer has seen such a certificate, but does not have its key, so the signature is by another
+  // key.
   const auto stolen = renewed(4, {kNow, kNow + days(90)});
   expect_refused(with(*offer(), "c.id", bytes(stolen.certificate.pem())), Code::signature_invalid);
 }

@@ -1,4 +1,5 @@
-// The domain that a peer signs: an announcement that was copied into another domain joins nobody.
+// The domain that a peer signs: an announcement that was copied into another domain joins no two
+// participants.
 #include "plugins/authentication/participant_data.hpp"
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
@@ -7,7 +8,7 @@ namespace {
 
 constexpr VendorId kDdssec{0x01, 0xd5};
 
-// c.pdata of a participant in a domain with a tag; "": without the parameter.
+// Returns c.pdata of a participant in a domain with a tag; "": without the parameter.
 Bytes data_in_domain(const Participant& participant, std::optional<std::uint32_t> domain,
                      std::string_view tag, const VendorId& vendor = kCycloneDds) {
   Writer writer(Endian::big);
@@ -18,7 +19,7 @@ Bytes data_in_domain(const Participant& participant, std::optional<std::uint32_t
   }
   auto rest = participant_data(participant.guid, &participant.token, vendor);
   if (!tag.empty()) {
-    // In the place of the fixture's empty tag, which is the last parameter.
+    // The tag takes the place of the fixture's empty tag, which is the last parameter.
     constexpr std::size_t kEmptyTag = 12, kSentinel = 4;
     rest.resize(rest.size() - kEmptyTag - kSentinel);
     writer.write(std::uint16_t{0x4014});
@@ -32,7 +33,7 @@ Bytes data_in_domain(const Participant& participant, std::optional<std::uint32_t
   return out;
 }
 
-// The code with which the initiator refuses the reply, and the replier the final message.
+// Returns the codes with which the initiator refuses the reply, and the replier the final message.
 std::pair<std::optional<Code>, std::optional<Code>> refusals(Pairing& pairing) {
   const auto request = pairing.two.request();
   EXPECT_TRUE(request);
@@ -76,7 +77,8 @@ TEST(SignedDomain, OtherIdOrTag_IsRefusedOnceItIsProven) {
   }
 }
 
-// Fast DDS signs no tag, so the initiator finds nothing; the replier knows that it has none itself.
+// Fast DDS signs no tag, so the initiator finds no difference. The replier knows that it has no tag
+// itself.
 TEST(SignedDomain, ReplierAlone_RefusesToo) {
   Pairing pairing;
   pairing.two.low.data = data_in_domain(pairing.two.low, 7, "real");
@@ -85,7 +87,7 @@ TEST(SignedDomain, ReplierAlone_RefusesToo) {
             std::pair(std::optional<Code>(), std::optional(Code::rtps_domain_differs)));
 }
 
-// The first value is the honest one, and then the last: neither counts.
+// Once the first value is the honest one, and once the last one is. Neither counts.
 TEST(SignedDomain, ParameterThatComesTwice_IsRefused) {
   const auto own = domain_in_participant_data(Bytes{0, 0x0f, 0, 4, 0, 0, 0, 7});
   ASSERT_OK(check_same_domain(own, own));

@@ -1,4 +1,4 @@
-// What an identity trusts: stores that are shared, and certificates that are judged once.
+// What an identity trusts: shared stores, and certificates that are judged only once.
 #include "plugins/authentication/trust_store.hpp"
 
 #include "tests/unit/authentication/ocsp_responses.hpp"

@@ -1,11 +1,11 @@
-// Two local identities in one engine that deal with the same remote one: what happens to the one
-// does not touch the other. (In threads: tests/attack/authentication/threads_test.cpp.)
+// Two local identities in one engine that deal with the same remote one: what happens to one of
+// them does not affect the other. (With threads: tests/attack/authentication/threads_test.cpp.)
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-// A remote participant in its own engine, `first` and `second` in one.
+// A remote participant in an engine of its own, and `first` and `second` in one engine.
 struct TwoLocals {
   explicit TwoLocals(pki::Validity of_first = kYear, pki::Validity of_remote = kYear,
                      AuthenticationOptions options = {})
@@ -20,7 +20,7 @@ struct TwoLocals {
     ours.clock.advance(by);
     theirs.clock.advance(by);
   }
-  // What the local participant of `two` calls the remote.
+  // Returns the handle of the remote at the local participant of `two`.
   IdentityHandle remote_of(const Two& two) const {
     return &two.low == &remote ? two.low_at_high : two.high_at_low;
   }
@@ -33,7 +33,7 @@ struct TwoLocals {
   Two of_first, of_second;
 };
 
-// A handshake that stops before any step.
+// A handshake of which the test takes each step.
 class Handshake {
  public:
   explicit Handshake(Two& two) : two_(two) {}
@@ -130,7 +130,7 @@ TEST(TwoLocals, ReturningTheRemoteOfOne_LeavesItToTheOther) {
     finished.expect_one_secret();
     under_way.final();
     under_way.expect_one_secret();
-    // It may come again, as a stranger.
+    // The remote may come again, as a new identity.
     Two anew(second_goes ? world.second : world.first, world.remote);
     EXPECT_NE(world.remote_of(anew), world.remote_of(goes));
     Handshake(anew).all();
@@ -168,7 +168,8 @@ TEST(TwoLocals, WhatOneDistrusts_TheOtherMayTrust) {
   TwoLocals world;
   Participant strict(world.ours, make_identity(strict_ca, "CN=strict,O=Example"), 4);
   Two distrusting(strict, world.remote);
-  // The remote has no trust in it either: play its part up to what the strict one refuses.
+  // The remote does not trust the other one either, so the test plays its part up to the message
+  // that the strict one refuses.
   const auto request = distrusting.request();
   ASSERT_OK(request);
   EXPECT_FALSE(distrusting.reply(*request->message));
@@ -177,7 +178,7 @@ TEST(TwoLocals, WhatOneDistrusts_TheOtherMayTrust) {
   first.expect_one_secret();
 }
 
-// Each host asks for its own, and none takes what another has to be told.
+// Each host asks for its own ends, and gets no end that another host must hear of.
 TEST(TwoLocals, TheEndOfTheRemote_IsToldToEach) {
   TwoLocals world(kYear, {kNow - 24h, kNow + 10s});
   Handshake(world.of_first).all();

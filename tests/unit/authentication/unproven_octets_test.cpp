@@ -1,4 +1,4 @@
-// How much memory requests of peers that have proven nothing may hold.
+// How much memory the requests of peers that have proven nothing may hold.
 #include "plugins/authentication/unproven_octets.hpp"
 
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@ namespace ddssec::authentication {
 namespace {
 
 struct UnprovenOctetsTest : testing::Test {
-  // Of a subject; the handshake has the next number.
+  // Adds a request of that subject. Its handshake has the next number.
   std::vector<HandshakeHandle> add(std::uint8_t subject, std::size_t count) {
     auto share = octets.claim(Sha256Digest{subject}, count, 0);
     const HandshakeHandle owner{++last};
@@ -56,7 +56,8 @@ TEST_F(UnprovenOctetsTest, AFewOctetsOfAPeer_AreFree) {
   EXPECT_EQ(counted.free_octets(), 0u);
 }
 
-// What it takes to meet a certain handshake is about the limit, whatever the size of the requests.
+// To have a certain handshake dropped, an attacker must send about as much as the limit, whatever
+// the size of the requests.
 TEST_F(UnprovenOctetsTest, OneAmongMany_IsDroppedOnlyAfterAboutAsMuchAsTheLimit) {
   for (const std::size_t size : {std::size_t{66'000}, std::size_t{300'000}, kMany}) {
     std::size_t sent = 0;
@@ -76,19 +77,19 @@ TEST_F(UnprovenOctetsTest, OneAmongMany_IsDroppedOnlyAfterAboutAsMuchAsTheLimit)
 
 // ---- in the engine
 
-// The same with permissions of that size, without a signature.
+// Returns the same request with permissions of that size, and without a signature.
 Token large(const Token& request, std::uint8_t number, std::size_t octets) {
   return with(forged(request, number), "c.perm", Bytes(octets, 'x'));
 }
 
-// A stranger with a recorded request announces participants of its subject, and sends a request
+// A stranger with a recorded request announces participants with its subject, and sends a request
 // with junk in the name of each.
 class Stranger {
  public:
   Stranger(const Token& recorded, const Identity& recorded_identity, Participant& victim)
       : recorded_(recorded), identity_(recorded_identity), victim_(victim) {}
 
-  // The reply of the victim to that many octets of permissions.
+  // Sends permissions of that many octets. Returns the reply of the victim.
   Two::Step sends(std::size_t octets) {
     const auto number = static_cast<std::uint8_t>(++sent_);
     Participant invented(engine_, identity_, number + 10);
@@ -104,7 +105,8 @@ class Stranger {
   int sent_ = 0;
 };
 
-// The lower of the two has a document of that size, and a stranger knows its certificate.
+// The participant with the lower GUID has a document of that size, and a stranger knows its
+// certificate.
 struct LargeDocuments {
   explicit LargeDocuments(std::size_t octets)
       : alice(make_identity(test_ca(), "CN=alice,O=Example")),
@@ -138,7 +140,7 @@ TEST(UnprovenOctetsBounds, OwnerOfLargeDocuments_GetsInWhileAStrangerFillsItsSub
   }
 }
 
-// Each drop is a new draw: the owner is not the one that always goes.
+// The handshake to drop is drawn at random each time, so it is not always the owner's.
 TEST(UnprovenOctetsBounds, OwnerOfLargeDocuments_OutlivesSomeRequestsThatComeAfterIts) {
   int finished = 0;
   for (int turn = 0; turn < 8; ++turn) {
