@@ -1,4 +1,4 @@
-// Clocks, how a time is written, and the reproducible random source of the tests.
+// Clocks, the written form of a time, and the reproducible random source of the tests.
 #include "base/clock.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ TEST(WallTime, EveryYear_IsWrittenInUtc) {
   EXPECT_EQ(to_string(WallTime(0s)), "1970-01-01T00:00:00Z");
   EXPECT_EQ(to_string(WallTime(-1s)), "1969-12-31T23:59:59Z");
   EXPECT_EQ(to_string(WallTime(1'795'230'823s)), "2026-11-21T03:13:43Z");
-  // Later than nanoseconds since 1970 can say.
+  // This time is later than a count of nanoseconds since 1970 can express.
   EXPECT_EQ(to_string(WallTime(253'402'300'799s)), "9999-12-31T23:59:59Z");
 }
 

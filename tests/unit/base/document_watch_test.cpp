@@ -27,7 +27,7 @@ class DocumentWatchTest : public testing::Test {
     out.note_read(as_bytes("first"));
     return out;
   }
-  // One look later, with a document that is taken unless it is "bad".
+  // Polls at the time of the next look. The document is adopted unless it is "bad".
   Result<bool> poll(DocumentWatch& watch) {
     now_ += 5s;
     return watch.poll(now_, [&](BytesView octets) -> Status {

@@ -1,4 +1,4 @@
-// The file with a JSON object for each event, and what is said about it if it cannot be written.
+// The file with a JSON object for each event, and what is reported if it cannot be written.
 #include "base/event_log.hpp"
 
 #include <cstdlib>

@@ -25,7 +25,7 @@ TEST(Event, OnlyAnAuthenticatedPeer_IsCalledByItsName) {
   EXPECT_EQ(nlohmann::json::parse(of_bob.to_json(0s))["peer_authenticated"], true);
 }
 
-// A certificate's subject, from anyone, is all that such a line needs.
+// To have such text in the line, a stranger only needs a certificate with a subject that it chose.
 TEST(Event, WhatLooksLikeACode_InAStrangersText_IsNoCodeInTheLine) {
   const auto line = [](const std::string& text) {
     return Event(
@@ -55,8 +55,8 @@ TEST(Event, PeersName_NeitherEndsItsQuotationNorFillsTheLog) {
   EXPECT_LT(event("x", std::string(60'000, 'a')).to_line().size(), 600u);
 }
 
-// Control characters of C0 and C1, DEL, a bidirectional override: in a log they would be lines of
-// their own, colours, or another text than was sent.
+// Control characters of C0 and C1, DEL and a bidirectional override could appear in a log as
+// separate lines, as colours, or as another text than was sent.
 TEST(Event, WhatAPeerSent_IsNoLineOfOursAndNoControlSequence) {
   const std::string evil =
       "x\n0.1 [0] recv: operator logged in\r\x1b[31m\x7f\t\u009b31m\u202e\u2066";

@@ -12,12 +12,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Looks once an interval, and once more when it said yes: as its user's program would.
+// Polls as a participant does: once per interval, and once more after a reported change.
 class Looker {
  public:
   explicit Looker(const std::string& path) : watch_("file:" + path, 5s) { settle(); }
   bool poll() { return watch_.may_have_changed(now_ += 5s); }
-  // Whatever just happened is seen within two looks, and then there is quiet.
+  // True if a change is seen. Then looks until nothing changes any more.
   bool sees_a_change() {
     const bool seen = poll();
     settle();
@@ -39,7 +39,7 @@ TEST(FileWatch, EveryKindOfChange_IsSeen) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("list", "one");
   Looker looker(path);
-  folder.write("list", "two");  // the same size
+  folder.write("list", "two");  // has the same size
   EXPECT_TRUE(looker.sees_a_change());
   folder.replace("list", "two");
   EXPECT_TRUE(looker.sees_a_change());
@@ -110,7 +110,8 @@ TEST(AbsoluteUri, NoWorkingFolder_NamesNothing) {
   EXPECT_EQ(absolute_uri("file:/b.pem"), "file:/b.pem");
 }
 
-// Of two changes within one tick of the file system's clock only the first may be visible.
+// If two changes fall within one tick of the file system's clock, only the first one may be
+// visible.
 TEST(FileWatch, AfterAChange_LooksOnceMore) {
   const test::TemporaryFolder folder;
   FileWatch watch("file:" + folder.write("list", "one"), 5s);

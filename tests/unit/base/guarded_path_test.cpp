@@ -1,4 +1,4 @@
-// Paths that another user may have a part in.
+// Paths that another user can change.
 #include "base/guarded_path.hpp"
 
 #include <cerrno>
@@ -35,7 +35,7 @@ class GuardedPath : public testing::Test {
     const auto found = open_guarded(path, O_PATH);
     return !found && found.error().code() == tool_code::link_untrusted;
   }
-  // Empty, with this errno.
+  // True if the result is empty and errno is this error.
   static bool is_refused_with(int error, const fs::path& path) {
     const auto found = open_guarded(path, O_PATH);
     const int seen = errno;

@@ -62,7 +62,8 @@ TEST_F(LineFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
   const FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   LineFile file(path_.c_str());
   ASSERT_TRUE(file.is_open());
-  const std::string line(4095, 'x');  // with its end, as much as is written at once or not at all
+  // with its line end, the most that is written at once or not at all
+  const std::string line(4095, 'x');
   int written = 0;
   while (file.append(line)) ASSERT_LT(++written, 1000);
   EXPECT_GT(written, 0);
@@ -82,7 +83,7 @@ TEST_F(LineFileTest, ReaderThatHasLeft_EndsNoProcess) {
   EXPECT_EQ(sigismember(&pending, SIGPIPE), 0);
 }
 
-// No file of this process grows beyond this size.
+// While it lives, no file of this process grows beyond this size.
 class SizeLimit {
  public:
   explicit SizeLimit(rlim_t most) {
@@ -102,7 +103,7 @@ class SizeLimit {
   rlimit before_{};
 };
 
-// As on a full disk: a part of the line is written, then nothing.
+// As on a full disk, a part of the line is written, and then nothing.
 TEST_F(LineFileTest, LineAfterOneThatWasCut_BeginsOnALineOfItsOwn) {
   LineFile file(path_.c_str());
   {

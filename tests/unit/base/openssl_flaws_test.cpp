@@ -13,7 +13,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-// The flaws of a version; "?" after one that the number alone does not prove.
+// Returns the flaws of a version, with "?" after each that the number alone does not prove.
 std::vector<std::string> of(std::string_view version) {
   std::vector<std::string> out;
   for (const auto& flaw : openssl_flaws(version))
@@ -24,7 +24,7 @@ std::vector<std::string> of(std::string_view version) {
 TEST(OpensslAdvice, Debian12_LosesAFlawWithEachRelease) {
   EXPECT_THAT(of("3.0.17"), ElementsAre("CVE-2026-22796", "CVE-2026-45447", "delta-crl-as-complete",
                                         "CVE-2026-35189"));
-  // 3.0.18-1~deb12u2 has the fix of 3.0.19 and prints 3.0.18.
+  // Debian's 3.0.18-1~deb12u2 has the fix of 3.0.19, and calls itself 3.0.18.
   EXPECT_THAT(of("3.0.18"), ElementsAre("CVE-2026-22796?", "CVE-2026-45447",
                                         "delta-crl-as-complete", "CVE-2026-35189"));
   EXPECT_THAT(of("3.0.19"),
@@ -83,7 +83,7 @@ TEST(OpensslAdvice, Warning_TellsWhatIsGuardedFromWhatIsNot) {
   ASSERT_FALSE(guarded);
   EXPECT_CODE(guarded, openssl_known_unsafe);
   EXPECT_THAT(guarded.error().to_sentence(), HasSubstr("(found OpenSSL 3.0.19); ddssec refuses"));
-  EXPECT_LE(guarded.error().to_sentence().size(), 200u);  // every process with security says it
+  EXPECT_LE(guarded.error().to_sentence().size(), 200u);  // every process with security prints it
   const auto open = check_openssl_flaws("3.0.7");
   ASSERT_FALSE(open);
   EXPECT_CODE(open, openssl_known_unsafe);
@@ -92,7 +92,8 @@ TEST(OpensslAdvice, Warning_TellsWhatIsGuardedFromWhatIsNot) {
 
 TEST(OpensslAdvice, VersionThatProvesNothing_GetsNoWarning) {
   EXPECT_TRUE(
-      check_openssl_flaws("OpenSSL 3.0.22 25 Aug 2026"));  // Debian 12's last one has every fix
+      // the newest version in Debian 12 has every fix
+      check_openssl_flaws("OpenSSL 3.0.22 25 Aug 2026"));
   EXPECT_TRUE(check_openssl_flaws("3.0.23"));
   EXPECT_TRUE(check_openssl_flaws("no version at all"));
 }

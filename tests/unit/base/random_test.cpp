@@ -1,4 +1,5 @@
-// Without a random source nothing begins. A program of its own, in which libsodium cannot start.
+// Without a random source nothing begins. This is a program of its own, in which libsodium cannot
+// start.
 #include <gtest/gtest.h>
 
 #include "base/clock.hpp"

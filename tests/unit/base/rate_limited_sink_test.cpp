@@ -47,7 +47,7 @@ TEST(RateLimitedSink, AReturnedEvent_DoesNotSuppressTheSameOneThatIsNot) {
   EXPECT_FALSE(recorder.all[1].is_returned);
 }
 
-// One peer, one reason, one line: however its messages and names differ.
+// One peer and one reason make one line, even if its messages and names differ.
 TEST(RateLimitedSink, TextChosenByUnprovenPeer_DoesNotPassTheLimitAgain) {
   test::RecordedEvents recorder;
   ManualClock clock(kStart);
@@ -107,7 +107,7 @@ Event on_topic(Code code, int topic, std::string subject) {
                PeerProof::authenticated);
 }
 
-// It chooses its topics and partitions, which are what is expected of it.
+// Such a peer chooses its topics and partitions, and events repeat them as the expected value.
 TEST(RateLimitedSink, AuthenticatedPeer_CrowdsOutNeitherOthersNorItsOtherOffences) {
   test::RecordedEvents recorder;
   ManualClock clock(kStart);
@@ -120,7 +120,7 @@ TEST(RateLimitedSink, AuthenticatedPeer_CrowdsOutNeitherOthersNorItsOtherOffence
   EXPECT_EQ(recorder.all.size(), 2u);
 }
 
-// Even if very many certificates work together.
+// This holds even if very many certificates work together.
 TEST(RateLimitedSink, CrowdOfAuthenticatedPeers_HidesNoCode) {
   test::RecordedEvents recorder;
   ManualClock clock(kStart);

@@ -92,7 +92,7 @@ TEST(Cursor, AlignmentThatLeavesTheOctets_FailsAndMovesNothing) {
   EXPECT_EQ(reader.position(), 2u);
 }
 
-// Some peers send it.
+// Some peers send such strings.
 TEST(Cursor, StringOfLengthZero_IsEmpty) {
   const auto octets = from_hex("00000000").value();
   EXPECT_EQ(Reader(octets).read_string(), "");

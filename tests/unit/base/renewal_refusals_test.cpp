@@ -1,4 +1,4 @@
-// When a file that cannot be used is reported, and with which words.
+// When a file that cannot be used is reported, and with which text.
 #include "base/renewal_refusals.hpp"
 
 #include <filesystem>
@@ -75,7 +75,7 @@ TEST(RenewalRefused, ReasonOfTheSameCode_KeepsItsHintAndIsNotRepeated) {
   EXPECT_EQ(told.hint(), "do this");
 }
 
-// True if `f` is true for a user that is not root, in a child.
+// True if `f` returns true for a user that is not root. It runs in a child process.
 template <class F>
 bool as_another_user(F&& f) {
   const auto child = ::fork();

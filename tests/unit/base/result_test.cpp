@@ -38,7 +38,7 @@ TEST(Error, ValueThatIsKnown_IsNamed) {
   EXPECT_EQ(Error(Code::malformed).message(), info(Code::malformed).summary);
 }
 
-// Files and peers choose parts of the sentence.
+// Parts of the sentence come from files and peers.
 TEST(Error, ControlCharactersOfAValue_DoNotReachALog) {
   const auto text = Error(Code::malformed, {.document = "a\nb", .found = "\033[31m"}).to_sentence();
   EXPECT_TRUE(text.starts_with("a?b: ")) << text;

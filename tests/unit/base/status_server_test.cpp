@@ -1,4 +1,4 @@
-// The socket that shows a process's documents, and clients that mean no good.
+// The socket that shows a process's documents, and hostile clients.
 #include "base/status_server.hpp"
 
 #include <atomic>
@@ -92,7 +92,7 @@ TEST_F(Server, ProcessWithoutDescriptorsForAWhile_AnswersAgain) {
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
   const FileDescriptor client(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  const rlimit few{4, before.rlim_max};  // below what poll() is given
+  const rlimit few{4, before.rlim_max};  // fewer descriptors than poll() is given
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
   const auto address = address_of(path());
   EXPECT_EQ(::connect(client.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address),
@@ -182,7 +182,7 @@ TEST_F(Server, ChildOfAFork_ServesNothingAndRemovesNothing) {
   auto server = start();
   ASSERT_OK(server);
   EXPECT_EQ(in_child([&] {
-              server->reset();  // as when the child exits
+              server->reset();  // happens as well when the child exits
               return fs::exists(path());
             }),
             0);

@@ -1,4 +1,4 @@
-// The record and its socket, if the environment asks for them.
+// The record and its socket, which exist if the environment asks for them.
 #include "base/status_service.hpp"
 
 #include <cstdlib>

@@ -34,7 +34,7 @@ inline FileDescriptor connected(const std::string& path) {
   return out;
 }
 
-/// Empty: nothing came within the time, or nothing at all.
+/// Returns what is read within the time; empty if nothing comes.
 inline std::string read_all(const FileDescriptor& socket, std::chrono::milliseconds within = 30s) {
   std::string out;
   char piece[4096];
@@ -60,7 +60,7 @@ class Server : public testing::Test {
     return folder_.path() + "/ddssec-" + std::to_string(pid_) + more + ".sock";
   }
   bool has_sockets() const { return !fs::is_empty(folder_.path()); }
-  /// The result of `f` in a child.
+  /// Returns the result of `f` in a child process.
   template <class F>
   static int in_child(F&& f) {
     const auto child = ::fork();

@@ -17,7 +17,7 @@ struct SteadyCalendarTest : testing::Test {
     const auto error = calendar.take_report();
     return error ? std::optional(error->code()) : std::nullopt;
   }
-  // As a host looks, once a second.
+  // Looks once a second, as a host does.
   void pass(std::chrono::seconds time) {
     for (auto i = 0s; i < time; ++i) {
       clock.advance(1s);
@@ -72,7 +72,7 @@ TEST_F(SteadyCalendarTest, SetToStay_CountsAfterTheGrace) {
   EXPECT_FALSE(news());
 }
 
-// Else the grace would never end.
+// Otherwise the grace would never end.
 TEST_F(SteadyCalendarTest, SetAgainAndAgain_TheGraceIsOne) {
   for (int i = 1; i <= 60; ++i) {
     clock.set(kStart + i * 1000h);
@@ -97,7 +97,7 @@ TEST_F(SteadyCalendarTest, Step_SaysBothTimes) {
   EXPECT_EQ(error->details().found, "2026-01-02T00:00:00Z");
 }
 
-// A machine that slept: more time has passed than a monotonic clock counts.
+// The clock of a machine that slept: more time has passed than a monotonic clock counts.
 struct Asleep final : Clock {
   std::chrono::nanoseconds slept{0};
   WallTime now() const override { return std::chrono::floor<std::chrono::seconds>(kStart + slept); }

@@ -1,4 +1,4 @@
-// What a URI of a property names, and what errors say of it.
+// What a URI of a property names, and what errors say about it.
 #include "base/uri_source.hpp"
 
 #include <filesystem>

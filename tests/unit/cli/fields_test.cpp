@@ -59,7 +59,7 @@ struct Fleet {
   std::string text() const { return std::to_string(names.size()) + " names\n"; }
 };
 
-// Of another folder.
+// A type without fields() of its own. The test specializes Listed for it below.
 struct Range {
   int first, last;
 };
