@@ -43,7 +43,7 @@ TEST(ByteClasses, SingleOctet_IsAloneInItsClass) {
   EXPECT_EQ(classes.shown(classes.of('r')), 'a');
 }
 
-// No name holds it.
+// No name contains a NUL.
 TEST(ByteClasses, NulAlone_HasNoClass) {
   ByteClasses classes;
   classes.tell_apart(std::uint8_t{0});

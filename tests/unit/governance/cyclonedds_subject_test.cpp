@@ -13,7 +13,8 @@ Permissions with(std::vector<std::string> subjects) {
   return out;
 }
 
-// "CERTIFICATE <- GRANT" for each, with a '!' if a grant of its own is passed over.
+// Returns "CERTIFICATE <- GRANT" for each grant that is applied to another subject, with a '!' if a
+// grant of its own is skipped for it.
 std::vector<std::string> strays(const Permissions& document, const Permissions& other) {
   const Permissions* const both[] = {&document, &other};
   std::vector<std::string> out;
@@ -25,7 +26,7 @@ std::vector<std::string> strays(const Permissions& document, const Permissions& 
 std::vector<std::string> strays(const Permissions& document) { return strays(document, document); }
 using Strays = std::vector<std::string>;
 
-// Measured with Cyclone DDS 0.10.2: a '/' separates within names, too.
+// Measured with Cyclone DDS 0.10.2: a '/' separates parts of a subject within names, too.
 TEST(CycloneddsSubject, AGrantWithMoreThanTheCertificate_IsTaken) {
   EXPECT_TRUE(cyclonedds_applies_grant("CN=/a", "CN=/a"));
   EXPECT_TRUE(cyclonedds_applies_grant("CN=/a/b", "CN=/a"));
@@ -38,7 +39,7 @@ TEST(CycloneddsSubject, AGrantWithMoreThanTheCertificate_IsTaken) {
   EXPECT_FALSE(cyclonedds_applies_grant("CN=talker", "CN=talker,O=acme"));
 }
 
-// Measured: the first grant that fits is the only one that counts.
+// Measured: only the first grant that fits counts.
 TEST(CycloneddsSubject, SeveralGrants_AreDecidedByTheirOrder) {
   EXPECT_EQ(strays(with({"CN=a", "CN=a,OU=x"})), Strays());
   EXPECT_EQ(strays(with({"CN=a,OU=x", "CN=a"})), Strays{"CN=a <- CN=a,OU=x!"});

@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(DateTime, EveryPartOfOne_IsRefused) {
   const std::string whole = "2026-11-21T03:13:43+05:30";
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    if (size == 19) continue;  // without a zone
+    if (size == 19) continue;  // has no zone
     EXPECT_EQ(read(whole.substr(0, size)), "refused") << size;
   }
 }

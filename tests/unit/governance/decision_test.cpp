@@ -51,7 +51,7 @@ TEST(Decision, Default_CountsWhereNoRuleMatches) {
   EXPECT_EQ(compiled({}, true).judge(Action::publish, {"t"}).rule, nullptr);
 }
 
-// T6
+// T6 (docs/attacks.md): the last rule wins instead of the first.
 TEST(Decision, FirstRule_Wins) {
   const auto allow = rule(true, {criteria({"a*"})});
   const auto deny = rule(false, {criteria({"*b"})});
@@ -136,7 +136,7 @@ TEST(Partitions, LegacyMode_NeedsOneMatchOnly) {
   EXPECT_FALSE(may_publish(grant, "t", {"r"}));
 }
 
-// Cyclone PR 706: deny rules must not be tried as allow rules are.
+// Deny rules must not be evaluated as allow rules are (Cyclone DDS pull request 706).
 TEST(Partitions, DenyRules_HitAnyOfThem) {
   const auto any = compiled({rule(false, {criteria({"t"})})}, true);
   EXPECT_FALSE(may_publish(any, "t"));
@@ -153,7 +153,7 @@ TEST(Partitions, DenyRules_HitAnyOfThem) {
   EXPECT_TRUE(may_publish(empty, "t", {"p"}));
 }
 
-// T5: a partition with wildcards stands for many names.
+// T5 (docs/attacks.md): a partition with wildcards stands for many names.
 TEST(Partitions, RequestedWildcards_MustBeCovered) {
   const auto grant = compiled({rule(true, {criteria({"t"}, {{"s?", "a*", "x[1]", "*y"}})})});
   EXPECT_FALSE(may_publish(grant, "t", {"s*"}));
@@ -220,7 +220,7 @@ TEST(Participant, AllowRuleOfTheDomain_LetsIn) {
   EXPECT_TRUE(compiled({}, true).judge_participant().allowed);
 }
 
-// DDS-Security 1.2 table 70; deny rules about topics are passed over, as sros2 writes them first.
+// DDS-Security 1.2 table 70. Deny rules about topics are skipped, because sros2 writes them first.
 TEST(Participant, DenialOfTopics_DoesNotDecideAndTheNextRuleDoes) {
   const auto everything = rule(false, {});
   const auto topic = rule(false, {criteria({"t"})});
@@ -299,7 +299,7 @@ TEST(VerdictCache, ManyEntries_StayBounded) {
   EXPECT_EQ(cache.find(std::string(5000, 'x')), std::nullopt);
 }
 
-// What the standard says, word for word and without any index (T5, T6).
+// A model of the standard's text without any index (T5 and T6 in docs/attacks.md).
 bool model_allows(const std::vector<GrantRule>& rules, std::string_view topic,
                   const Names& partitions) {
   const auto hit = [](const Text& text, std::string_view name) {

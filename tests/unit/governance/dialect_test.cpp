@@ -23,7 +23,7 @@ TEST(Dialect, ThePortableSubset_IsPortable) {
 
 struct Case {
   const char* expression;
-  const char* witness;  // nullptr: none
+  const char* witness;  // nullptr if there is none
   bool cyclone_matches_it;
 };
 
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"[a/b]*", nullptr, false}, Case{"a\\b", "a\\b", true},
                       Case{"cmd\\*", "cmd\\", true}, Case{"a]b", nullptr, false}));
 
-// By the standard a backslash escapes; Fast DDS calls fnmatch with FNM_NOESCAPE.
+// In the standard a backslash escapes, but Fast DDS calls fnmatch with FNM_NOESCAPE.
 TEST(Dialect, FastDds_TakesABackslashVerbatim) {
   const auto found = unportable("cmd\\*");
   ASSERT_TRUE(found && found->fastdds);
@@ -79,7 +79,7 @@ TEST(Dialect, FastDds_IsFnmatchWithoutEscapes) {
   EXPECT_GT(matched, 1'000);
 }
 
-// What Cyclone DDS 0.10.2 answered (its ac_fnmatch, called directly).
+// The answers of Cyclone DDS 0.10.2, whose ac_fnmatch was called directly.
 TEST(Dialect, Cyclone_IsAsMeasured) {
   struct Measured {
     const char *expression, *name;

@@ -1,4 +1,4 @@
-// Expressions that are written for what they must match.
+// Expressions that are generated from the names that they must match.
 #include "governance/expression_text.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// An oracle for what matches first in a list: the automaton over the whole list.
+// An oracle for the expression of a list that matches a name first: the automaton over the whole
+// list.
 #pragma once
 
 #include <optional>
@@ -11,8 +12,8 @@
 
 namespace ddssec::governance {
 
-/// For each expression of a list that is tried in order: a name for which it is the first match, or
-/// empty for an expression that can never be the first. No result if a limit was reached.
+/// Returns, for each expression of a list that is tried in order, a name for which it is the first
+/// match, or empty if it can never be the first. Returns no result if a limit was reached.
 inline std::optional<std::vector<std::optional<std::string>>> first_matched_names(
     std::span<const std::string_view> expressions) {
   std::vector<RankedExpression> ranked;

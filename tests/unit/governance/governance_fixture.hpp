@@ -14,7 +14,7 @@ namespace ddssec::governance {
 using pki::data_file;
 using pki::replaced;
 
-/// A minimal governance document; every value is there once.
+/// A minimal governance document, with each value once.
 inline const std::string kGovernanceXml = R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="x.xsd">
   <domain_access_rules>
@@ -76,7 +76,7 @@ inline Result<Permissions> permissions_from(std::string_view xml) {
   return read_permissions(as_bytes(xml));
 }
 
-/// A change to a good document, and why it is refused then.
+/// A change to a good document, and the reason why it is refused then.
 struct Refusal {
   const char* name;
   std::string from, to;

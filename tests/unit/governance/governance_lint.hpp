@@ -1,4 +1,4 @@
-// Governance documents for the tests of lint, and what lint finds in them.
+// Governance documents for the tests of lint, and the findings about them.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ inline TopicRule strict(std::string expression) {
   return topic_rule_of(Profile::strict, expression);
 }
 
-/// A strict document, changed, written and read again, so that it has lines.
+/// Returns a strict document after a change, written and read again so that it has line numbers.
 inline Governance changed_strict(const std::function<void(DomainRule&)>& change) {
   auto document = governance_of(Profile::strict, {{0, 0}});
   change(document.domain_rules[0]);
@@ -29,7 +29,7 @@ inline Governance with_rules(std::vector<TopicRule> rules) {
   return changed_strict([&](DomainRule& rule) { rule.topic_rules = std::move(rules); });
 }
 
-/// The findings of this rule.
+/// Returns the findings of this rule.
 inline std::vector<Finding> of(ddssec::Rule id, const Governance& document,
                                const GovernanceUse& use = {}) {
   auto found = lint(document, use);

@@ -1,4 +1,4 @@
-// Grants that give at least what former ones gave.
+// Grants that allow at least what former ones allowed.
 #include "governance/grant_extension.hpp"
 
 #include <memory>
@@ -89,14 +89,14 @@ TEST(GrantExtension, Partitions_OfAllowRulesMayGrow) {
              pq = rule(true, {in({"A"}, {"q", "p"})});
   EXPECT_TRUE(at_least({pq}, {p}));
   EXPECT_FALSE(at_least({p}, {pq}));
-  // Without partitions an allow rule is for the partition "".
+  // An allow rule without partitions is for the partition "".
   EXPECT_FALSE(at_least({none}, {p}));
   EXPECT_FALSE(at_least({p}, {none}));
 }
 
 TEST(GrantExtension, Partitions_OfDenyRulesMayOnlyShrink) {
   const auto a = rule(true, {on({"A"})});
-  // Without partitions a deny rule is for all.
+  // A deny rule without partitions is for all partitions.
   const auto all = rule(false, {on({"A"})}), p = rule(false, {in({"A"}, {"p"})}),
              pq = rule(false, {in({"A"}, {"p", "q"})});
   EXPECT_TRUE(at_least({p, a}, {all, a}));
@@ -170,9 +170,9 @@ TEST(GrantExtension, RulesForDifferentDomains_PassOnlyIfTheGrantsAreEqual) {
   EXPECT_FALSE(gives_at_least(grant_of("CN=a", {ab, other}), grant_of("CN=a", {a, other})));
 }
 
-// ---- by what is decided
+// ---- compared by their decisions
 
-// Small random grants: each list is drawn from few names, so that many pairs are comparable.
+// Small random grants. Each list is drawn from few names, so that many pairs are comparable.
 struct RandomGrants {
   std::size_t below(std::size_t bound) { return random() % bound; }
   template <class One>
@@ -199,7 +199,7 @@ struct RandomGrants {
       out.rules.push_back(rule(below(3) != 0, several(), several()));
     return out;
   }
-  // The same with changes here and there.
+  // Returns the same grant with some random changes.
   Grant changed(Grant grant) {
     if (below(2) == 0) {
       const auto at =
@@ -223,7 +223,7 @@ struct RandomGrants {
   std::minstd_rand random{7};
 };
 
-// Whether `next` allows all that `former` allows, of some endpoints.
+// True if `next` allows all that `former` allows, judged by some endpoints.
 bool nothing_is_lost(const Grant& next, const Grant& former) {
   const auto compiled = [](const Grant& grant) {
     auto document = std::make_shared<Permissions>(Permissions{.grants = {grant}});

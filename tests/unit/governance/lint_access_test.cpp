@@ -1,4 +1,4 @@
-// Who may take part, read and write.
+// Findings about which participants may join, read and write.
 #include "tests/unit/governance/governance_lint.hpp"
 
 namespace ddssec::governance {
@@ -11,7 +11,7 @@ TopicRule open_topic(std::string expression) {
   return topic_rule_of(Profile::open, std::move(expression));
 }
 
-// The findings of `id` in a strict document whose topic rule for everything was changed.
+// Returns the findings of `id` in a strict document whose topic rule for everything was changed.
 std::vector<Finding> of_topic(ddssec::Rule id, const std::function<void(TopicRule&)>& change,
                               ProtectionKind rtps = sign) {
   return of(id, changed_strict([&](DomainRule& rule) {

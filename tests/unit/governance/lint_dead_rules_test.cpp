@@ -25,7 +25,7 @@ TEST(LintDeadRules, DeadPartsOfARule_AreNamedOneByOne) {
   EXPECT_EQ(only(with(rights({"a*", "ab"}))).severity, Severity::informational);
 }
 
-// Before: "move it" left a finding about the other rule.
+// Moving such a rule would only leave a finding about the other one.
 TEST(LintDeadRules, ADeadRuleThatCannotBeMoved_IsToBeDeleted) {
   const auto denial = only(with_rules({rule(true, {"a*"}), rule(false, {"a*"})}));
   EXPECT_EQ(denial.hint,
@@ -36,7 +36,7 @@ TEST(LintDeadRules, ADeadRuleThatCannotBeMoved_IsToBeDeleted) {
       << "moved";
 }
 
-// What another domain, partition or data tag needs is not dead.
+// A part that another domain, partition or data tag needs is not dead.
 TEST(LintDeadRules, SamePartsInOtherCircumstances_AreNotDead) {
   auto first = rule(true, {"*"}), second = rule(true, {"a"});
   second.domains.ranges = {{0, 1}};
@@ -65,7 +65,7 @@ TEST(LintDeadRules, PartitionsOfDeadRules_MustBeCoveredToo) {
   EXPECT_TRUE(dead({}, false, {"x"}, true));
   EXPECT_TRUE(dead({}, false, {"x"}, false));
   EXPECT_FALSE(dead({}, true, {"x"}, true));
-  EXPECT_TRUE(dead({}, true, {}, false));  // who has partitions is denied by default
+  EXPECT_TRUE(dead({}, true, {}, false));  // an endpoint with partitions is denied by default
   EXPECT_TRUE(dead({}, true, {"x"}, false));
   EXPECT_TRUE(dead({"x*"}, true, {"xy", "xz"}, true));
   EXPECT_FALSE(dead({"x*"}, true, {"xy", "z"}, true));
@@ -86,7 +86,8 @@ Partitions in(std::initializer_list<const char*> names) {
   return out;
 }
 
-// The severity of "deny_rule 2 denies nothing" of `allow *; deny Secret`, and further rules.
+// Returns the severity of "deny_rule 2 denies nothing" for `allow *; deny Secret` and further
+// rules.
 std::optional<Severity> of_denial(Partitions allowed, Partitions denied,
                                   const std::vector<GrantRule>& later = {},
                                   bool by_default = false) {
@@ -161,7 +162,8 @@ TEST(LintDeadRules, ExpressionsThatMatchNoName_AreDead) {
   EXPECT_TRUE(dead(subject("CN=[\\\\a]*")).empty());
 }
 
-// A newcomer's list of denials must not take minutes, and what was not looked at is said.
+// A newcomer's list of denials must not take minutes. If rules were not compared, a finding says
+// so.
 TEST(LintDeadRules, RulesThatTakeTooLongToCompare_AreReported) {
   std::vector<GrantRule> rules;
   for (int i = 0; i < 400; ++i)
@@ -170,7 +172,7 @@ TEST(LintDeadRules, RulesThatTakeTooLongToCompare_AreReported) {
   const auto begin = std::clock();
   const auto found = lint_but_joining(with_rules(std::move(rules)));
   EXPECT_LT(std::clock() - begin,
-            10 * CLOCKS_PER_SEC);  // of a processor; 1 s, without the bound 10 s
+            10 * CLOCKS_PER_SEC);  // processor time: about 1 s, and 10 s without the bound
   EXPECT_TRUE(std::ranges::any_of(found, [](const Finding& f) {
     return f.rule == ddssec::Rule::PERM012 && f.message.contains("take too long to compare");
   }));

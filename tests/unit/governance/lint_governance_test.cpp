@@ -8,7 +8,7 @@ namespace {
 using namespace testing_lint;
 using enum ProtectionKind;
 
-// The only finding of the whole document.
+// Returns the only finding of the whole document.
 Finding only(const Governance& document, const GovernanceUse& use = {}) {
   const auto found = lint(document, use);
   EXPECT_EQ(found.size(), 1u);
@@ -42,7 +42,7 @@ TEST(LintGovernance, DomainsCoveredTwice_AreFound) {
             "domain_rule 2 does not apply to domain 5: domain_rule 1 covers it already");
   document.domain_rules[1].domains.ranges = {{6, 7}};
   EXPECT_TRUE(lint(document).empty());
-  // Other tags are other participants.
+  // Rules for other tags are for other participants.
   document.domain_rules[1].domains = {.ranges = {{5, 5}}, .tags = {{"red", 0}}};
   EXPECT_TRUE(of(ddssec::Rule::GOV002, document).empty());
 }
@@ -162,7 +162,8 @@ TEST(LintGovernance, OriginAuthentication_IsNoted) {
             2u);
 }
 
-// T44 of docs/attacks.md: a note, and only for who asks what a document leaves open.
+// T44 (docs/attacks.md): lint reports it as a note, and only if the caller asks for what a document
+// leaves open.
 TEST(LintGovernance, ReadersThatCanWrite_AreNotedOnRequest) {
   const GovernanceUse use{.choices = true};
   const auto notes = of(ddssec::Rule::GOV042, changed_strict([](auto&) {}), use);
@@ -186,7 +187,7 @@ TEST(LintGovernance, ReadersThatCanWrite_AreNotedOnRequest) {
   EXPECT_TRUE(of(ddssec::Rule::GOV042, governance_of(Profile::open, {{0, 0}}), use).empty());
 }
 
-// Before: "move it" left the finding, for another rule.
+// Moving such a rule would only leave a finding about another one.
 TEST(LintGovernance, DeadRuleThatCannotBeMoved_IsToBeDeleted) {
   const auto hint_of = [](std::vector<TopicRule> rules) {
     const auto found = of(ddssec::Rule::GOV010, with_rules(std::move(rules)));
@@ -243,7 +244,8 @@ TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge_IsNotedOnRequest) {
   EXPECT_TRUE(
       of_kinds(encrypt_with_origin_authentication, sign_with_origin_authentication, none).empty());
   EXPECT_TRUE(of_kinds(none, none, encrypt).empty());
-  EXPECT_TRUE(of(ddssec::Rule::GOV044, changed_strict([](auto&) {})).empty());  // not asked for
+  // the caller does not ask for it
+  EXPECT_TRUE(of(ddssec::Rule::GOV044, changed_strict([](auto&) {})).empty());
 }
 
 TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics_IsFound) {
@@ -377,7 +379,7 @@ TEST(LintGovernance, AccessControlWithoutProtection_IsFound) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].severity, Severity::warning);
   EXPECT_EQ(found[0].vendors, std::vector<std::string>{"cyclonedds"});
-  // Protected messages have one key for everything a participant says.
+  // If messages are protected, a participant has one key for everything that it sends.
   EXPECT_EQ(plain([](DomainRule& rule) { rule.rtps_protection_kind = encrypt; }).size(), 1u);
   EXPECT_EQ(plain([](DomainRule& rule) {
               rule.topic_rules[0].enable_read_access_control = false;

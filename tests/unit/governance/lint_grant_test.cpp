@@ -1,4 +1,4 @@
-// A grant with its rules as a list of expressions, and where each stands.
+// A grant whose rules are read as a list of expressions, each with its place.
 #include "governance/lint_grant.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ Criteria topics(std::vector<Text> names) {
   return out;
 }
 
-// Rules deny, allow, deny; line numbers as in a document.
+// Returns a grant with the rules deny, allow, deny, with line numbers as in a document.
 Grant grant() {
   Grant out;
   out.line = 4;

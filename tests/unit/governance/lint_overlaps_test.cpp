@@ -21,7 +21,7 @@ GrantRule in_partitions(GrantRule rule, std::vector<std::string> names) {
   return rule;
 }
 
-// Before: no finding, and AB is allowed.
+// The denial looks complete, but AB is allowed.
 TEST(LintOverlaps, DenialAfterAnExpressionThatSharesNames_NamesOneOfThem) {
   const auto found = only(with_rules({rule(true, {"A*"}), rule(false, {"*B"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM016);
@@ -120,7 +120,7 @@ TopicRule open(std::string expression) {
   return out;
 }
 
-// Before: no finding, and AB is not protected.
+// The rule looks complete, but AB is not protected.
 TEST(LintOverlaps, TopicRuleAfterOneThatProtectsLess_NamesATopic) {
   const auto found = of(ddssec::Rule::GOV014, with_rules({open("A*"), strict("*B"), strict("*")}));
   ASSERT_EQ(found.size(), 1u);

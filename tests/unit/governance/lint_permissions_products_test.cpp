@@ -1,4 +1,5 @@
-// What lint of a permissions document says that only some products refuse or read otherwise.
+// Findings of lint about what only some products refuse or read differently in a permissions
+// document.
 #include <algorithm>
 #include <optional>
 
@@ -23,7 +24,7 @@ std::string document() {
                                      {certificate().not_before(), certificate().not_after()})}});
 }
 
-// The document with `to` instead of what is between the two texts.
+// Returns the document with `to` in place of what stands between the two texts.
 std::string with(std::string_view before, std::string_view after, std::string_view to) {
   auto xml = document();
   const auto from = xml.find(before) + before.size();

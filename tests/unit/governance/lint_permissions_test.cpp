@@ -1,4 +1,4 @@
-// Validity, second grants, defaults, names and spelling.
+// Findings about validity, second grants, defaults, names and spelling.
 #include "tests/unit/governance/permissions_lint.hpp"
 
 namespace ddssec::governance {

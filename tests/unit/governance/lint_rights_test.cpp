@@ -1,5 +1,5 @@
-// Rights that products read differently, that nothing grants, or that the governance document does
-// not have.
+// Findings about rights that products read differently, that no rule grants, or that the governance
+// document does not know.
 #include <algorithm>
 
 #include "tests/unit/governance/permissions_lint.hpp"
@@ -77,7 +77,8 @@ TEST(LintRights, DeniedInOneDirectionAndAllowedInTheOther_IsFound) {
             "Cyclone DDS refuses the topic altogether");
   EXPECT_EQ(only(with_rules({rule(false, {}, {"a"}), rule(true, {"a"})})).rule,
             ddssec::Rule::PERM020);
-  // Denied both ways, or named by an allow_rule before.
+  // In the first document both directions are denied. In the second one an allow_rule names the
+  // topic first.
   EXPECT_TRUE(
       lint_but_joining(with_rules({rule(false, {"a"}, {"a"}), rule(true, {"b"}, {"?"})})).empty());
   EXPECT_TRUE(lint_but_joining(with_rules({rule(true, {}, {"a"}), rule(false, {"a"})})).empty());
@@ -96,7 +97,8 @@ TEST(LintRights, DenialsAndPartitions_AreFoundForEachProduct) {
   EXPECT_EQ(open.vendors, std::vector<std::string>{"cyclonedds"});
 }
 
-// Measured with Cyclone DDS 0.10.2: the first rule that names the topic decides about all of it.
+// Measured with Cyclone DDS 0.10.2: the first rule that names the topic decides for all its
+// partitions.
 TEST(LintRights, DenialInOnePartition_RefusesTheTopicInCyclone) {
   auto deny = rule(false, {"a"}, {"a"});
   for (auto* list : {&deny.publish, &deny.subscribe})

@@ -1,4 +1,4 @@
-// Rights of ROS 2 nodes: halves of services, the discovery and log topics, names.
+// Findings about rights of ROS 2 nodes: halves of services, the discovery and log topics, names.
 #include "tests/unit/governance/permissions_lint.hpp"
 
 namespace ddssec::governance {
@@ -6,7 +6,7 @@ namespace {
 
 const char* const kDiscovery = "ros_discovery_info";
 
-// Without PERM040, which ros_node_test.cpp is about.
+// Returns the findings except PERM040, which ros_node_test.cpp tests.
 std::vector<Finding> lint_of_topics(const Rights& rights) {
   auto found = lint_but_joining(with(rights));
   std::erase_if(found, [](const Finding& f) { return f.rule == ddssec::Rule::PERM040; });

@@ -18,7 +18,7 @@ std::uint32_t naive_first(const std::vector<std::string>& expressions, const std
   return PatternSet::kNone;
 }
 
-// T6: the first rule in the document decides, however it is found.
+// T6 (docs/attacks.md): the first rule in the document decides, however it is found.
 TEST(PatternSet, RandomSets_FindTheSameFirstMatchAsAScan) {
   RandomText random;
   int matched = 0;
@@ -80,7 +80,7 @@ TEST(PatternSet, EmptySet_MatchesNothing) {
   EXPECT_EQ(set.first_match(""), PatternSet::kNone);
 }
 
-// T5: what is asked for is a name, not an expression.
+// T5 (docs/attacks.md): the requested topic is a name, not an expression.
 TEST(PatternSet, WildcardsInNames_AreTakenLiterally) {
   PatternSet set;
   set.add("Square");

@@ -1,4 +1,4 @@
-// Sets of domains, and the rule that is for one.
+// Sets of domains, and the rule for a domain.
 #include "governance/model.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// One expression: what it matches, and what that costs.
+// A single expression: what it matches, and what that costs.
 #include <algorithm>
 #include <ctime>
 #include <fnmatch.h>
@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"[a-\\c]", "b", true}, Row{"[\\!a]", "!", true}, Row{"[a\\]", "[a]", true},
         Row{"*a*b*c", "xaybzc", true}, Row{"*a*b*c", "xaybz", false}, Row{"**", "x", true},
         Row{"a**b", "ab", true},
-        // Where Cyclone's matcher is of another opinion (measured).
+        // Measured: Cyclone's matcher answers some of these differently.
         Row{"[abc]", "]", false}, Row{"[]abc]", "]", true}, Row{"[^abc]", "d", true},
         Row{"[^abc]", "a", false}, Row{"[!abc]", "d", true}, Row{"[abc]-x", "b-x", true},
         Row{"[abc]-x", "f", false}, Row{"a[", "a[", true}, Row{"a[b", "a[b", true},
@@ -105,13 +105,13 @@ std::string repeated(std::string_view unit, std::size_t octets) {
   return text;
 }
 
-// Processor time, which a busy machine changes little.
+// Returns processor time, which a busy machine changes little.
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// A peer's partition is such an expression: a search to the end from each '[' took a processor
-// 12 s for 4,000 octets of "[:".
+// A peer's partition is such an expression. A search to the end from each '[' took a processor 12 s
+// for 4,000 octets of "[:".
 TEST(Matcher, LongExpression_CompilesInLinearTime) {
-  constexpr double kMaxSecondsPerOctet = 5e-6;  // about 100 times what it takes
+  constexpr double kMaxSecondsPerOctet = 5e-6;  // about 100 times the measured time
   for (const std::string_view unit :
        {"[",      "[:",  "[=", "[.",  "[[:", "[[=", "[[.",  "[:a",    "[[:a:]",
         "[[:x:]", "[a-", "[!", "[^[", "[]",  "[\\", "[\\]", "[[.a.]", "[[.ab.]",
@@ -148,7 +148,7 @@ TEST(Matcher, ALiteral_HasTheNameThatItMatches) {
   EXPECT_FALSE(Pattern("a\\").is_literal());
 }
 
-// Of a star and many letters each place of the name is tried.
+// After a star, the letters are tried at each place of the name.
 TEST(Pattern, StepLimit_EndsTheMatch) {
   const std::string many(1'000, 'a');
   const Pattern pattern("*" + many + "b");

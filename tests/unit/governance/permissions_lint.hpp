@@ -27,7 +27,7 @@ inline Grant grant_for(const Rights& rights) {
                   {certificate().not_before(), certificate().not_after()});
 }
 
-/// Written and read again, so that it has lines.
+/// Writes the document and reads it again, so that it has line numbers.
 inline Permissions read_again(const Permissions& document) {
   auto again = permissions_from(to_xml(document));
   EXPECT_TRUE(again) << again.error().to_sentence();
@@ -53,7 +53,7 @@ inline Permissions with_rules(std::vector<GrantRule> rules) {
   return changed([&](Grant& grant) { grant.rules = std::move(rules); });
 }
 
-/// Everything but PERM026, which many short documents of these tests have besides.
+/// Returns the findings except PERM026, which many short documents of these tests would have.
 inline std::vector<Finding> lint_but_joining(const Permissions& document,
                                              const PermissionsUse& use = {}) {
   auto found = lint(document, use);
@@ -61,7 +61,7 @@ inline std::vector<Finding> lint_but_joining(const Permissions& document,
   return found;
 }
 
-/// The only finding of the whole document.
+/// Returns the only finding of the whole document.
 inline Finding only(const Permissions& document, const PermissionsUse& use = {}) {
   const auto found = lint_but_joining(document, use);
   EXPECT_EQ(found.size(), 1u);

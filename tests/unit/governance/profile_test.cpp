@@ -56,7 +56,7 @@ TEST(Profiles, BalancedProfile_EncryptsPayloadsAndDiscovery) {
   EXPECT_EQ(rule.topic_rules.at(0).data_protection_kind, kEncrypt);
 }
 
-// The same values as SROS2 writes, but for the domain and the reference to the schema.
+// SROS2 writes the same values, except the domain and the reference to the schema.
 TEST(Profiles, StrictProfile_IsTheTemplateOfSros2) {
   const auto theirs = read_governance(data_file("sros2/upstream/defaults/governance.xml"));
   ASSERT_TRUE(theirs) << theirs.error().to_sentence();

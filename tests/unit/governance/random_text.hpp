@@ -8,7 +8,7 @@
 
 namespace ddssec::governance {
 
-/// Random texts over few characters, so that they meet often.
+/// Random texts made of few characters, so that many of them match.
 class RandomText {
  public:
   std::string of(std::string_view alphabet, std::size_t most) {

@@ -48,7 +48,7 @@ TEST(ReadGovernance, ElementsUnknownToOtherProducts_AreNoted) {
        "</enable_join_access_control><enable_key_revision>false</enable_key_revision>",
        {newer_element}},
       {"<domain_rule>", "<domain_rule must_interpret=\"true\">", {other_attribute}},
-      // The element, and the attribute that says so.
+      // Two notes: one about the element, and one about the attribute.
       {"<domain_rule>",
        "<new must_interpret=\"false\"/><domain_rule>",
        {passed_over, other_attribute}},
@@ -219,7 +219,7 @@ TEST(ReadGovernance, AnAbsentListOfAlgorithms_HoldsThoseOfTheStandard) {
   EXPECT_CODE(with("<key_establishment/>"), element_missing);
 }
 
-// g3: the rule that covers every domain comes first, as in 10.4.1.2.7.
+// The first rule that covers the domain counts (DDS-Security 1.2, clause 10.4.1.2.7).
 TEST(ReadGovernance, AnOpenRange_CoversEveryDomainAndStockProductsReadOne) {
   auto document =
       governance_from(replaced(kGovernanceXml, "<id>7</id>", "<id_range><min>0</min></id_range>"));

@@ -1,4 +1,4 @@
-// Which policies of sros2 are read, with what they include.
+// Policies of sros2 that are read, with the files that they include.
 #include "tests/unit/governance/ros_policies.hpp"
 
 namespace ddssec::governance {

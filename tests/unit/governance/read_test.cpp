@@ -1,4 +1,5 @@
-// Documents of both kinds: whole ones of other projects, parts, and too large ones.
+// Documents of both kinds: whole ones of other projects, parts of documents, and documents that are
+// too large.
 #include "tests/unit/governance/governance_fixture.hpp"
 
 namespace ddssec::governance {

@@ -42,7 +42,7 @@ TEST(RefusalAdvice, AllowedTopicInAnotherPartition_IsSaid) {
   EXPECT_EQ(advice(plain, {.topic = "rt/a", .partitions = street}).because,
             "line 7 allows the topic, but only without a partition (or in \"\")");
   const std::vector<std::string_view> yard = {"yard1"};
-  EXPECT_EQ(advice(grant, {.topic = "rt/a", .partitions = yard}).hint, "");  // allowed
+  EXPECT_EQ(advice(grant, {.topic = "rt/a", .partitions = yard}).hint, "");  // this is allowed
 }
 
 TEST(RefusalAdvice, AllowedTopicWithOtherDataTags_IsSaid) {
@@ -59,7 +59,8 @@ TEST(RefusalAdvice, NameThatIsClose_IsProposed) {
         << typed;
   for (const auto* typed : {"", "a", "rt/camera", "Sq", "rt/chatter/more"})
     EXPECT_EQ(advice(grant, {.topic = typed}).hint, "") << typed;
-  for (const auto* typed : {"Sqaure", "Suqare", "Squaer"})  // two neighbours are swapped
+  // two neighbouring letters are swapped
+  for (const auto* typed : {"Sqaure", "Suqare", "Squaer"})
     EXPECT_THAT(advice(grant, {.topic = typed}).hint, HasSubstr("is \"Square\" meant?")) << typed;
   EXPECT_EQ(advice(grant, {.topic = std::string(100'000, 'a')}).hint, "");
 }

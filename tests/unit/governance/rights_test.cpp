@@ -10,7 +10,7 @@ namespace {
 
 class RightsTest : public ::testing::Test {
  protected:
-  // A grant of these rights, written, read back and compiled for domain 3.
+  // Returns a grant of these rights, written, read back and compiled for domain 3.
   CompiledGrant compiled(const Rights& rights) {
     const auto leaf = make_leaf(pki::make_ca()).certificate;
     const auto xml = to_xml(Permissions{

@@ -16,7 +16,7 @@ RosElement topics(RosQualifier publish, RosQualifier subscribe, std::vector<std:
   return {RosKind::topics, publish, subscribe, std::move(names)};
 }
 
-// A policy with one enclave, /e, of one node.
+// Returns a policy with one enclave, /e, that has one node.
 RosPolicy policy(std::vector<RosElement> elements, std::string ns = "/",
                  std::string node = "talker") {
   return {{{.path = "/e", .profiles = {{{std::move(ns), std::move(node), std::move(elements)}}}}}};

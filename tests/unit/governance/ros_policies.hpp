@@ -11,7 +11,7 @@
 
 namespace ddssec::governance {
 
-/// A policy made of files in memory; the first one is read.
+/// Makes a policy from files in memory. The first one is read.
 inline Result<RosPolicy> policy_from(const std::map<std::string, std::string>& files,
                                      const std::string& first = "policy.xml") {
   return read_ros_policy(first, [&](const std::filesystem::path& path) -> Result<Bytes> {
@@ -21,7 +21,7 @@ inline Result<RosPolicy> policy_from(const std::map<std::string, std::string>& f
   });
 }
 
-/// A policy of one enclave with this inside its <profile>.
+/// Returns a policy of one enclave with this text inside its <profile>.
 inline std::string profile(std::string_view inside, std::string_view ns = "/n") {
   return fmt::format(
       "<policy version=\"0.2.0\" xmlns:xi=\"http://www.w3.org/2001/XInclude\"><enclaves>"

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono;
 
-// What sros2's template says if nobody gives dates.
+// The dates of sros2's template, for policies without dates of their own.
 constexpr Validity kTemplate{sys_days(2020y / May / 1), sys_days(2030y / May / 1)};
 
 std::string data_text(const std::string& name) {

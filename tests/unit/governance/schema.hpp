@@ -1,4 +1,4 @@
-// Whether a document meets the OMG's schema, as xmllint sees it.
+// Validation of a document against the OMG's schema by xmllint.
 #pragma once
 
 #include <cstdlib>
@@ -11,7 +11,7 @@
 
 namespace ddssec::governance {
 
-/// Judged by xmllint against the standard's schema, "governance.xsd" or "permissions.xsd".
+/// Validates with xmllint against the standard's schema, "governance.xsd" or "permissions.xsd".
 inline ::testing::AssertionResult is_valid(const std::string& xml, const std::string& schema) {
   const auto file = std::filesystem::temp_directory_path() /
                     ("ddssec_write_" + std::to_string(std::random_device()()) + ".xml");

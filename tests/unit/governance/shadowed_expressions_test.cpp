@@ -19,7 +19,7 @@ std::vector<ShadowedExpression> found_shadows(std::span<const std::string_view> 
   return shadows(expressions, effort);
 }
 
-// Who shadows the last one; empty if it is alive.
+// Returns the expressions that shadow the last one; empty if a name still reaches it.
 By by(std::vector<std::string_view> expressions) {
   const auto found = found_shadows(expressions);
   EXPECT_EQ(found.size(), expressions.size());
@@ -58,7 +58,7 @@ TEST(Shadows, OnlyOverlapsAllowedToCover_Count) {
   EXPECT_EQ(found[2].by, By{1});
 }
 
-// The automaton over the whole list says the same.
+// The automaton over the whole list gives the same answer.
 TEST(Shadows, RandomLists_AgreeWithTheAutomaton) {
   std::mt19937 random(1);
   for (int round = 0; round < 3000; ++round) {
@@ -84,12 +84,12 @@ TEST(Shadows, TwentyThousandExpressions_TakeNoTime) {
   const std::vector<std::string_view> expressions(texts.begin(), texts.end());
   const auto begin = std::clock();
   const auto found = found_shadows(expressions);
-  EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC);  // of a processor
+  EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC);  // processor time
   EXPECT_EQ(found.back().by, By{18'077});
   EXPECT_EQ(std::ranges::count_if(found, &ShadowedExpression::is_dead), 1);
 }
 
-// Each question may take ten million steps, and each expression asks some.
+// Each question may take ten million steps, and each expression asks several questions.
 TEST(Shadows, AllTogether_TakeNoMoreThanTheEffort) {
   std::vector<std::string> texts;
   for (int i = 0; i < 400; ++i) texts.push_back((i % 2 ? "*a" : "*b") + std::string(i % 40, '?'));
@@ -98,7 +98,7 @@ TEST(Shadows, AllTogether_TakeNoMoreThanTheEffort) {
   const auto begin = std::clock();
   EXPECT_EQ(shadows(expressions, effort).size(), texts.size());
   EXPECT_LT(std::clock() - begin,
-            2 * CLOCKS_PER_SEC);  // of a processor; 0.1 s, without the bound 8 s
+            2 * CLOCKS_PER_SEC);  // processor time: 0.1 s, and 8 s without the bound
   EXPECT_EQ(effort.steps, 0u);
 }
 

@@ -10,7 +10,7 @@ struct Subject {
 };
 class SubjectSpelling : public ::testing::TestWithParam<Subject> {};
 
-// As measured with both vendors.
+// Both vendors' products behaved like this when measured.
 TEST_P(SubjectSpelling, EachSpelling_IsCorrected) {
   const auto& [text, right, vendors] = GetParam();
   const auto found = only(changed([&](Grant& g) { g.subject_name = text; }));

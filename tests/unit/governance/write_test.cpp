@@ -66,7 +66,7 @@ TEST(WritePermissions, WrittenDocument_IsReadBackTheSame) {
   const auto again = permissions_from(xml);
   ASSERT_TRUE(again) << again.error().to_sentence();
   EXPECT_EQ(to_xml(*again), xml);
-  ASSERT_EQ(again->notes.size(), 1u);  // subject_name_expression
+  ASSERT_EQ(again->notes.size(), 1u);  // the note is about subject_name_expression
   EXPECT_EQ(again->notes[0].kind, NoteKind::newer_element);
 }
 

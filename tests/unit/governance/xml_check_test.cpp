@@ -28,7 +28,8 @@ TEST_P(HostileXml, EachText_IsRefusedBeforeItIsParsed) {
   EXPECT_FALSE(parse(GetParam().text));
 }
 
-// The path may be a link to any file that the process may read.
+// The path may be a link to any file that the process may read, so its content must not get into an
+// event.
 TEST(XmlErrors, RefusedText_IsNotQuoted) {
   for (const auto* text :
        {"hunter2", "<a>&hunter2;</a>", "<a>x &hunter2", "<a/>hunter2", "<a/>&hunter2;", "<hunter2",
@@ -171,7 +172,7 @@ TEST(XmlCheck, Depth_IsBounded) {
   EXPECT_CODE(parse(nested(52'000)), xml_too_deep);
 }
 
-// tinyxml2 compares each attribute of an element with all before it: 100,000 took minutes.
+// tinyxml2 compares each attribute of an element with all before it. 100,000 of them took minutes.
 TEST(XmlCheck, AttributesOfAnElement_AreBounded) {
   const auto with = [](int attributes) {
     std::string text = "<a>\n<b";

@@ -1,4 +1,4 @@
-// What is read of XML that passes the check.
+// What is read from XML that passes the check.
 #include "governance/xml.hpp"
 
 #include <filesystem>
@@ -19,7 +19,7 @@ TEST(XmlText, OnePiece_IsReadWithoutBlanksAround) {
   }
 }
 
-// Fast DDS reads what stands before the comment, Cyclone DDS joins the pieces.
+// Fast DDS reads the text before the comment, Cyclone DDS joins the pieces.
 TEST(XmlText, SeveralPieces_AreRefused) {
   for (const auto* text :
        {"<a>x<!-- y -->z</a>", "<a><!-- y -->z</a>", "<a>x<!-- y --></a>", "<a><!-- y --></a>",
@@ -30,7 +30,7 @@ TEST(XmlText, SeveralPieces_AreRefused) {
   }
 }
 
-// Inputs that others found harmful.
+// Inputs that other projects found to be harmful.
 TEST(HostileFiles, EachFile_IsRefused) {
   int count = 0;
   for (const char* folder : {"libxml2/errors", "tinyxml2"}) {
