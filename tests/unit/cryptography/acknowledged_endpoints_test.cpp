@@ -1,4 +1,5 @@
-// Announcements that the host has acknowledged, in an engine whose host believes any source.
+// Announcements that the host has acknowledged, in an engine whose host accepts messages from any
+// source.
 #include <optional>
 
 #include "tests/unit/cryptography/announcements.hpp"
@@ -8,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-// An engine whose host believes any source, and a peer that goes on and on.
+// An engine whose host accepts messages from any source, and a peer that never stops announcing.
 struct AcknowledgedEndpoints : ::testing::Test {
   static constexpr int kTimes = 2 * AnnouncedOctets::kMax / kUserData;
 
@@ -25,7 +26,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
     attributes.is_builtin = true;
     ends = two->endpoints(attributes);
   }
-  // The host has the sample with that number, and tells its writer.
+  // Returns the acknowledgment of a host that has the sample with that number.
   static Bytes acknacks(const EntityId& writer, std::uint32_t number) {
     return of_writer(submessage_id::kAckNack, writer, {0, number + 1, 0, number});
   }
@@ -33,7 +34,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
     return DataMessage{.writer = writer, .number = number, .payload = announcement(1, kUserData)}
         .octets();
   }
-  // By the peer, or to it.
+  // Returns a message from the peer or to it.
   static Bytes message(const GuidPrefix& from, const Bytes& submessages) {
     Bytes out = {'R', 'T', 'P', 'S', 2, 5, 1, 16};
     append(out, from.view());
@@ -46,7 +47,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
   WriterToReader ends;
 };
 
-// Before: the host's acknowledgments were not looked at.
+// The engine must read the host's acknowledgments, or it would count such announcements for ever.
 TEST_F(AcknowledgedEndpoints, UnderKeysOfTheirWriters_CountOnce) {
   meet(ProtectionKind::none);
   for (std::uint32_t number = 1; number <= kTimes; ++number) {

@@ -1,4 +1,5 @@
-// The message path allocates nothing once matched. A program of its own: it replaces operator new.
+// Once endpoints are matched, a message allocates nothing. This is a program of its own because it
+// replaces operator new.
 #include <gtest/gtest.h>
 
 #include "tests/support/counted_memory.hpp"
@@ -46,7 +47,7 @@ TEST(Allocations, MessagePath_AllocatesNothing) {
               .has_value();
       if (!good) std::abort();
     };
-    once();  // sessions are expanded
+    once();  // the sessions are expanded
     EXPECT_EQ(allocations_of([&] {
                 for (int i = 0; i < 100; ++i) once();
               }),
@@ -54,8 +55,8 @@ TEST(Allocations, MessagePath_AllocatesNothing) {
   }
 }
 
-// A sender that changes its session often (Fast DDS: every 32 messages) costs its receiver no
-// allocation either, once the memory of its sessions is full.
+// A sender that changes its session often costs its receiver no allocation either, once the memory
+// of its sessions is full. (Fast DDS changes it every 32 messages.)
 TEST(Allocations, NewSessionsOfASender_AllocateNothing) {
   TwoSides two(ProtectionKind::none, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, kEncrypt));
@@ -73,7 +74,7 @@ TEST(Allocations, NewSessionsOfASender_AllocateNothing) {
             0);
 }
 
-// A forged message costs no allocation but that of the session it names.
+// A forged message costs no allocation except that of the session that it names.
 TEST(Allocations, Forgeries_AllocateLittle) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();

@@ -1,4 +1,4 @@
-// What endpoints of a peer are counted for, and until when.
+// How much endpoints of a peer count, and until when.
 #include "tests/unit/cryptography/announcements.hpp"
 
 namespace ddssec::cryptography {
@@ -25,7 +25,7 @@ TEST_F(AnnouncedEndpointsTest, RepeatedByEachWriter_CountOnce) {
   }
 }
 
-// The host keeps what comes before a number that is missing, all of it.
+// While a number is missing, the host keeps all announcements before it.
 TEST_F(AnnouncedEndpointsTest, UntilAcknowledged_CountByTheirNumber) {
   int passed = 0;
   while (announce(1) == Code{}) ASSERT_LE(++passed, 2000);
@@ -70,7 +70,7 @@ TEST_F(AnnouncedEndpointsTest, FilteredOnes_Stay) {
   EXPECT_EQ(held(), cost(kUserData));
 }
 
-// The host acknowledges what it refuses, and keeps the former announcement.
+// The host acknowledges an announcement that it refuses, and keeps the former one.
 TEST_F(AnnouncedEndpointsTest, AnnouncedAgainSmaller_CountAsTheLargest) {
   ASSERT_EQ(announce(1), Code{});
   ASSERT_EQ(announce(1, 0), Code{});
@@ -128,7 +128,7 @@ TEST_F(AnnouncedEndpointsTest, EndedInAFormThatAHostMayRefuse_StayCounted) {
   }
 }
 
-// Before: the endpoint did not count any more, and the host kept it.
+// The host keeps such an endpoint, so it must still count.
 TEST_F(AnnouncedEndpointsTest, NumberThatTheHostPassesOver_EndsNothing) {
   ASSERT_EQ(announce(1), Code{});
   ASSERT_EQ(announce(2), Code{});
@@ -189,13 +189,14 @@ TEST_F(AnnouncedEndpointsTest, OneAnnouncement_SaysOneThing) {
             Code::builtin_source_unreadable);
   const auto one = announcement(1, 0), two = announcement(2, 0);
   message.inline_qos = status_info({});
-  message.payload.assign(one.begin(), one.end() - 4);  // without its sentinel
+  message.payload.assign(one.begin(), one.end() - 4);  // without the sentinel
   message.payload.insert(message.payload.end(), two.begin() + 4, two.end());
   EXPECT_EQ(code_of(check_builtin_source(message.octets(), kPeer, peers)),
             Code::builtin_source_unreadable);
 }
 
-// To a participant that is made later: new to it, and once more in the host.
+// The announcements are repeated for a participant that is made later. They are new to it, and the
+// host keeps them once more.
 TEST_F(AnnouncedEndpointsTest, RepeatedForALaterParticipant_CountOnceThere) {
   ASSERT_EQ(announce_under(1, 1), Code{});
   acknowledge(2);
@@ -213,7 +214,8 @@ TEST_F(AnnouncedEndpointsTest, RepeatedForALaterParticipant_CountOnceThere) {
   EXPECT_EQ(held_again(), 0u) << "it left the account";
 }
 
-// Before: endpoints that had ended counted again, and nothing took them back.
+// Endpoints that have ended must not count again in the account of new ones, because nothing would
+// take them back.
 TEST_F(AnnouncedEndpointsTest, RepeatedByAStranger_TakeNoRoomFromNewOnes) {
   constexpr std::uint32_t kMany = 2 * AnnouncedOctets::kMax / kUserData;
   for (std::uint32_t number = 1; number <= 2 * kMany; number += 2) {
@@ -243,7 +245,8 @@ TEST_F(AnnouncedEndpointsTest, InFragments_CountFromTheFirstOn) {
   EXPECT_EQ(held(), 0u);
 }
 
-// Before: 128 of 23 MB each that the host held for one endpoint, without an end in sight.
+// Without the bound the host would hold any number of announcements for one endpoint, 128 of them
+// with 23 MB each.
 TEST_F(AnnouncedEndpointsTest, InFragments_AreBoundedWhileOneBeforeThemIsMissing) {
   const auto large = announcement(1, 65'000);
   std::uint32_t number = 2;
@@ -258,7 +261,7 @@ TEST_F(AnnouncedEndpointsTest, InFragments_AreBoundedWhileOneBeforeThemIsMissing
 
 TEST_F(AnnouncedEndpointsTest, ARefusedFirstFragment_DoesNotCount) {
   auto sample = announcement(1, kUserData);
-  sample[1] = 9;  // no parameter list
+  sample[1] = 9;  // is no parameter list
   EXPECT_EQ(fragment(1, sample, 1, 1344), Code::builtin_source_unreadable);
   EXPECT_EQ(held(), 0u);
 }

@@ -1,4 +1,4 @@
-// Announcements of endpoints as a peer sends them, and what the engine counts of them.
+// Announcements of endpoints as a peer sends them, and how the engine counts them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ inline EntityId endpoint(std::uint32_t number) {
            static_cast<std::uint8_t>(number), 2}};
 }
 
-/// Little endian: user data, and what it is about.
+/// Returns a little-endian announcement of that endpoint with so much user data.
 inline Bytes announcement(std::uint32_t number, std::size_t user_data) {
   Bytes list = {0, 3, 0, 0};
   append(list, 0x2c, 2, true);
@@ -32,7 +32,7 @@ inline Bytes announcement(std::uint32_t number, std::size_t user_data) {
   return list;
 }
 
-/// What the end of an endpoint has as payload: its name.
+/// Returns the payload that announces the end of an endpoint: its name.
 inline Bytes name_only(std::uint32_t number) {
   Bytes list = {0, 3, 0, 0};
   append(list, 0x5a, 2, true);
@@ -45,7 +45,7 @@ inline Bytes name_only(std::uint32_t number) {
 
 inline constexpr std::uint8_t kDisposed = 1, kUnregistered = 2, kFiltered = 4;
 
-/// Little endian, after the ids of reader and writer.
+/// Returns a little-endian submessage with these words after the ids of reader and writer.
 inline Bytes of_writer(std::uint8_t id, const EntityId& writer,
                        std::initializer_list<std::uint32_t> words) {
   Bytes out = {id, 1};
@@ -105,7 +105,7 @@ struct AnnouncedEndpointsTest : ::testing::Test {
             .first = first, .size = size, .whole = static_cast<std::uint32_t>(sample.size())}};
     return code_of(check_builtin_source(message.octets(), kPeer, peers));
   }
-  /// All fragments, as long as they pass.
+  /// Passes all fragments, until one is refused.
   Code fragments(std::uint32_t number, const Bytes& sample) {
     constexpr std::uint16_t kSize = 1344;
     auto code = Code{};
@@ -122,7 +122,7 @@ struct AnnouncedEndpointsTest : ::testing::Test {
       peers.peer.announced.acknowledged(*builtin_topic_of(writer), until);
   }
   void acknowledge() { acknowledge(next_number); }
-  /// Until one more is refused.
+  /// Announces endpoints until one more is refused.
   std::uint32_t fill() {
     while (announce(next) == Code{}) ++next;
     acknowledge();

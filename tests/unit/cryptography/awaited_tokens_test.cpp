@@ -20,7 +20,7 @@ using Kind = TokenDecision::Kind;
 constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}};
 constexpr std::string_view kOfReader = "dds.sec.datareader_crypto_tokens";
 
-// A host that is asked once a second.
+// A host whose sessions are checked once a second.
 struct Host {
   TokenKey key{{kPeer, kWriter}, {kOurs, kReader}};
   std::uint64_t exchange = 1;
@@ -29,7 +29,7 @@ struct Host {
   std::chrono::nanoseconds now = seconds(1000);
   Ticket ticket = {};
 
-  // The peer's tokens, which the host takes.
+  // The peer's tokens arrive, and the host takes them.
   Kind tokens_come() {
     const TokenMessage message{key.remote, key.local, ++number, false, fresh_tokens(), 0, 0};
     const auto passage = ledger.note(message, {exchange}, false, now).value();
@@ -43,7 +43,7 @@ struct Host {
     return ledger.redeem(tokens, {.exchange = exchange}).has_value();
   }
   void match() { ledger.await(exchange, key, now); }
-  // How often the session is found stranded.
+  // Returns how often the session is found stranded.
   unsigned pass(seconds time) {
     unsigned times = 0;
     for (seconds waited{}; waited < time; ++waited)
@@ -79,11 +79,12 @@ TEST(AwaitedTokensTest, HostComesWithTheTicket_NothingIsStranded) {
   host.match();
   EXPECT_TRUE(host.comes_with_ticket());
   EXPECT_EQ(host.pass(minutes(20)), 0u);
-  host.match();  // the host sent our own tokens later than it came with the ticket
+  host.match();  // the host sent our own tokens later than it used the ticket
   EXPECT_EQ(host.pass(minutes(20)), 0u);
 }
 
-// A peer that refuses our endpoint never sends tokens for it, while we keep those for another.
+// A peer that refuses our endpoint never sends tokens for it. The tokens that we keep are for
+// another endpoint.
 TEST(AwaitedTokensTest, PeerNeverSendsThem_NothingIsStranded) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
@@ -102,7 +103,7 @@ TEST(AwaitedTokensTest, OfAnotherSession_NothingIsStranded) {
   EXPECT_EQ(host.pass(minutes(20)), 0u);
 }
 
-// A message that the host holds back until a missing one comes: it may come with the ticket yet.
+// The host holds the message back until a missing one arrives, so it may still use the ticket.
 TEST(AwaitedTokensTest, HostHasNotTakenThem_AreNotLost) {
   Host host;
   const TokenMessage message{host.key.remote, host.key.local, 7, false, fresh_tokens(), 0, 0};
@@ -129,7 +130,7 @@ TEST(AwaitedTokensTest, BehindATicketThatTheHostNeverHad_AreFoundWithinSeconds) 
   EXPECT_EQ(host.pass(minutes(30)), 0u);
 }
 
-// Nothing of the ten reviews that a process missed while it was stopped.
+// The ten reviews that a process missed while it was stopped do not count.
 TEST(AwaitedTokensTest, AProcessThatWasStopped_HasNotWaited) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
@@ -169,7 +170,7 @@ TEST(AwaitedTokensTest, TooManyAwaited_AreNotKept) {
   EXPECT_TRUE(awaited.contains(2, key));
 }
 
-// The engine at `b`, whose host sends our own tokens once it has matched two endpoints.
+// The engine at `b`. Its host sends our own tokens once it has matched two endpoints.
 struct Engine {
   explicit Engine(spi::CipherMask peer_ciphers = spi::kAllCiphers)
       : two(ProtectionKind::none, {}, {.host_checks_sources = false}) {
@@ -252,7 +253,7 @@ TEST(AwaitedTokensTest, AReaderThatSendsItsTokens_WaitsForThoseOfTheWriter) {
   EXPECT_FALSE(engine.is_stranded()) << "once";
 }
 
-// It would not notice that we begin the session anew.
+// Such a peer would not notice that we begin the session anew.
 TEST(AwaitedTokensTest, PeerWithOtherPlugins_StrandsNothing) {
   Engine engine(spi::kStandardCiphers);
   const auto user =
@@ -262,7 +263,7 @@ TEST(AwaitedTokensTest, PeerWithOtherPlugins_StrandsNothing) {
   EXPECT_FALSE(engine.is_stranded());
 }
 
-// The host never comes with tokens of readers for a writer that protects payloads alone.
+// If a writer protects payloads only, the host never brings tokens of readers for it.
 TEST(AwaitedTokensTest, AWriter_WaitsOnlyIfItProtectsSubmessages) {
   for (const auto submessage : {ProtectionKind::none, ProtectionKind::sign}) {
     Engine engine;

@@ -34,7 +34,7 @@ void append_parameter(Bytes& out, const Named& one, bool little) {
   append(out, one.value.size(), 2, little);
   append(out, one.value);
 }
-// With a string before them, and a sentinel.
+// Returns a parameter list with a string before these parameters, and a sentinel.
 Bytes list(std::initializer_list<Named> named, bool little) {
   Bytes out = {0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
   append_parameter(out, {kTopicName, Bytes(12, 0x50)}, little);
@@ -49,7 +49,7 @@ Bytes inline_qos(const Named& one, bool little) {
   append_parameter(out, {1, {}}, little);
   return out;
 }
-// ParticipantMessageData.
+// Returns ParticipantMessageData.
 Bytes liveliness(const GuidPrefix& prefix, std::uint8_t encoding) {
   Bytes out = {0, encoding, 0, 0};
   append(out, prefix.view());
@@ -63,7 +63,8 @@ Result<TypeInformationAt> check(BytesView octets) {
 }
 Code code(const DataMessage& message) { return code_of(check(message.octets())); }
 
-// Both byte orders, as data and as a key; the payload may be in another order than its submessage.
+// Calls `f` for both byte orders, as data and as a key. The payload may have another order than its
+// submessage.
 template <class F>
 void each_form(F&& f) {
   for (const bool little : {false, true})
@@ -84,14 +85,14 @@ TEST(BuiltinSource, OwnersOwnSource_Passes) {
       message.payload =
           list({{kParticipantGuid, guid_of(kPeer)}, {kEndpointGuid, guid_of(kPeer)}}, order);
       EXPECT_EQ(code(message), Code{});
-      message.payload = list({{kKeyHash, guid_of(kPeer)}}, order);  // a key by Fast DDS
+      message.payload = list({{kKeyHash, guid_of(kPeer)}}, order);  // a key in the form of Fast DDS
       EXPECT_EQ(code(message), Code{});
     }
     for (const auto& writer : kLivelinessWriters) {
       message.writer = writer;
       message.payload = liveliness(kPeer, order ? 1 : 0);
       EXPECT_EQ(code(message), Code{});
-      message.payload[1] = order ? 3 : 2;  // Fast DDS
+      message.payload[1] = order ? 3 : 2;  // the form of Fast DDS
       EXPECT_EQ(code(message), Code{});
     }
     message.writer = kTopicWriter;
@@ -228,7 +229,7 @@ TEST(BuiltinSource, OtherWritersAndSubmessages_Pass) {
   EXPECT_TRUE(check(Bytes{0x15, 1, 0, 0}));
 }
 
-// ---- inside of a protected message
+// ---- within a protected message
 
 Bytes info_source(const GuidPrefix& prefix) {
   Bytes out = {submessage_id::kInfoSource, 1, 20, 0, 0, 0, 0, 0, 2, 1, 1, 16};
@@ -249,7 +250,7 @@ TEST(BuiltinSource, InAProtectedMessage_IsThatOfTheLastInfoSource) {
   append(content, siblings.octets());
   EXPECT_EQ(part_of_sender(content, kPeer, walks).size, content.size());
   const auto whole = content.size();
-  append(content, own.octets());  // by a sibling
+  append(content, own.octets());  // sent by a sibling
   const auto part = part_of_sender(content, kPeer, walks);
   EXPECT_EQ(part.size, whole);
   ASSERT_TRUE(part.ended);
@@ -308,7 +309,7 @@ TEST(CheckingHost, EveryProtectedName_PassesToAHostThatChecks) {
   EXPECT_TRUE(engine.two.b.events.codes().empty());
 }
 
-// ---- addresses in the form of RTPS 1, with which Cyclone DDS frees memory that it never wrote
+// ---- addresses in the form of RTPS 1, for which Cyclone DDS frees memory that it never wrote
 
 constexpr EntityId kUserWriter{{0, 0, 1, 0x02}};
 
@@ -332,7 +333,7 @@ TEST(DeprecatedAddresses, InlineQosOfAnyWriter_IsRefused) {
       message.flags = kInlineQos;
       EXPECT_EQ(code(message), Code::inline_qos_refused) << id;
       message.fragment.reset();
-      message.flags = kInlineQos;  // neither data nor key
+      message.flags = kInlineQos;  // neither data nor a key
       EXPECT_EQ(code(message), Code::inline_qos_refused) << id;
       message.writer = kTokenWriter;
       EXPECT_EQ(code(message), Code::inline_qos_refused) << id;

@@ -17,7 +17,7 @@ using namespace testing;
 constexpr EntityId kPublications{{0xff, 0, 3, 0xc2}};
 constexpr std::uint16_t kPartition = 0x29, kEndpointGuid = 0x5a, kSentinel = 1;
 constexpr std::uint16_t kLocators[] = {0x2f, 0x30, 0x31, 0x32, 0x33, 0x48};
-// The largest number of locators of one kind.
+// Returns the largest number of locators of one kind.
 constexpr std::size_t max_of(std::uint16_t id) {
   const bool is_multicast = id == 0x30 || id == 0x33 || id == 0x48;
   return is_multicast ? ParameterWalk::kMaxMulticastLocators : ParameterWalk::kMaxLocators;
@@ -57,7 +57,7 @@ struct List {
   Bytes octets;
 };
 
-// Read in pieces of that size.
+// Reads the list in pieces of that size.
 Status read(const List& list, std::size_t piece = 100'000) {
   const auto& topic = *builtin_topic_of(kPublications);
   ParameterWalk walk;
@@ -149,7 +149,8 @@ TEST(CostlyPartitions, LyingLengths_AreRefused) {
   EXPECT_EQ(code_of(read(list)), Code{});
 }
 
-// Steps of a matcher that tries, for each run of stars, all places: that of Cyclone DDS.
+// Counts the steps of a matcher that tries all places for each run of stars, as that of Cyclone DDS
+// does.
 std::size_t steps(const char* expression, const char* name, bool& fits) {
   std::size_t count = 1;
   for (; *expression != '\0' && *expression != '*'; ++expression, ++name, ++count)
@@ -166,7 +167,8 @@ std::size_t steps(const char* expression, const char* name, bool& fits) {
   return count;
 }
 
-// The worst that passes, against names of one repeated character: before, hours for one expression.
+// The costliest expressions that pass are matched against names of one repeated character. Without
+// the limit, one expression could cost hours.
 TEST(CostlyPartitions, WhatPasses_IsCheapToAMatcherThatTriesAll) {
   bool fits = false;
   const std::string name(64, '0');
@@ -212,7 +214,7 @@ TEST(CostlyLocators, LocatorsBeyondFour_CountAsFourKibibytesEach) {
   EXPECT_EQ(cost(16), 1000u + (3 * 16 + 3 * 4 - 4) * 4096);
 }
 
-// Properties, and the subscription keys of Cyclone DDS.
+// The two ids are those of properties, and of the subscription keys of Cyclone DDS.
 TEST(CostlyProperties, EachOctet_CountsSixTimes) {
   for (const int id : {0x59, 0x800f}) {
     List list;
@@ -231,7 +233,7 @@ TEST(CostlyPartitions, EachName_Counts48Octets) {
   EXPECT_EQ(walk.cost(1000), 1000u + 256 * 48);
 }
 
-// Cyclone DDS frees memory that it never wrote.
+// For such an address Cyclone DDS frees memory that it never wrote.
 TEST(DeprecatedAddresses, ListsThatHoldThem_AreRefused) {
   for (const int id : {0x0b, 0x0c, 0x0d, 0x0e, 0x11, 0x45, 0x46})
     for (const bool little : {true, false})
@@ -267,7 +269,8 @@ TEST(ClosedDiscovery, WritersOfItsTopics_AreIncludedAndNoOthers) {
   EXPECT_FALSE(kSecureTopics.includes(kClear));
   EXPECT_TRUE(kClearTopics.includes(kClear));
   EXPECT_FALSE(kClearTopics.includes(kSecure));
-  // Participants announce themselves in the clear; liveliness and applications are others' matter.
+  // Participants announce themselves in the clear. Liveliness and application topics are checked
+  // elsewhere.
   constexpr ClosedDiscovery kAll{.secure_topics = true, .clear_topics = true};
   for (const EntityId open :
        {EntityId{{0x00, 0x01, 0x00, 0xc2}}, EntityId{{0xff, 0x02, 0x00, 0xc2}},

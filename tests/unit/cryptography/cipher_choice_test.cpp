@@ -1,4 +1,5 @@
-// Who chooses ChaCha20-Poly1305, for what, and towards whom it is refused.
+// Which participants choose ChaCha20-Poly1305, for which keys, and towards which peers it is
+// refused.
 #include <gtest/gtest.h>
 
 #include "plugins/cryptography/key_material.hpp"
@@ -26,12 +27,12 @@ EndpointSecurityAttributes builtin(ProtectionKind kind) {
   return attributes;
 }
 
-// The kind of a participant's own message key.
+// Returns the kind of a participant's own message key.
 TransformKind message_kind(TwoSides& two) {
   const auto tokens = two.participant_tokens();
   return read_crypto_token(tokens->front())->kind;
 }
-// The kind of a writer's first key.
+// Returns the kind of a writer's first key.
 TransformKind writer_kind(TwoSides& two, const EndpointSecurityAttributes& attributes,
                           const PropertyList& properties) {
   const auto e = two.endpoints(attributes, properties);
@@ -109,7 +110,7 @@ TEST(CipherChoice, ChosenCipher_IsAnnounced) {
   EXPECT_EQ(code_of(factory.required_ciphers(e.reader)), Code::crypto_handle_unknown);
 }
 
-// Everything comes back, whatever the two sides choose.
+// Each message comes out as it went in, whatever the two sides choose.
 
 TEST(ChaCha20Poly1305, EveryLevelAndSize_ComesBack) {
   for (const auto kind : {kSign, kEncrypt, ProtectionKind::sign_with_origin_authentication,
@@ -137,7 +138,7 @@ TEST(ChaCha20Poly1305, EachSide_ChoosesForWhatItSends) {
   EXPECT_EQ(decode_reply(two, e, encode_reply(two, e, ack).value()).value(), ack);
 }
 
-// Refusals.
+// ---- refusals
 
 // One engine with a peer that announced `ciphers`.
 struct Against {
@@ -219,7 +220,8 @@ spi::Token token_of(TransformKind kind) {
   return crypto_token(out);
 }
 
-// What a participant says of tokens of that kind, for its messages and for one of its readers.
+// Returns the answers of a participant to tokens of that kind, for its messages and for one of its
+// readers.
 std::pair<Code, Code> codes_of_tokens(TransformKind kind, spi::CipherMask announced,
                                       spi::CipherMask allowed) {
   Against peer(announced, {}, kEncrypt, allowed);

@@ -10,7 +10,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
-// Handles
+// ---- handles
 
 TEST(CryptoHandles, NilStaleForeignAndWrongKind_AreRefused) {
   TwoSides two(kEncrypt), other(kEncrypt);

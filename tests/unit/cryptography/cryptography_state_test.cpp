@@ -29,7 +29,8 @@ TEST_F(SubjectOfPair, ProvenPrefix_CountsWithItsFirstSixOctets) {
   EXPECT_NE(subject(1, other), subject(1, kOne));
 }
 
-// No six octets have the highest bit, so that no prefix leads to the places of such a peer.
+// The highest bit is never set in a number made of six octets, so no prefix leads to the places of
+// such a peer.
 TEST_F(SubjectOfPair, WithoutAProvenPrefix_TheIdentityCounts) {
   EXPECT_EQ(subject(5, std::nullopt), std::uint64_t{1} << 63 | 5);
   EXPECT_NE(subject(6, std::nullopt), subject(5, std::nullopt));

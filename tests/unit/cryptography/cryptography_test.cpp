@@ -1,4 +1,4 @@
-// An engine as its options make it.
+// The engine that each set of options makes.
 #include "plugins/cryptography/cryptography.hpp"
 
 #include <gtest/gtest.h>

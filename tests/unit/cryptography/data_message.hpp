@@ -1,4 +1,4 @@
-// DATA and DATA_FRAG to try the checks of sender_part.hpp and builtin_checks.hpp with.
+// DATA and DATA_FRAG for the tests of sender_part.hpp and builtin_checks.hpp.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ inline void append(Bytes& out, std::uint64_t value, std::size_t size, bool littl
     out.push_back(static_cast<std::uint8_t>(value >> (8 * (little ? i : size - 1 - i))));
 }
 
-/// The beginning of a ParticipantGenericMessage, with a class id behind the addresses.
+/// Returns the beginning of a ParticipantGenericMessage, with a class id after the addresses.
 inline Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoint,
                              std::uint8_t encoding) {
   Bytes out = {0, encoding, 0, 0};
@@ -36,7 +36,7 @@ inline Bytes generic_message(const GuidPrefix& source, const GuidPrefix& endpoin
   return out;
 }
 
-/// One participant, whatever it is called.
+/// One participant, which is found under any name.
 struct OneOwner final : DiscoveryOfPeers {
   PeerDiscovery* of(const GuidPrefix&) override { return &peer; }
   MonotonicTime now() const override { return time; }
@@ -46,14 +46,14 @@ struct OneOwner final : DiscoveryOfPeers {
   MonotonicTime time = std::chrono::hours(1);
 };
 
-/// Of a DATA_FRAG.
+/// The fields of a DATA_FRAG.
 struct Fragment {
   std::uint32_t first = 1;    ///< fragmentStartingNum
   std::uint16_t size = 120;   ///< fragmentSize
   std::uint32_t whole = 120;  ///< sampleSize
 };
 
-/// By default a key token message.
+/// A DATA or DATA_FRAG; by default a key token message.
 struct DataMessage {
   bool little = true;
   EntityId writer = kTokenWriter;
@@ -92,7 +92,7 @@ struct DataMessage {
   }
 };
 
-/// Inline QoS of one key hash.
+/// Returns inline QoS with one key hash.
 inline Bytes qos(bool little, std::uint16_t length, bool ends = true) {
   Bytes out;
   append(out, 0x70, 2, little);
@@ -100,11 +100,11 @@ inline Bytes qos(bool little, std::uint16_t length, bool ends = true) {
   out.resize(out.size() + 8, 0x33);
   if (!ends) return out;
   append(out, 1, 2, little);
-  append(out, 0xffff, 2, little);  // the sentinel's length means nothing
+  append(out, 0xffff, 2, little);  // the length of the sentinel is ignored
   return out;
 }
 
-/// `more`: octets that follow what the standard has.
+/// Returns INFO_SRC, with `more` octets after those of the standard.
 inline Bytes info_source(const GuidPrefix& prefix, bool little = true, std::size_t more = 0) {
   Bytes out = {submessage_id::kInfoSource, static_cast<std::uint8_t>(little ? 1 : 0), 0, 0};
   out[little ? 2 : 3] = static_cast<std::uint8_t>(20 + more);

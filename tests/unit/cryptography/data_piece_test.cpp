@@ -1,4 +1,4 @@
-// What is read of DATA, DATA_FRAG, GAP, HEARTBEAT, ACKNACK and NACK_FRAG, and where reading ends.
+// What is read from DATA, DATA_FRAG, GAP, HEARTBEAT, ACKNACK and NACK_FRAG, and where reading ends.
 #include "plugins/cryptography/data_piece.hpp"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(DataPiece, OtherSubmessages_HaveNoWriterOfData) {
   EXPECT_EQ(writer_of_data(BytesView(octets).first(3)), std::nullopt);
 }
 
-// A little-endian submessage with the two entity ids, and then 32-bit words.
+// Returns a little-endian submessage with the two entity ids, and then 32-bit words.
 Bytes submessage(std::uint8_t id, std::initializer_list<std::uint32_t> words) {
   Bytes out = {id, kFlagLittleEndian, 0, 0};
   append(out, kTokenReader.view());

@@ -1,4 +1,4 @@
-// Derived keys, computed again from the text of the standard.
+// Derived keys, computed a second time from the text of the standard.
 #include "plugins/cryptography/derivation.hpp"
 
 #include <algorithm>

@@ -13,7 +13,7 @@ using Cause = DiscoveryWork::Cause;
 
 constexpr std::size_t kMaxReaders = 1024;  // MatchShares::kMaxOfSubject
 
-// The readers of one participant, as the local writers 1 to `writers` match them.
+// The readers of one participant, which the local writers 1 to `writers` match.
 struct Peer {
   explicit Peer(std::shared_ptr<WorkAccount> account = std::make_shared<WorkAccount>()) {
     work.set_account(std::move(account));
@@ -29,7 +29,7 @@ struct Peer {
     for (std::int64_t writer = 1; writer <= writers; ++writer)
       work.note_end_of_match(writer, standing);
   }
-  // `count` readers, one after the other, each once the former has passed.
+  // `count` readers are announced one after the other, each once the former one has passed.
   Code start(std::size_t count, std::int64_t writers, MonotonicTime now) {
     for (std::size_t standing = 0; standing < count; ++standing) {
       if (auto status = work.check(now); !status) return status.error().code();
@@ -37,7 +37,7 @@ struct Peer {
     }
     return {};
   }
-  // How many readers end and come again beside `standing` others before one is delayed.
+  // Returns how many readers end and come again beside `standing` others before one is delayed.
   std::size_t churn(std::size_t standing, std::int64_t writers, MonotonicTime now) {
     std::size_t count = 0;
     for (; work.check(now); ++count) {
@@ -58,7 +58,7 @@ TEST(DiscoveryWork, HonestStart_IsNotDelayed) {
   EXPECT_EQ(another.start(kMaxReaders, 14, 1s), Code{});
 }
 
-// Before: no end of it, and no newcomer was met for 124 s.
+// Without the delay such work never ends, and newcomers had to wait for 124 s.
 TEST(DiscoveryWork, ComingAndGoing_IsDelayedUntilItIsPaidOff) {
   Peer peer;
   ASSERT_EQ(peer.start(kMaxReaders, 14, 1s), Code{});
@@ -106,7 +106,7 @@ TEST(DiscoveryWork, MatchesOfANewLocalWriter_AreNotThePeersWork) {
   EXPECT_TRUE(peer.passes(1s));
 }
 
-// If their addresses change, the host walks all readers, and asks for no match.
+// If their addresses change, the host walks all readers without asking for a match.
 TEST(DiscoveryWork, AnnouncedAgain_CostsTheReadersOfAllItsWriters) {
   Peer peer;
   peer.come(kMaxReaders, 30, 1s, Cause::host);
@@ -172,7 +172,7 @@ TEST_F(DelayedAnnouncements, Fragments_WaitToo) {
   EXPECT_EQ(fragments(1, sample), Code{});
 }
 
-// Anyone can announce them in the peer's name.
+// Anyone can send these announcements in the peer's name.
 TEST_F(DelayedAnnouncements, OfClearWriters_AreNotDelayed) {
   overdraw();
   EXPECT_EQ(announce_under(1, 1, kUserData, {{0, 0, 3, 0xc2}}), Code{});
@@ -221,7 +221,8 @@ struct Host {
     out.discovery = ProtectionKind::encrypt;
     return out;
   }
-  // A local writer of another thread, as the host's discovery finds it.
+  // Makes a local writer in another thread, so that it stands for one that the host's discovery
+  // finds.
   DatawriterCryptoHandle writer() {
     DatawriterCryptoHandle out;
     std::thread([&] { out = own_writer(); }).join();
@@ -230,7 +231,7 @@ struct Host {
   DatawriterCryptoHandle own_writer() {
     return two.b.factory().register_local_datawriter(two.b.participant, {}, attributes).value();
   }
-  // `count` readers that come and go beside `standing` others.
+  // Lets `count` readers come and go beside `standing` others.
   void churn(DatawriterCryptoHandle writer, std::size_t standing, int count) {
     auto& factory = two.b.factory();
     const auto match = [&] {

@@ -1,4 +1,4 @@
-// What goes with a participant that is unregistered.
+// The entities that are unregistered together with their participant.
 #include <ctime>
 
 #include <gtest/gtest.h>

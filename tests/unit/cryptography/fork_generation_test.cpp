@@ -1,4 +1,4 @@
-// A process forks while its keys are in use, for real: no IV is used by two of the processes.
+// A process forks while its keys are in use. No two of the processes use the same IV.
 #include "plugins/cryptography/fork_generation.hpp"
 
 #include <array>
@@ -22,7 +22,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
-// What a child of fork() that runs `work` gives back; the parent runs `meanwhile` beside it.
+// Runs `work` in a child of fork(), and `meanwhile` in the parent. Returns the child's result.
 Bytes from_child(const std::function<Bytes()>& work, const std::function<void()>& meanwhile = {}) {
   int ends[2];
   EXPECT_EQ(pipe(ends), 0);
@@ -48,7 +48,7 @@ Bytes from_child(const std::function<Bytes()>& work, const std::function<void()>
   return said;
 }
 
-// One message of each kind that a participant sends, and where its CryptoHeader stands.
+// Sends one message of each kind that a participant sends, and knows where its CryptoHeader stands.
 struct Speaker {
   static constexpr std::size_t kKinds = 5, kRound = 8;
   static constexpr std::array<std::size_t, kKinds> kHeaderAt = {0, 4, 4, 24, 24};
@@ -98,7 +98,7 @@ struct Speaker {
     return understood ? Status{} : std::unexpected(understood.error());
   }
 
-  // Several of each kind, one after another.
+  // Returns several messages of each kind, one after another.
   Bytes speech() {
     Bytes out;
     for (std::size_t i = 0; i < kRound * kKinds; ++i) {
@@ -109,7 +109,7 @@ struct Speaker {
     }
     return out;
   }
-  // All of it is understood, and no key meets an IV that it met before.
+  // Expects that all messages can be opened, and that no key meets an IV a second time.
   void judge(BytesView speech) {
     std::size_t count = 0;
     for (; !speech.empty(); ++count) {
@@ -149,7 +149,7 @@ TEST(Fork, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
   for (int child = 0; child < 2; ++child)
     speaker.judge(from_child([&] { return speaker.speech(); }));
   speaker.judge(from_child([&] { return from_child([&] { return speaker.speech(); }); }));
-  // This child speaks before its own child does.
+  // This child sends messages before its own child does.
   const auto both = from_child([&] {
     auto said = speaker.speech();
     const auto childs = from_child([&] { return speaker.speech(); });
@@ -161,7 +161,7 @@ TEST(Fork, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
   speaker.judge(BytesView(both).subspan(half));
 }
 
-// Its first session begins with its first message, which may be in both.
+// The first session of the key begins with its first message, which both processes may send.
 TEST(Fork, KeyWithoutMessagesBefore_BeginsElsewhereInTheChild) {
   Speaker speaker;
   Bytes of_parent;
@@ -191,7 +191,7 @@ TEST(Fork, AChild_KnowsWhatItsParentSaidFromThePeersWords) {
   EXPECT_EQ(codes, (Bytes{low, high, low, high}));
 }
 
-// Random octets until it is broken.
+// Gives random octets until it is broken.
 struct BreakableRandom final : Random {
   Status fill(MutableBytes out) override {
     if (is_broken) return ddssec::fail(Code::random_failed);
@@ -223,7 +223,7 @@ TEST(Fork, AChildWithoutRandomOctets_SendsNothing) {
     return out;
   });
   EXPECT_EQ(refusals, (Bytes{1, 1, 1}));
-  EXPECT_EQ(reserve(), Code{});  // the parent needs none
+  EXPECT_EQ(reserve(), Code{});  // the parent needs no random octets
 }
 
 using Detection = ForkGeneration::Detection;
@@ -232,7 +232,7 @@ INSTANTIATE_TEST_SUITE_P(EachMeans, ForkBy,
                          ::testing::Values(Detection::kernel_if_possible, Detection::handler));
 
 TEST_P(ForkBy, EveryProcessOfALine_HasAGenerationOfItsOwn) {
-  // The handler of fork() stays, so its object must too.
+  // The handler of fork() cannot be removed, so its object must live as long.
   static auto& kept = *new std::vector<std::unique_ptr<ForkGeneration>>;
   auto& generation = *kept.emplace_back(std::make_unique<ForkGeneration>(GetParam()));
   const auto now = [&] { return static_cast<std::uint8_t>(generation.current()); };

@@ -1,4 +1,4 @@
-// Announcements in fragments, as Cyclone DDS sends them and as a liar would.
+// Announcements in fragments, sent by Cyclone DDS and by an attacker.
 #include "plugins/cryptography/fragment_walks.hpp"
 
 #include <map>
@@ -31,7 +31,7 @@ Bytes guid_of(const GuidPrefix& prefix) {
   append(out, Bytes{0, 0, 1, 3});
   return out;
 }
-// User data, then the key, as Cyclone DDS orders them.
+// Returns an announcement with user data before the key, the order of Cyclone DDS.
 Bytes announcement(const GuidPrefix& of, std::size_t user_data, bool little = true) {
   Bytes out = {0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
   append_parameter(out, kUserData, Bytes(user_data, 0x50), little);
@@ -42,7 +42,7 @@ Bytes announcement(const GuidPrefix& of, std::size_t user_data, bool little = tr
 
 class FragmentWalksTest : public ::testing::Test {
  protected:
-  // The fragment of that number, counted from 1, of a sample.
+  // Passes the fragment of that number, counted from 1, of a sample.
   Code pass(const Bytes& sample, std::uint32_t fragment, std::uint32_t number = 1,
             std::uint16_t size = kFragmentSize) {
     const auto from = (fragment - 1) * std::size_t{size};
@@ -60,13 +60,13 @@ class FragmentWalksTest : public ::testing::Test {
   static std::uint32_t fragments(const Bytes& sample, std::uint16_t size = kFragmentSize) {
     return static_cast<std::uint32_t>((sample.size() + size - 1) / size);
   }
-  // In order; what ended it.
+  // Passes all fragments in order. Returns the code that ended this.
   Code pass_all(const Bytes& sample, std::uint32_t number = 1, std::uint16_t size = kFragmentSize) {
     for (std::uint32_t one = 1; one <= fragments(sample, size); ++one)
       if (const auto code = pass(sample, one, number, size); code != Code{}) return code;
     return {};
   }
-  // The host has all below that number.
+  // The host has all samples below that number.
   void acknowledge(std::uint32_t next) {
     walks_.peer.announced.acknowledged(*builtin_topic_of(kPublications), next);
   }
@@ -76,7 +76,7 @@ class FragmentWalksTest : public ::testing::Test {
 TEST_F(FragmentWalksTest, HonestOnesOfAnySize_Pass) {
   std::uint32_t number = 0;
   for (const bool little : {true, false}) {
-    // Each place of the key relative to the first fragment's end.
+    // These sizes put the key at each place relative to the end of the first fragment.
     for (std::size_t size = 1300; size <= 1360; size += 4)
       EXPECT_EQ(pass_all(announcement(kPeer, size, little), ++number), Code{}) << size;
     for (const std::size_t size : {1400, 3000, 20'000, 65'000})
@@ -92,7 +92,7 @@ TEST_F(FragmentWalksTest, AnotherName_IsRefusedWhereItsPrefixEnds) {
     EXPECT_EQ(pass_all(announcement(kVictim, size), ++number), Code::builtin_source_mismatch)
         << size;
   EXPECT_EQ(pass_all(announcement(kVictim, 20'000), ++number), Code::builtin_source_mismatch);
-  // Behind the sender's own, too.
+  // The foreign key may also follow the sender's own.
   auto both = announcement(kPeer, 100);
   both.resize(both.size() - 4);
   append_parameter(both, kUserData, Bytes(3000, 0x50));
@@ -125,7 +125,8 @@ TEST_F(FragmentWalksTest, OutOfOrder_ComesAgain) {
   EXPECT_EQ(pass_all(sample), Code{}) << "for another reader";
 }
 
-// Whoever could replace one that the host has, or has not, would make the host read another list.
+// An attacker that could replace a fragment which the host has, or does not have yet, would make
+// the host read another list.
 TEST_F(FragmentWalksTest, FragmentThatPassed_IsNotReplaced) {
   const auto sample = announcement(kPeer, 3000);
   auto other = sample;
@@ -140,14 +141,14 @@ TEST_F(FragmentWalksTest, FragmentThatPassed_IsNotReplaced) {
   EXPECT_EQ(pass(other, 1), Code::builtin_source_unreadable) << "a whole one";
 }
 
-// The list of the first is long user data; to that of the second a name begins there.
+// In the first list the second fragment is user data. In the second list a name begins there.
 TEST_F(FragmentWalksTest, TwoLists_AreNotSpliced) {
   const auto harmless = announcement(kPeer, 3000);
   auto lie = harmless;
   Bytes name;
   append_parameter(name, kEndpointGuid, guid_of(kVictim));
   std::ranges::copy(name, lie.begin() + kFragmentSize);
-  // Read after the first fragment of `harmless`, the name is user data. So it is with `lie` alone.
+  // If it is read after the first fragment of `harmless`, or in `lie` alone, the name is user data.
   EXPECT_EQ(pass_all(lie, 1), Code{});
   auto opens = Bytes{0, 3, 0, 0};
   append_parameter(opens, kUserData, Bytes(kFragmentSize - 8, 0x50));
@@ -169,9 +170,9 @@ TEST_F(FragmentWalksTest, ARefusedFragment_ChangesNothing) {
   EXPECT_EQ(pass_all(announcement(kPeer, 3000), 2), Code{}) << "later ones go on";
 }
 
-// What makes the second list of the one above possible at all: that the host holds the second
-// fragment of the first list. It drops samples by limits of its own, and joins what it still has to
-// whatever comes later, however many samples passed in between.
+// Splicing is only possible because the host holds the second fragment of the first list. It drops
+// samples by limits of its own, and joins the rest to whatever arrives later, however many samples
+// passed in between.
 TEST_F(FragmentWalksTest, WhatFollows_NeverSplicesASample) {
   const auto harmless = announcement(kPeer, 3000);
   auto other = harmless;
@@ -196,7 +197,7 @@ TEST_F(FragmentWalksTest, SameFragment_ComesAgainAsOftenAsItIsAskedFor) {
   for (std::uint32_t number = 1; number <= kMax; ++number)
     ASSERT_EQ(pass_all(sample, number), Code{});
   walks_.time += 100 * FragmentWalks::kKept;
-  for (int turn = 0; turn < 2; ++turn)  // for another reader
+  for (int turn = 0; turn < 2; ++turn)  // once more, as for another reader
     for (std::uint32_t number = 1; number <= kMax; ++number)
       ASSERT_EQ(pass_all(sample, number), Code{});
 }
@@ -224,7 +225,7 @@ TEST_F(FragmentWalksTest, LowestOnes_StayForFiveSeconds) {
   EXPECT_EQ(pass_all(sample, 1 + kMax), Code{}) << "known still";
 }
 
-// Before: the lowest of those that came was forgotten, and the host waited for good.
+// The lowest one must not be forgotten, because the host waits for it.
 TEST_F(FragmentWalksTest, OneLostForLong_PassesStill) {
   const auto sample = announcement(kPeer, 3000);
   for (std::uint32_t number = 2; number < 2 + kMax; ++number)
@@ -261,7 +262,7 @@ TEST_F(FragmentWalksTest, Fragments_AreBounded) {
   EXPECT_EQ(pass(sample, 1, most + 1), Code{});
 }
 
-// A GAP can let the host go on to the next.
+// A GAP can let the host go on to the next sample.
 TEST_F(FragmentWalksTest, AnUnfinishedOne_MakesRoomOnceTheHostGoesOn) {
   const auto sample = announcement(kPeer, 3000);
   for (std::uint32_t number = 1; number <= kMax; ++number)
@@ -275,14 +276,14 @@ TEST_F(FragmentWalksTest, AnUnfinishedOne_MakesRoomOnceTheHostGoesOn) {
   EXPECT_EQ(pass(sample, 2, 2), Code{});
 }
 
-// Each fragment is lost with that probability, and lost ones are sent again, the lowest first.
+// One of five fragments is lost. Lost fragments are sent again, the lowest first.
 TEST_F(FragmentWalksTest, HonestOnesUnderLoss_AllPass) {
   const auto sample = announcement(kPeer, 5000);
   constexpr std::uint32_t kSamples = 3000, kWindow = 256;
   std::minstd_rand random(7);
   std::set<std::uint32_t> missing;
   for (std::uint32_t number = 1; number <= kSamples; ++number) missing.insert(number);
-  std::map<std::uint32_t, std::uint32_t> had;  // by number: fragments in order
+  std::map<std::uint32_t, std::uint32_t> had;  // by number: fragments that arrived in order
   for (int round = 0; !missing.empty(); ++round) {
     ASSERT_LT(round, 1000) << *missing.begin() << " never passes";
     walks_.time += std::chrono::milliseconds(100);
@@ -318,11 +319,12 @@ TEST_F(FragmentWalksTest, LyingLengths_AreRefused) {
                       .fragment = Fragment{.size = 0, .whole = 200}};
   const auto code = [&] { return code_of(check_builtin_source(message.octets(), kPeer, walks_)); };
   EXPECT_EQ(code(), Code::builtin_source_unreadable);
-  message.fragment->size = 104;  // its payload is shorter
+  message.fragment->size = 104;  // the payload is shorter
   EXPECT_EQ(code(), Code::builtin_source_unreadable);
 }
 
-// In the clear inside of a protected message: what must come again is hidden, the rest goes on.
+// In the clear within a protected message, an early fragment is hidden so that it comes again, and
+// the rest passes.
 TEST_F(FragmentWalksTest, EarlyOneInAMessage_IsHidden) {
   const auto sample = announcement(kPeer, 3000);
   const DataMessage second{

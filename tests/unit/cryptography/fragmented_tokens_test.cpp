@@ -1,4 +1,4 @@
-// Which key token messages went to a peer in fragments.
+// The key token messages that were sent to a peer in fragments.
 #include "plugins/cryptography/fragmented_tokens.hpp"
 
 #include <gtest/gtest.h>

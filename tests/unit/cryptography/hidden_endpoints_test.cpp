@@ -9,7 +9,7 @@ using namespace testing;
 constexpr std::uint16_t kSecurityInfo = 0x1004;
 constexpr std::uint32_t kValid = 0x80000000;
 
-// Before the sentinel of a list: the attributes, in an EndpointSecurityInfo.
+// Returns the list with the attributes, in an EndpointSecurityInfo, before its sentinel.
 Bytes with_info(Bytes list, std::uint32_t attributes, std::uint16_t id = kSecurityInfo,
                 std::uint16_t size = 8) {
   const Bytes sentinel(list.end() - 4, list.end());

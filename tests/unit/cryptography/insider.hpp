@@ -1,4 +1,5 @@
-// Who holds a sender's key, as each of its receivers does, and builds what our encoders would not.
+// An insider: it holds a sender's key, as each receiver of that sender does, and builds messages
+// that our encoders would not build.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,17 +16,17 @@ struct Insider {
                        random};
   std::unique_ptr<SendKey> key;
 
-  /// With somebody's key, as one of its receivers has it.
+  /// Makes an insider with the key of a sender, as one of its receivers has it.
   explicit Insider(KeyMaterial material, SendStart start = {5, 6})
       : own_(material.receiver_key_id, material.clone().receiver_key, services) {
     key = std::move(SendKey::create(std::move(material), start, services).value());
   }
-  /// With a key of its own.
+  /// Makes an insider with a key of its own.
   explicit Insider(TransformKind kind) : Insider(material_of(kind)) {}
   spi::Token token() const { return crypto_token(key->material()); }
 
-  /// A group whose tag is right around any content. For each of `receivers` a MAC by the only
-  /// receiver-specific key that an insider has: its own.
+  /// Returns a group whose tag fits any content. For each of `receivers` it has a MAC by the only
+  /// receiver-specific key of an insider: its own.
   Bytes group(Frame frame, const Bytes& content, const std::vector<KeyId>& receivers = {}) {
     const ReadGuard guard;
     const auto reserved = key->reserve(content.size()).value();

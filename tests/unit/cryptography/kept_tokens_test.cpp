@@ -1,4 +1,5 @@
-// The token ledger in the engine: what a host that checks no sources gets of key token messages.
+// The token ledger in the engine: what a host that does not check sources gets of key token
+// messages.
 #include "plugins/cryptography/kept_tokens.hpp"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ namespace {
 
 using namespace testing;
 
-// The host would hand it to each of its participants.
+// The host would pass such a message on to each of its participants.
 TEST(TrustingHost, TokensThatReachAllItsParticipants_AreRefused) {
   for (const bool host_checks : {false, true}) {
     Engine engine(host_checks);
@@ -73,7 +74,7 @@ TEST(TrustingHost, HiddenContent_HasAClassThatTheHostDoesNotKnow) {
   EXPECT_FALSE(std::ranges::search(hidden, tokens[0].binary_properties[0].value).size());
 }
 
-// The host never used the ticket before its peer was gone, comes with it when the peer is back, and
+// The host did not use the ticket before its peer was gone. It uses it when the peer is back, and
 // never asks for what comes after it.
 TEST(TrustingHost, TicketOfAFormerSession_StillBringsKeys) {
   Engine engine(false);
@@ -99,7 +100,7 @@ TEST(TrustingHost, TicketOfAFormerSession_StillBringsKeys) {
   EXPECT_TRUE(decode_submessage(engine.two, engine.user, next));
 }
 
-// An ACKNACK of the volatile reader in one byte order.
+// Returns an ACKNACK of the volatile reader in one byte order.
 Bytes acknowledgement(std::uint32_t next, bool little) {
   Writer out(little ? Endian::little : Endian::big, 32);
   out.write(std::uint8_t{0x06});
@@ -129,7 +130,7 @@ TEST(TrustingHost, TokensTakenSixMinutesAgo_ComeAgain) {
   }
 }
 
-// It may hold a message back until one comes that is missing.
+// The host may hold a message back until a missing one arrives.
 TEST(TrustingHost, TokensBeforeTheAcknowledgment_DoNotComeAgain) {
   Engine engine(false);
   const auto tokens = engine.two.writer_tokens(engine.user).value();
@@ -139,7 +140,8 @@ TEST(TrustingHost, TokensBeforeTheAcknowledgment_DoNotComeAgain) {
   EXPECT_FALSE(engine.passes(3, tokens));
 }
 
-// What it would hold for nothing, though the sender is to be named only if no honest one does it.
+// The host would hold such tokens for nothing. An event names the sender only if no honest sender
+// does this.
 TEST(TrustingHost, TokensThatNothingHereCanUse_AreRefused) {
   Engine engine(false);
   auto tokens = engine.two.writer_tokens(engine.user).value();
@@ -164,7 +166,7 @@ TEST(TrustingHost, TokensThatNothingHereCanUse_AreRefused) {
   EXPECT_EQ(engine.two.b.events.codes().back(), Code::crypto_token_form);
 }
 
-// A message that is refused would be missing, and hold up all that follow.
+// A refused message would be missing, and would hold up all messages after it.
 TEST(TrustingHost, FullLedger_LetsWhatFollowsPass) {
   Engine engine(false);
   const auto tokens = engine.two.writer_tokens(engine.user).value();

@@ -1,4 +1,4 @@
-// Key tokens: which are taken, and which are refused with which code.
+// Key tokens: which are accepted, and which are refused with which code.
 #include <ctime>
 
 #include <gtest/gtest.h>
@@ -91,7 +91,8 @@ TEST(CryptoTokens, OriginAuthentication_NeedsAReceiverKey) {
 }
 
 TEST(CryptoTokens, TokensOnUnprotectedLevels_AreTolerated) {
-  TwoSides two;  // RTPS messages unprotected: Fast DDS sends a GMAC key, Cyclone DDS none
+  // If RTPS messages are not protected, Fast DDS sends a GMAC key, and Cyclone DDS sends none.
+  TwoSides two;
   for (const auto& m : {material(kAes256Gmac), KeyMaterial{}}) {
     const auto token = crypto_token(m);
     EXPECT_TRUE(two.take_participant({&token, 1}));

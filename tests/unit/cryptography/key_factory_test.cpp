@@ -1,4 +1,4 @@
-// Matches that a gate judges, and properties that make keys.
+// Matches that a gate judges, and properties that decide how keys are made.
 #include <gtest/gtest.h>
 
 #include "base/writer.hpp"
@@ -65,7 +65,7 @@ struct Gated {
     return code_of(decode_submessage(two, discovery,
                                      encode_submessage(two, discovery, message.octets()).value()));
   }
-  // The host has taken everything that the secure discovery announced.
+  // The host acknowledges everything that the secure discovery announced.
   void acknowledge() {
     Bytes acknack = {submessage_id::kAckNack, 1, 24, 0};
     append(acknack, EntityId{{0xff, 0, 3, 0xc7}}.view());
@@ -82,7 +82,7 @@ struct Gated {
     attributes.gate = gate;
     return two.endpoints(attributes);
   }
-  // The tokens of its writer come by a ticket.
+  // The tokens of the peer's writer come by a ticket.
   Code take(const WriterToReader& user) {
     const auto tokens = two.writer_tokens(user).value();
     const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, tokens);
@@ -114,7 +114,7 @@ TEST(MatchGate, WriterNotAnnouncedInTheSecureDiscovery_GetsNoMatch) {
   EXPECT_EQ(gated.two.b.events.codes(), std::vector{Code::keys_not_permitted});
 }
 
-// Before: an event accused a peer whose application had deleted the writer.
+// The application of an honest peer may have deleted the writer, so no event accuses the peer.
 TEST(MatchGate, KeysOfAWriterThatHasEnded_AreRefusedWithoutAnEvent) {
   Gated gated;
   EXPECT_EQ(gated.announce(kWriter, false), Code{});

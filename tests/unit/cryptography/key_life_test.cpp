@@ -1,4 +1,4 @@
-// When keys have served long enough: by the clock, and by what they protected.
+// When keys have been in use for long enough, by the clock and by the amount that they protected.
 #include "plugins/cryptography/key_life.hpp"
 
 #include <limits>
@@ -17,7 +17,7 @@ namespace property = spi::property;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
 
-// ---- where in the limits a life ends
+// ---- at which part of the limits a life ends
 
 TEST(KeyLife, WithoutLimits_NeverEnds) {
   KeyLife life;
@@ -27,7 +27,8 @@ TEST(KeyLife, WithoutLimits_NeverEnds) {
   EXPECT_FALSE(life.counts_blocks(std::chrono::hours(24 * 10'000)));
 }
 
-// Until what is made then is in use and the former does not count any more.
+// The time until keys that are made at that moment are in use, and the former ones do not count any
+// more.
 constexpr auto kMargin = kFormerKeyLife + KeyLife::kAsked;
 
 TEST(KeyLife, TimeLimit_EndsInItsLastQuarter) {
@@ -158,7 +159,7 @@ TEST(KeyLimits, RevisionForAnyReason_StartsThemAnew) {
   EXPECT_TRUE(limited.is_due());
 }
 
-// What each of the keys of a participant and its endpoints protects counts by itself.
+// The blocks of each key of a participant and its endpoints are counted separately.
 TEST(KeyLimits, WhatEachKeyProtects_IsCounted) {
   struct Row {
     std::string_view what;

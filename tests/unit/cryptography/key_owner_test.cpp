@@ -19,7 +19,7 @@ constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
 constexpr EntityId kSquare{{0, 0, 1, 0x03}}, kOther{{0, 0, 2, 0x03}}, kReader{{0, 0, 3, 0x04}};
 constexpr EntityId kSecureLiveliness{{0xff, 0x02, 0x00, 0xc2}};
 
-// CDR of either byte order.
+// Writes CDR in either byte order.
 class Writer {
  public:
   explicit Writer(bool little) : little_(little) {}
@@ -44,14 +44,14 @@ class Writer {
   bool little_;
 };
 
-// A ParticipantGenericMessage with its encapsulation header.
+// Returns a ParticipantGenericMessage with its encapsulation header.
 Bytes token_message(const GuidPrefix& prefix, const EntityId& endpoint,
                     std::span<const spi::Token> tokens, bool little = true) {
   Writer cdr(little);
   cdr.octets(kPeer.view());
   cdr.out.resize(80, 0x11);
   const bool is_of_reader = endpoint == kReader;
-  cdr.out.back() = is_of_reader ? 0x03 : 0x04;  // whom they are for
+  cdr.out.back() = is_of_reader ? 0x03 : 0x04;  // the kind of endpoint that they are for
   cdr.octets(prefix.view()).octets(endpoint.view());
   cdr.text(is_of_reader ? "dds.sec.datareader_crypto_tokens" : "dds.sec.datawriter_crypto_tokens");
   cdr.u32(static_cast<std::uint32_t>(tokens.size()));
@@ -66,7 +66,7 @@ Bytes token_message(const GuidPrefix& prefix, const EntityId& endpoint,
   return out;
 }
 
-// A submessage with `size` octets in all that names `entity` at that place.
+// Returns a submessage of `size` octets in all that names `entity` at that place.
 Bytes naming(std::uint8_t id, std::size_t at, const EntityId& entity, std::size_t size = 48) {
   auto out = data_submessage(size - 4, id);
   std::ranges::copy(entity.octets, out.begin() + static_cast<std::ptrdiff_t>(at));
@@ -74,7 +74,7 @@ Bytes naming(std::uint8_t id, std::size_t at, const EntityId& entity, std::size_
 }
 Bytes data_of(const EntityId& writer) { return naming(submessage_id::kData, 12, writer); }
 
-// A key token message as the key exchange protects it.
+// Returns a key token message as the key exchange protects it.
 Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens) {
   auto out = naming(submessage_id::kData, 12, kTokenWriter, 24);
   constexpr EntityId kTokenReader{{0xff, 0x02, 0x02, 0xc4}};
@@ -90,7 +90,7 @@ Bytes token_submessage(const EntityId& owner, std::span<const spi::Token> tokens
   return out;
 }
 
-// What the host hands over of such a message.
+// Returns the tokens that the host passes on from such a message.
 std::vector<spi::Token> tokens_in(const Bytes& submessage) {
   return read_token_message(read_data_piece(submessage).value()).value()->tokens;
 }
@@ -102,7 +102,7 @@ struct KeyOwnerTest : ::testing::Test {
   static EndpointSecurityAttributes attributes(ProtectionKind kind = ProtectionKind::encrypt) {
     return endpoint_attributes(kind, ProtectionKind::none);
   }
-  // The writer's tokens, in a message from `owner`; what the host hands over then.
+  // Passes the writer's tokens in a message from `owner`, and what the host then passes on.
   void take(const WriterToReader& ends, const EntityId& owner,
             spi::KeyStage stage = spi::KeyStage::in_use) {
     EXPECT_TRUE(take(ends, owner, two.writer_tokens(ends, stage).value()));
@@ -169,7 +169,7 @@ TEST_F(KeyOwnerTest, WithoutAnOwner_AKeySpeaksForItsKindOnly) {
 TEST_F(KeyOwnerTest, AReader_AcknowledgesAsItselfOnly) {
   const auto ends = two.endpoints(attributes());
   const auto tokens = two.reader_tokens(ends).value();
-  // The same channel the other way round.
+  // The same channel in the other direction.
   auto& b = two.b;
   auto& a = two.a;
   const auto channel = attributes();
@@ -220,7 +220,7 @@ TEST_F(KeyOwnerTest, KeyThatTwoEndpointsClaim_IsNotTaken) {
   EXPECT_EQ(code_of(take(ends, kOther, tokens)), Code::key_material_key_id);
   const auto other = two.endpoints(attributes());
   EXPECT_EQ(code_of(take(other, kOther, tokens)), Code::key_material_key_id);
-  EXPECT_TRUE(passes(ends, data_of(kSquare)));  // what was taken stays
+  EXPECT_TRUE(passes(ends, data_of(kSquare)));  // tokens that were taken stay
   EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
 }
 
@@ -234,7 +234,7 @@ TEST_F(RevisedKeyOwnerTest, FormerAndLaterKeys_KeepTheirOwner) {
   const auto before = encode_submessage(two, ends, data_of(kOther)).value();
   const auto revision = two.a.factory().revise_local_entity_keys(two.a.participant);
   ASSERT_TRUE(revision);
-  // Even if the message with the revised tokens shows no owner.
+  // This holds even if the message with the revised tokens shows no owner.
   ASSERT_TRUE(two.take_writer(ends, two.writer_tokens(ends, spi::KeyStage::revised).value()));
   EXPECT_EQ(code_of(decode_submessage(two, ends, before)), Code::submessage_not_of_sender);
   ASSERT_TRUE(two.a.factory().activate_key_revision(two.a.participant, *revision));
@@ -260,7 +260,7 @@ TEST_F(KeyOwnerTest, ASubmessage_HasAllItsFields) {
        {Case{submessage_id::kData, 12, 24}, Case{submessage_id::kDataFrag, 12, 36},
         Case{submessage_id::kHeartbeat, 8, 32}, Case{submessage_id::kGap, 8, 32},
         Case{submessage_id::kHeartbeatFrag, 8, 28}}) {
-    // Length 0: the host would read the rest of the fields from what follows the group.
+    // If the length were 0, the host would read the rest of the fields from what follows the group.
     for (std::size_t size = 4; size <= fields; size += 4) {
       auto submessage = naming(id, at, kSquare, std::max(size, at + 4));
       submessage.resize(size);
@@ -272,7 +272,8 @@ TEST_F(KeyOwnerTest, ASubmessage_HasAllItsFields) {
   }
 }
 
-// An INFO_TS of length 0 is empty to the host, which would read what follows unchecked.
+// An INFO_TS of length 0 is empty to the host, which would read the following submessages
+// unchecked.
 TEST_F(KeyOwnerTest, AnEmptySubmessage_HidesNone) {
   const auto ends = two.endpoints(attributes());
   take(ends, kSquare);

@@ -1,4 +1,5 @@
-// Key revision: who is given the revised keys reads on, who only has the former ones does not.
+// Key revision: a participant that gets the revised keys reads on, and one that only has the former
+// keys does not.
 #include "plugins/cryptography/key_revision.hpp"
 
 #include <atomic>
@@ -19,7 +20,7 @@ constexpr auto kEncryptOrigin = ProtectionKind::encrypt_with_origin_authenticati
 
 ProtectionKind payload_kind(ProtectionKind kind) { return is_encrypted(kind) ? kEncrypt : kSign; }
 
-// Everything protected by one kind; `a` revises its keys, and `b` hears of it or not.
+// Two participants with one kind of protection. `a` revises its keys, and `b` is told or not.
 struct Revising {
   explicit Revising(ProtectionKind kind = kEncrypt)
       : two(participant_attributes(kind, true)),
@@ -48,7 +49,7 @@ struct Revising {
     ASSERT_TRUE(activate(revision));
   }
 
-  // What `a` sends at each level.
+  // Messages of `a` at each level.
   struct Sent {
     Bytes message, submessage, payload;
   };
@@ -58,7 +59,7 @@ struct Revising {
             encode_submessage(two, e, submessage).value(),
             encode_payload(two, e, Bytes(16, 0x5a)).value()};
   }
-  // What `b` says to each.
+  // Returns the codes with which `b` answers each of them.
   std::array<Code, 3> receive(const Sent& sent) {
     return {code_of(decode_message(two, sent.message)),
             code_of(decode_submessage(two, e, sent.submessage)),
@@ -74,7 +75,7 @@ constexpr auto kGood = Code{0};
 
 KeyMaterial material_of(const spi::Token& token) { return read_crypto_token(token).value(); }
 
-// The same token with another revision.
+// Returns the same tokens with another revision.
 Tokens renumbered(Tokens tokens, KeyRevision revision) {
   for (auto& token : tokens) {
     auto& octets = token.binary_properties.front().value;
@@ -133,7 +134,7 @@ TEST_P(RevisedKeys, ReceiverWithTheFormerOnes_DoesNotReadThem) {
   ASSERT_TRUE(r.activate(r.begin()));
   const auto sent = r.send();
   EXPECT_EQ(r.receive(sent), Revising::all(Code::key_revision_unknown));
-  // Nor by calling them what the former were called: the key itself is another.
+  // Giving them the number of the former keys does not help, because the key itself is another.
   auto renamed = sent;
   renamed.message[26] = renamed.submessage[6] = renamed.payload[2] = 0;
   EXPECT_EQ(r.receive(renamed), Revising::all(Code::tag_mismatch));
@@ -203,7 +204,7 @@ TEST(KeyRevision, EndpointMadeMeanwhile_NeedsNone) {
   EXPECT_TRUE(r.two.writer_tokens(late, KeyStage::revised)->empty());
   ASSERT_TRUE(r.activate(revision));
   EXPECT_TRUE(decode_payload(r.two, late, encode_payload(r.two, late, Bytes(8)).value()));
-  // The next one is for it, too.
+  // The new endpoint takes part in the next revision, too.
   ASSERT_TRUE(r.activate(r.begin()));
   EXPECT_EQ(encode_payload(r.two, late, Bytes(8)).value()[2], 1);
 }
@@ -303,7 +304,7 @@ TEST(RevisedTokens, OlderRevision_IsRefusedAndChangesNothing) {
   EXPECT_EQ(code_of(r.tell_participant(first)), Code::key_revision_stale);
   EXPECT_EQ(code_of(r.tell_reader(first_of_writer)), Code::key_revision_stale);
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
-  // The same once more is no harm.
+  // Repeating the same tokens does no harm.
   EXPECT_TRUE(r.tell_participant(r.of_participant(KeyStage::in_use)));
   EXPECT_TRUE(r.tell_reader(r.of_writer(KeyStage::in_use)));
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
@@ -331,7 +332,7 @@ TEST(RevisedTokens, TokensCutShortAnywhere_ChangeNothing) {
   r.begin();
   const auto whole = r.of_writer();
   const auto size = whole.front().binary_properties.front().value.size();
-  // Without our part behind it the key is what other products send.
+  // Without our addition at the end, the key is one of another product.
   auto standard = material_of(whole.front());
   standard.position.reset();
   const auto without_position = serialize_key_material(standard).size();
@@ -344,7 +345,7 @@ TEST(RevisedTokens, TokensCutShortAnywhere_ChangeNothing) {
   }
 }
 
-// Threads send and receive on while the keys change under them.
+// Other threads send and receive while the keys change.
 TEST(KeyRevision, OtherThreadsSending_LoseNothing) {
   Revising r(kEncryptOrigin);
   std::atomic<bool> done = false;

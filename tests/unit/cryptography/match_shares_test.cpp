@@ -17,7 +17,7 @@ TEST(MatchShares, OneSubject_HasItsShareAndNoMore) {
   std::optional<std::uint64_t> share = 1;
   matches.release(share);
   EXPECT_FALSE(share);
-  matches.release(share);  // nothing was counted
+  matches.release(share);  // does nothing, because no match was counted
   EXPECT_TRUE(matches.claim(1));
   EXPECT_FALSE(matches.claim(1));
 }

@@ -27,7 +27,7 @@ Bytes value_of(const std::vector<std::string>& names, bool is_little) {
   return out;
 }
 
-// The first error, in pieces of `size` octets.
+// Reads the value in pieces of `size` octets, and returns the first error.
 Status walked(const Bytes& value, bool is_little = true, std::size_t size = 1000,
               PartitionWalk* end = nullptr) {
   PartitionWalk walk(static_cast<std::uint16_t>(value.size()), is_little);
@@ -55,7 +55,8 @@ TEST(PartitionWalk, NamesInBothByteOrdersAndPiecesOfEachSize_AreCounted) {
 
 TEST(PartitionWalk, EveryTruncation_IsRefused) {
   const auto value = value_of({"abc", "de"}, true);
-  for (std::size_t size = 1; size < value.size() - 1; ++size) {  // without its padding, it is whole
+  // the value is complete even without its padding
+  for (std::size_t size = 1; size < value.size() - 1; ++size) {
     const Bytes part(value.begin(), value.begin() + static_cast<std::ptrdiff_t>(size));
     EXPECT_EQ(code(walked(part)), Code::builtin_source_unreadable) << size;
   }

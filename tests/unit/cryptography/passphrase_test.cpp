@@ -1,4 +1,4 @@
-// Files of passphrases: what is read, and what is refused without repeating it.
+// Files of passphrases: what is read, and what is refused without repeating it in the error.
 #include "plugins/cryptography/passphrase.hpp"
 
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
-// A reader's keys towards the participants that write its topic: what it says to one of them opens
-// at no other, whatever destination somebody writes in front of it.
+// A reader's keys for the participants that write its topic. A message to one of them cannot be
+// opened by another one, whatever destination an attacker puts before it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ struct TwoWriters {
     tell_second().value();
   }
 
-  // One more writer of that participant, as the reader knows it.
+  // Makes one more writer of that participant, as the reader knows it.
   Result<DatawriterCryptoHandle> writer_of(ParticipantCryptoHandle participant,
                                            std::uint8_t seed = 1) {
     return two.b.factory().register_matched_remote_datawriter(first.reader, participant,
@@ -83,7 +83,7 @@ struct TwoWriters {
   TwoSides two;
   Side other;
   EndpointSecurityAttributes attributes;
-  WriterToReader first, second;  // `second.writer` is at `other`
+  WriterToReader first, second;  // `second.writer` is a writer of the participant `other`
   ParticipantCryptoHandle other_at_reader;
 };
 
@@ -97,7 +97,7 @@ TEST_P(PeerKeys, WhatAReaderSaysToOneParticipant_OpensAtNoOther) {
   EXPECT_EQ(decode_reply(w.two, w.first, to_first), acknack());
   EXPECT_EQ(w.read_at_second(to_second), acknack());
   EXPECT_EQ(w.route_at_second(to_second), Code{});
-  // Redirected by a changed INFO_DST.
+  // An attacker changed INFO_DST to redirect the message.
   EXPECT_EQ(w.route_at_second(to_first), Code::unknown_key_id);
   EXPECT_EQ(code_of(w.read_at_second(to_first)), Code::transform_key_id_mismatch);
   EXPECT_EQ(code_of(decode_reply(w.two, w.first, to_second)), Code::transform_key_id_mismatch);
@@ -194,7 +194,7 @@ TEST_P(PeerKeys, RevisingOne_LeavesTheOther) {
   EXPECT_EQ(w.route_at_second(to_first), Code::unknown_key_id);
 }
 
-// A participant that has all former keys and gets no new ones.
+// A participant with all former keys gets no new ones.
 TEST_P(PeerKeys, ParticipantThatIsNotTold_ReadsNoMore) {
   TwoWriters w(GetParam());
   auto& b = w.two.b;
@@ -218,7 +218,7 @@ TEST_P(ReceiverKeys, OneSubmessage_ServesWritersOfSeveralParticipantsOnly) {
             w.material(w.second.remote_writer).sender_key_id);
 }
 
-// Random octets until it is broken.
+// Gives random octets until it is broken.
 struct BreakableRandom final : Random {
   Status fill(MutableBytes out) override {
     return is_broken ? Status(ddssec::fail(Code::random_failed)) : system.fill(out);

@@ -1,4 +1,4 @@
-// Messages under a domain's pre-shared key: who can open them, and who cannot.
+// Messages under a domain's pre-shared key: which participants can open them, and which cannot.
 #include "plugins/cryptography/pre_shared_key.hpp"
 
 #include <set>
@@ -16,7 +16,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSign = ProtectionKind::sign;
 
-// One participant's keys, in an engine of its own.
+// The keys of one participant, in an engine of its own.
 struct Member {
   explicit Member(const PropertyList& properties, ProtectionKind kind = kEncrypt,
                   DomainId domain = 7, std::string_view tag = "",
@@ -41,14 +41,14 @@ struct Member {
 };
 
 Bytes hello() { return rtps_message({data_submessage(12), data_submessage(8)}); }
-// In the name of the `i`-th participant.
+// Returns a message in the name of the `i`-th participant.
 Bytes hello_from(std::uint32_t i) {
   auto out = hello();
   for (std::size_t octet = 0; octet < 4; ++octet)
     out[8 + octet] = static_cast<std::uint8_t>(i >> (8 * octet));
   return out;
 }
-// As decoded: INFO_SRC, which repeats the header, comes first.
+// Returns the message as it is decoded, with an INFO_SRC that repeats the header at its beginning.
 Bytes with_source(const Bytes& plain) {
   Bytes out(plain.begin(), plain.begin() + 20);
   for (std::uint8_t octet : {0x0c, 0x01, 20, 0, 0, 0, 0, 0}) out.push_back(octet);
@@ -76,7 +76,7 @@ TEST(PreSharedKey, AnotherIdDomainOrTag_IsAnotherKey) {
   const auto encoded = a.encode(hello());
   const auto refusal = [&](Member other) { return code_of(other.decode(encoded)); };
   EXPECT_EQ(refusal(Member(passphrase("5613:Open Sesame"))), Code::psk_passphrase_unknown);
-  // The same low octet, which is the key id: the rest is the key revision.
+  // The low octet, which is the key id, is the same. The other octets are the key revision.
   EXPECT_EQ(refusal(Member(passphrase("5868:Open Sesame"))), Code::psk_passphrase_unknown);
   EXPECT_EQ(refusal(Member(passphrase("5612:Open Sesame"), kEncrypt, 8)),
             Code::psk_passphrase_unknown);
@@ -98,7 +98,7 @@ TEST(PreSharedKey, ChangedOrCutOffMessages_AreNotOpened) {
   for (const auto kind : {kSign, kEncrypt}) {
     Member a(passphrase("5632:Open Sesame"), kind), b(passphrase("5632:Open Sesame"), kind);
     const auto genuine = a.encode(hello());
-    for (int round = 0; round < 2; ++round) {  // from a stranger, then from somebody known
+    for (int round = 0; round < 2; ++round) {  // first from a stranger, then from a known sender
       for (std::size_t size = 0; size < genuine.size(); ++size)
         EXPECT_FALSE(b.decode(BytesView(genuine).first(size))) << size;
       for (std::size_t bit = 0; bit < 8 * genuine.size(); ++bit) {
@@ -141,7 +141,7 @@ TEST(PreSharedKey, APassphrase_IsChangedWithoutLosingAMessage) {
   EXPECT_TRUE(old_only.decode(before.encode(hello_from(1))));
   EXPECT_EQ(code_of(after.decode(before.encode(hello_from(1)))), Code::psk_passphrase_unknown);
   EXPECT_EQ(code_of(old_only.decode(after.encode(hello_from(3)))), Code::psk_passphrase_unknown);
-  // One name under both.
+  // Two messages in the same name, one under each passphrase.
   EXPECT_TRUE(between.decode(old_only.encode(hello_from(4))));
   EXPECT_TRUE(between.decode(after.encode(hello_from(4))));
 }
@@ -152,7 +152,7 @@ TEST(PreSharedKey, OnlyMembersMessages_AreRememberedAndOnlySoMany) {
   const auto first = a.encode(hello_from(0));
   EXPECT_FALSE(ring.remembers(first));
   auto forged = first;
-  forged.back() ^= 0xff;  // of the footer's count
+  forged.back() ^= 0xff;  // is part of the footer's count
   forged[60] ^= 1;
   EXPECT_FALSE(b.decode(forged));
   EXPECT_FALSE(ring.remembers(first));
@@ -161,7 +161,7 @@ TEST(PreSharedKey, OnlyMembersMessages_AreRememberedAndOnlySoMany) {
   EXPECT_FALSE(ring.remembers(Bytes(first.begin(), first.begin() + 30)));
   constexpr auto kMax = static_cast<std::uint32_t>(PreSharedKeyRing::kMaxSenders);
   for (std::uint32_t i = 1; i <= kMax; ++i) {
-    EXPECT_TRUE(b.decode(first));  // it is heard all the time
+    EXPECT_TRUE(b.decode(first));  // this sender is heard again and again
     EXPECT_TRUE(b.decode(a.encode(hello_from(i))));
   }
   EXPECT_EQ(ring.senders(), kMax);
@@ -188,7 +188,8 @@ TEST(PreSharedKey, RestartOrNewSession_RepeatsNoIv) {
 
 TEST(PreSharedKey, DifferentSourcesInsideAndOutside_AreRefused) {
   Member b(passphrase("1:Open Sesame"));
-  // Under the key of the outer name, as one who knows the passphrase could make it.
+  // A participant that knows the passphrase can make such a message, under the key of the outer
+  // name.
   const auto source = [](const Bytes& message) {
     MessageSource out;
     std::copy_n(message.begin() + 4, 16, out.begin());
@@ -234,7 +235,7 @@ TEST(PreSharedKey, WhatTheGovernanceDoesNotAskForOrAllow_IsNotMade) {
             Code::missing_property);
 }
 
-// Changed while running
+// ---- passphrases that change while the participant runs
 
 // A member whose passphrases are in files.
 struct Running {
@@ -249,7 +250,7 @@ struct Running {
   void put(const std::string& name, std::string_view text) const {
     ::chmod(folder.replace(name, text).c_str(), 0600);
   }
-  // What was raised meanwhile.
+  // Returns the codes of the events that are raised within this time.
   std::vector<Code> after(std::chrono::seconds time = spi::kDefaultFilesPollInterval) {
     member.side.events.all.clear();
     member.side.clock.advance(time);
@@ -352,7 +353,7 @@ TEST(ChangedPassphrases, PollInterval_DecidesHowOftenTheyAreLookedFor) {
     return PropertyList{{std::string(property::kFilesPollInterval), std::move(seconds)}};
   };
   Running seldom("1:old", every("60")), never("1:old", every("0"));
-  EXPECT_EQ(seldom.after(), Codes{});  // a first look
+  EXPECT_EQ(seldom.after(), Codes{});  // this is the first look
   for (auto* running : {&seldom, &never}) {
     running->put("extra", "1:old\n2:new");
     EXPECT_EQ(running->after(std::chrono::seconds(59)), Codes{});

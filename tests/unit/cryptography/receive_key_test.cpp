@@ -1,4 +1,4 @@
-// Session keys of a sender, as its receiver finds them.
+// The session keys of a sender, as its receiver finds them.
 #include "plugins/cryptography/receive_key.hpp"
 
 #include <ctime>

@@ -13,7 +13,7 @@ constexpr auto kShare = ReceiverPlaces::share_of(ReceiverPlaces::kMax);
 constexpr auto kShareOfEach = ReceiverPlaces::share_of(ReceiverPlaces::kMaxOfEach);
 constexpr std::size_t kMaxInDatagram = 65507;
 
-// A writer that remote participants of several certificates have readers for.
+// A writer with readers of remote participants that have several certificates.
 struct CrowdedWriter {
   explicit CrowdedWriter(ProtectionKind rtps = ProtectionKind::none) {
     side.participant = side.factory()
@@ -25,7 +25,7 @@ struct CrowdedWriter {
                      endpoint_attributes(kOriginAuthenticated, ProtectionKind::none))
                  .value();
   }
-  // `session` tells an authentication from the next.
+  // Matches a participant. `session` distinguishes one authentication from the next.
   Result<ParticipantCryptoHandle> meet(std::uint8_t certificate, std::uint16_t number,
                                        std::uint8_t session = 1) {
     auto secret = shared_secret(session);
@@ -39,7 +39,7 @@ struct CrowdedWriter {
   ParticipantCryptoHandle participant(std::uint8_t certificate, std::uint16_t number) {
     return meet(certificate, number).value();
   }
-  // As many as are admitted.
+  // Matches participants until one is refused.
   std::vector<ParticipantCryptoHandle> participants_of(std::uint8_t certificate) {
     std::vector<ParticipantCryptoHandle> all;
     for (std::uint16_t number = 1;; ++number) {
@@ -48,7 +48,8 @@ struct CrowdedWriter {
       all.push_back(*one);
     }
   }
-  // What a stranger can do in the participant's name where discovery is not protected.
+  // Announces a reader, as a stranger can in the participant's name where discovery is not
+  // protected.
   Result<DatareaderCryptoHandle> announce_reader(ParticipantCryptoHandle of) {
     return side.factory().register_matched_remote_datareader(writer, of, shared_secret(), false);
   }
@@ -71,7 +72,7 @@ struct CrowdedWriter {
     readers.push_back(added);
     return added;
   }
-  // As many as are admitted.
+  // Adds readers until one is refused. Returns their number.
   std::size_t readers_of(ParticipantCryptoHandle participant) {
     std::size_t count = 0;
     while (reader(participant)) ++count;
@@ -145,7 +146,7 @@ TEST(ReceiverPlaces, AReaderWhoseTokensAreRefused_TakesNone) {
   EXPECT_EQ(writer.readers_of(participant), kShare);
 }
 
-// Further ones would end the writer for all.
+// If further readers had places, the writer could not send to any reader.
 TEST(ReceiverPlaces, AllOfThem_FitIntoOneDatagram) {
   constexpr std::size_t kRtpsHeaderAndTimestamp = 20 + 16 + 12;
   CrowdedWriter writer;
@@ -200,20 +201,22 @@ TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnew_KeepsItsPlace) {
   EXPECT_FALSE(writer.meet(1, 2001));
 }
 
-// They cost no octet.
+// In this case participants add no octets to a message.
 TEST(ReceiverPlaces, WithoutOriginAuthenticationOfMessages_ParticipantsNeedNone) {
   CrowdedWriter writer(ProtectionKind::encrypt);
   for (std::uint16_t number = 1; number <= ReceiverPlaces::kMaxOfEach + 1; ++number)
     ASSERT_TRUE(writer.meet(1, number));
 }
 
-// Beside a stock authentication nobody knows the certificate. All of them fit nevertheless.
+// Beside a stock authentication plugin the certificate is unknown. All participants have places
+// nevertheless.
 TEST(ReceiverPlaces, ParticipantsWithoutAProvenName_ShareAllPlaces) {
   CrowdedWriter writer(kOriginAuthenticated);
   EXPECT_EQ(writer.participants_of(0).size(), ReceiverPlaces::kMaxOfEach);
 }
 
-// The host lists receivers first and has them encoded for then; one may leave in between.
+// The host lists the receivers first, and has the message encoded for them later. One of them may
+// leave in between.
 TEST(ReceiverPlaces, OneThatHasLeft_DoesNotCostTheOthersTheMessage) {
   CrowdedWriter writer(kOriginAuthenticated);
   const std::vector stay = {writer.participant(1, 1), writer.participant(2, 1)};

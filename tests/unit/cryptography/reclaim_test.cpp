@@ -11,8 +11,8 @@ namespace {
 std::promise<void> guarded;
 std::promise<void> checked;
 
-// Reads shared objects once more after everything else of the thread is destroyed, as a function
-// that exit() calls may do.
+// Reads shared objects after everything else of the thread is destroyed, as a function that exit()
+// calls may do.
 struct LateReader {
   ~LateReader() {
     const ReadGuard guard;
@@ -23,7 +23,8 @@ struct LateReader {
 
 TEST(Reclaim, ReaderAfterItsThreadsLeaseEnded_OtherThreadReads_ObjectStays) {
   std::thread late([] {
-    static thread_local const LateReader reader;  // before the lease, so destroyed after it
+    // constructed before the lease, so destroyed after it
+    static thread_local const LateReader reader;
     static_cast<void>(&reader);
     const ReadGuard guard;
   });

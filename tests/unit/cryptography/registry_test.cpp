@@ -1,4 +1,4 @@
-// Handles, life and death of what they stand for, and many of them.
+// Handles, the life of what they stand for, and large numbers of them.
 #include "plugins/cryptography/registry.hpp"
 
 #include <ctime>
@@ -74,7 +74,7 @@ TEST(Matching, SameRemoteIdentity_HasTheSameHandle) {
             remote);
   EXPECT_NE(factory.register_matched_remote_participant(one, {8}, {}, shared_secret(3)).value(),
             remote);
-  // Each pair has tokens of its own, but the remote is returned once for all.
+  // Each pair has tokens of its own, but the remote is returned once for both.
   EXPECT_TRUE(side.exchange().create_local_participant_crypto_tokens(one, remote));
   EXPECT_TRUE(side.exchange().create_local_participant_crypto_tokens(two, remote));
   ASSERT_TRUE(factory.unregister_participant(remote));
@@ -115,8 +115,7 @@ TEST(Matching, TwoLocalParticipants_EachReadTheRemoteByTheirOwnMac) {
   EXPECT_TRUE(decode_message(two, encoded));
 }
 
-// A second local participant at `b`, which has the remote under `identity`, and a reader of its
-// own.
+// A second local participant at `b`. It has the remote under `identity`, and a reader of its own.
 struct SecondReader {
   SecondReader(TwoSides& two, IdentityHandle identity) : two_(two) {
     auto& b = two.b;
@@ -167,14 +166,15 @@ struct SecondReader {
   TwoSides& two_;
 };
 
-// Whether the first local participant reads what is for it.
+// True if the first local participant reads the messages for it.
 bool first_reads(TwoSides& two, const WriterToReader& e) {
   return decode_message(two, encode_message(two, rtps_message({data_submessage(16)})).value()) &&
          decode_submessage(two, e, encode_submessage(two, e, data_submessage(8)).value()) &&
          decode_payload(two, e, encode_payload(two, e, Bytes(8)).value());
 }
 
-// 7 is the remote to the first local participant: one identity for both, or one for each pair.
+// The first local participant knows the remote as 7. The second one knows it under the same
+// identity, or under one of its own.
 TEST(TwoLocals, OneRemote_HasItsOwnKeysForEach) {
   for (const IdentityHandle identity : {IdentityHandle{7}, IdentityHandle{17}}) {
     TwoSides two(kEncrypt);
@@ -183,7 +183,7 @@ TEST(TwoLocals, OneRemote_HasItsOwnKeysForEach) {
     EXPECT_EQ(second.remote == two.b.remote, identity == IdentityHandle{7});
     EXPECT_TRUE(first_reads(two, e));
     EXPECT_TRUE(second.reads());
-    // Neither reads as the other, nor takes the other's tokens.
+    // Neither participant opens the other one's messages, or accepts the other one's tokens.
     const auto& ends = second.ends;
     const auto encoded = encode_payload(two, ends, Bytes(8)).value();
     Bytes out(encoded.size());
@@ -232,7 +232,7 @@ TEST(Scale, TheFourThousandthRemote_CostsAsMuchAsTheFirst) {
                          .register_local_participant({}, {}, {}, participant_attributes(kEncrypt))
                          .value();
   const auto thousand = [&](std::int64_t from) {
-    const auto start = std::clock();  // of a processor: a busy machine changes little
+    const auto start = std::clock();  // processor time, which a busy machine changes little
     for (std::int64_t i = 1; i <= 1000; ++i)
       side.factory()
           .register_matched_remote_participant(local, {from + i}, {}, shared_secret())

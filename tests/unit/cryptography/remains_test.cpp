@@ -1,5 +1,5 @@
-// What a message leaves behind once it is encrypted or decrypted: not the key stream of its last
-// block, and no session key, wherever the ciphers come from.
+// What a message leaves in memory after it is encrypted or decrypted: no key stream of its last
+// block, and no session key, with each source of the ciphers.
 #include "tests/support/remains.hpp"
 
 #include <tuple>
@@ -16,7 +16,7 @@ using test::Remains;
 constexpr std::size_t kHeader = 24;  // CryptoHeader and the length of the ciphertext
 constexpr std::size_t kBlock = 16, kBlocks = 4, kPart = 15;
 
-// The key stream of the part of a block that a payload ends with.
+// Returns the key stream for the last, incomplete block of a payload.
 Bytes last_stream(const Bytes& plain, const Bytes& encoded) {
   Bytes out(kPart);
   for (std::size_t i = 0; i < kPart; ++i) {
@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(EachCipher, Leftovers,
                                             ::testing::Values(spi::kAes128Name, spi::kAes256Name,
                                                               spi::kChaCha20Poly1305Name)));
 
-// Contexts of older releases of OpenSSL (3.0) keep it beside their key, and wipe both in the end.
+// In older releases of OpenSSL (3.0) a context keeps it beside its key, and wipes both in the end.
 TEST_P(Leftovers, KeyStreamOfTheLastBlock_IsWiped) {
   const auto [aead, algorithm] = GetParam();
   auto two = std::make_unique<TwoSides>(ProtectionKind::none, cipher(algorithm),

@@ -48,7 +48,7 @@ TEST(ReplayWindow, AMessage_LaterThanTheWindow_IsRefused) {
   EXPECT_TRUE(window.accept(iv(7, 1001)));
 }
 
-// A receiver reads two sockets in turns, of which one has a long backlog.
+// A receiver reads two sockets in turn, and one of them has a long backlog.
 TEST(ReplayWindow, ABacklog_BesideNewerMessages_IsAccepted) {
   ReplayWindow window;
   for (std::uint64_t n = 0; n < 200; ++n) EXPECT_TRUE(window.accept(iv(7, 100'000 + n)));
@@ -80,7 +80,7 @@ TEST(ReplayWindow, Suffixes_CountPastTheGreatest) {
   EXPECT_FALSE(window.accept(iv(7, 1)));
 }
 
-// A child of fork() begins at random, and its parent goes on.
+// A child of fork() begins at a random number, and its parent goes on.
 TEST(ReplayWindow, ParentAndChildren_AreHeardBesideOneAnother) {
   ReplayWindow window;
   constexpr std::uint32_t kApart = 0x10000000;
@@ -134,7 +134,7 @@ TEST_F(RepeatedMessages, TheSameKeyOnceMore_MakesNothingNew) {
   EXPECT_TRUE(got(under_way));
 }
 
-// Each reader has the key, and could use IVs that the writer has not come to.
+// Each reader has the key, and could use IVs that the writer has not reached yet.
 TEST_F(RepeatedMessages, WithoutOriginAuthentication_NothingIsJudged) {
   begin(ProtectionKind::encrypt);
   const auto first = sent();
@@ -142,11 +142,11 @@ TEST_F(RepeatedMessages, WithoutOriginAuthentication_NothingIsJudged) {
   EXPECT_TRUE(got(first));
 }
 
-// Two places of one process where the host takes each message once.
+// Two receivers in one process, in each of which the host takes each message once.
 struct MessagesRepeatedElsewhere : ::testing::Test {
   static constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
 
-  // What the two readers say of one message of the writer, one after the other.
+  // Returns the answers of the two readers to one message of the writer, one after the other.
   std::pair<Code, Code> both_readers(const CryptographyOptions& options) {
     testing::TwoSides two(ProtectionKind::none, {}, options);
     const auto attributes = testing::endpoint_attributes(kOrigin, ProtectionKind::none);
@@ -166,7 +166,7 @@ struct MessagesRepeatedElsewhere : ::testing::Test {
             testing::code_of(testing::decode_submessage(two, second, message))};
   }
 
-  // The same of two participants of one process and one RTPS message.
+  // Returns the answers of two participants of one process to one RTPS message.
   std::pair<Code, Code> both_participants(const CryptographyOptions& options) {
     testing::TwoSides two(kOrigin, {}, options);
     auto& a = two.a;

@@ -21,12 +21,12 @@ Bytes message_of(TwoSides& two, const WriterToReader& ends) {
   return encode_submessage(two, ends, data_submessage(40)).value();
 }
 
-// To which of its endpoints `b` takes it.
+// Returns the endpoint of `b` that the message is for.
 Result<spi::SecureSubmessage> routed(TwoSides& two, const Bytes& message) {
   return two.b.transform().preprocess_secure_submessage(two.b.participant, two.b.remote, message);
 }
 
-// Any order of coming and leaving, with runs of every length.
+// Endpoints come and leave in any order, in runs of every length.
 TEST(Routes, EachPresentEndpoint_IsFoundAndNoOther) {
   TwoSides two;
   std::mt19937 random(1);
@@ -58,7 +58,7 @@ TEST(Routes, EachPresentEndpoint_IsFoundAndNoOther) {
   }
 }
 
-// One remote writer, matched with many readers here: each has a key of its own with it.
+// One remote writer is matched with many readers here, and has one key for each of them.
 TEST(Routes, OneKeyOfManyReaders_LeadsToTheReaderWithAMac) {
   TwoSides two;
   std::vector all = {two.endpoints(submessages_by(kOriginAuthenticated))};
@@ -107,7 +107,7 @@ TEST(Routes, EndpointThatStays_IsFoundWhileOthersComeAndGo) {
   EXPECT_EQ(lost, 0u);
 }
 
-// A host that takes other keys for an endpoint: the former key is nobody's.
+// A host takes other keys for an endpoint. The former key then belongs to no endpoint.
 TEST(Routes, EndpointWithANewKey_IsFoundByItOnly) {
   TwoSides two;
   const auto first = two.endpoints(submessages_by(kEncrypted)),

@@ -1,5 +1,5 @@
-// What a peer with very many endpoints costs: counted by the octets that are allocated, since every
-// copy of routes is.
+// The cost of a peer with very many endpoints. It is measured in allocated octets, because every
+// copy of routes allocates.
 #include <gtest/gtest.h>
 
 #include "tests/support/counted_memory.hpp"
@@ -9,10 +9,10 @@ namespace ddssec::cryptography::testing {
 namespace {
 
 constexpr int kMany = 8000;
-constexpr std::int64_t kMaxForEntering = 32'000, kMaxForLeaving = 1000;  // octets an endpoint
+constexpr std::int64_t kMaxForEntering = 32'000, kMaxForLeaving = 1000;  // octets for each endpoint
 
-// One reader of `b` that many writers of `a` are matched with. To `b` each has a key of its own,
-// to `a` all matches have the reader's key.
+// One reader of `b` that is matched with many writers of `a`. For `b` each writer has a key of its
+// own. For `a` all matches have the reader's key.
 struct Crowd {
   Crowd() {
     const auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
@@ -55,7 +55,7 @@ TEST(ManyEndpoints, DroppingTheirParticipant_CostsTheSameForEach) {
   EXPECT_LE(octets_for_each([&] { crowd.unregister_participants(); }), kMaxForLeaving);
 }
 
-// As Cyclone DDS does it.
+// Cyclone DDS unregisters endpoints in this way.
 TEST(ManyEndpoints, UnregisteringOneByOne_CostsTheSameForEach) {
   Crowd crowd;
   EXPECT_LE(octets_for_each([&] {
@@ -65,7 +65,7 @@ TEST(ManyEndpoints, UnregisteringOneByOne_CostsTheSameForEach) {
             kMaxForLeaving);
 }
 
-// Whatever Cyclone's core keeps of them.
+// The engine keeps nothing, even if Cyclone's core keeps something.
 TEST(ManyParticipants, ComingAndGoing_LeavesNothingBehind) {
   constexpr int kRounds = 1000;
   constexpr std::int64_t kMaxEach = 16;

@@ -11,7 +11,7 @@ namespace {
 
 using test::code_of;
 
-// A key whose sessions have 10 blocks; after three sessions it is used up.
+// A key whose sessions have 10 blocks. After three sessions it is used up.
 struct SendKeyTest : ::testing::Test {
   std::unique_ptr<SendKey> made(SendStart start = {.session = 1, .suffix = 100}) {
     return SendKey::create(material(kAes256Gcm), start, services).value();

@@ -16,7 +16,7 @@ Iv iv(std::uint32_t session, std::uint64_t block) {
   return out;
 }
 
-// Of a sender in its third session.
+// The position of a sender in its third session.
 const SendPosition kThird{12, 1000, {{10, 2}}};
 
 TEST(SendPosition, WhatWasProtectedBefore_HasPassed) {
@@ -83,7 +83,7 @@ TEST(SendPosition, AnotherPosition_IsStillTheSameKey) {
 constexpr GuidPrefix kPeerOfB{{0x90, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 constexpr EntityId kWriter{{0, 0, 1, 2}};
 
-// `a` keeps its keys while the two lose each other and meet again.
+// `a` keeps its keys while the two participants lose each other and meet again.
 struct LostAndFound : ::testing::Test {
   spi::SharedSecret secret(std::uint8_t seed) const {
     auto out = testing::shared_secret(seed);
@@ -146,7 +146,7 @@ TEST_F(LostAndFound, WhatCameBefore_IsNotNew) {
   EXPECT_TRUE(got(sent()));
 }
 
-// The host hands what one reader can read to all that hear the same writer.
+// The host passes messages that one reader can read on to all readers of the same writer.
 TEST_F(LostAndFound, ALaterReader_MakesNothingNewThatTheWriterSentBeforeIt) {
   for (const auto kind : {spi::ProtectionKind::encrypt, spi::ProtectionKind::sign,
                           spi::ProtectionKind::encrypt_with_origin_authentication}) {
@@ -173,7 +173,8 @@ TEST_F(LostAndFound, ALaterReader_MakesNothingNewThatTheWriterSentBeforeIt) {
   }
 }
 
-// Payloads alone are protected. Cyclone DDS opens them for all readers with the key of the first.
+// Only payloads are protected. Cyclone DDS opens them for all readers with the key of the first
+// one.
 struct LaterPayloads : ::testing::TestWithParam<bool> {
   testing::TwoSides two{spi::ProtectionKind::none, {}, {.host_checks_sources = GetParam()}};
 };
@@ -204,7 +205,7 @@ TEST_P(LaterPayloads, SentBeforeTheReaderCame_AreNotNew) {
 
 INSTANTIATE_TEST_SUITE_P(Hosts, LaterPayloads, ::testing::Bool());
 
-// Its process has just started: it remembers nothing.
+// The process of the receiver has just started, so it remembers nothing.
 TEST_F(LostAndFound, WhatWasSentToOthersBefore_IsNotNew) {
   ends = two.endpoints(
       testing::endpoint_attributes(spi::ProtectionKind::encrypt, spi::ProtectionKind::none));

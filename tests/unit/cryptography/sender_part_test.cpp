@@ -16,7 +16,8 @@ namespace {
 
 using namespace testing;
 
-constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};  // one subject
+// a participant of the same subject
+constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};
 using Token = DataMessage;
 constexpr EntityId kOtherWriter{{0x00, 0x00, 0x01, 0x03}};
 
@@ -35,7 +36,8 @@ TEST(TokenSource, OwnSourceInEachByteOrderAndEncapsulation_IsTaken) {
       EXPECT_EQ(code_of(token.check_token()), Code::token_source_mismatch);
     }
   }
-  EXPECT_TRUE((Token{.payload = generic_message(kPeer, {}, 1)}.check_token()));  // a participant's
+  // the token of a participant
+  EXPECT_TRUE((Token{.payload = generic_message(kPeer, {}, 1)}.check_token()));
 }
 
 TEST(TokenSource, AnotherSource_IsRefusedWhereverItStands) {
@@ -51,7 +53,7 @@ TEST(TokenSource, AnotherSource_IsRefusedWhereverItStands) {
     token.inline_qos = qos(little, 8);
     EXPECT_EQ(code_of(token.check_token()), Code::token_source_mismatch);
   }
-  // Each octet counts.
+  // Each octet of the name is compared.
   for (const std::size_t begin : {4u, 84u}) {
     for (std::size_t at = begin; at < begin + 12; ++at) {
       Token token;
@@ -61,7 +63,7 @@ TEST(TokenSource, AnotherSource_IsRefusedWhereverItStands) {
   }
 }
 
-// It would reach all participants of the process.
+// Such a message would reach all participants of the process.
 TEST(TokenSource, MissingReader_IsRefused) {
   for (const auto& reader : {EntityId{}, EntityId{{0xff, 0x02, 0x02, 0xc3}}}) {
     Token token{.reader = reader};
@@ -104,23 +106,25 @@ TEST(TokenSource, LyingLengths_AreRefused) {
   const auto refused = [](const Token& token) {
     return code_of(token.check_token()) == Code::token_source_unreadable;
   };
-  EXPECT_TRUE(refused({.to_inline_qos = 12}));  // before the header's end
-  EXPECT_TRUE(refused({.to_inline_qos = 18}));  // not a word
+  EXPECT_TRUE(refused({.to_inline_qos = 12}));  // within the header
+  EXPECT_TRUE(refused({.to_inline_qos = 18}));  // no multiple of four
   EXPECT_TRUE(refused({.to_inline_qos = 60000}));
   EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 6)}));
   EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 60000)}));
   EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 8, false)}));
-  EXPECT_TRUE(refused({.payload = generic_message(kPeer, kPeer, 2)}));  // a parameter list
+  // encoded as a parameter list
+  EXPECT_TRUE(refused({.payload = generic_message(kPeer, kPeer, 2)}));
   EXPECT_TRUE(refused({.payload = generic_message(kPeer, kPeer, 9)}));
   EXPECT_TRUE(refused({.flags = 0, .fragment = Fragment{.first = 0}}));
   EXPECT_TRUE(refused({.flags = 0, .fragment = Fragment{.size = 96}}));
   EXPECT_TRUE(refused({.flags = 0, .fragment = Fragment{.first = 3, .size = 96}}));
-  // What would come round to the beginning in 32 bits.
+  // In 32 bits, the place of this fragment would wrap around to the beginning.
   EXPECT_TRUE(
       refused({.flags = 0, .fragment = Fragment{.first = 0x01000001, .size = 256, .whole = 4096}}));
 }
 
-// A trusting host keeps each fragment until all have come, and a hostile sender never sends them.
+// A host that does not check sources keeps each fragment until all have arrived, and a hostile
+// sender never sends the others.
 TEST(TokenSource, SeveralFragments_AreRefused) {
   const auto refused = [](const Fragment& fragment, Bytes payload) {
     const Token token{.flags = 0, .payload = std::move(payload), .fragment = fragment};
@@ -192,7 +196,7 @@ TEST(SenderPart, AnotherSource_EndsThePart) {
       EXPECT_EQ(part.ended->details().found, kVictim.to_string());
     }
   }
-  // Six octets, not five.
+  // The first six octets must agree, not only five.
   auto near = kSibling;
   near.octets[5] ^= 1;
   EXPECT_TRUE(part_of_sender(info_source(near), kPeer, walks).ended);
@@ -223,7 +227,7 @@ struct ClosedWriters : AnnouncedEndpointsTest {
   }
 };
 
-// Anyone with the key of the message can write in any participant's name.
+// Every participant with the key of the message can write in any participant's name.
 TEST_F(ClosedWriters, SampleInTheClear_IsHiddenAndCountsForNothing) {
   peers.closed = {.secure_topics = true, .clear_topics = true};
   for (const auto& writer : {kPublications, kSubscriptions, kClearPublications}) {
@@ -264,7 +268,7 @@ TEST_F(ClosedWriters, SampleOfAnOpenWriter_Counts) {
   EXPECT_TRUE(peers.peer.announced.hides_writers());
 }
 
-// The caller hides them where it hides types.
+// The caller hides them if it hides types.
 TEST(SenderPart, TypeLookups_AreFound) {
   constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
   const auto of = [](const EntityId& writer) {
@@ -281,7 +285,7 @@ TEST(SenderPart, TypeLookups_AreFound) {
 }
 
 TEST(SenderPart, GroupReadInTwoWays_HidesNothing) {
-  // SEC_PREFIX says little endian and SEC_BODY big endian: 16 octets or 4096.
+  // SEC_PREFIX says little endian and SEC_BODY big endian, so the length is 16 octets or 4096.
   const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
   Bytes body = {0x30, 0, 16, 0};
   body.resize(20);
@@ -302,7 +306,7 @@ constexpr CryptographyOptions kTrustingHost{.host_checks_sources = false};
 
 TEST(TrustingHost, KeysAlreadySet_AreKept) {
   TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
-  EXPECT_TRUE(two.take_participant(two.participant_tokens().value()));  // repeated
+  EXPECT_TRUE(two.take_participant(two.participant_tokens().value()));  // the tokens are repeated
   const std::vector<spi::Token> others = {Insider(kAes256Gcm).token()};
   EXPECT_EQ(code_of(two.take_participant(others)), Code::keys_already_set);
   EXPECT_EQ(two.b.events.codes(), std::vector{Code::keys_already_set});
@@ -378,7 +382,7 @@ TEST(TrustingHost, AGate_IsAskedAboutEachMatch) {
   ASSERT_EQ(gate->asked.size(), 2u);
   EXPECT_FALSE(gate->asked[0].writes);
   EXPECT_TRUE(gate->asked[1].writes);
-  // The same remote, after its permissions were judged anew.
+  // The same remote, after its permissions were judged again.
   auto& factory = two.b.factory();
   ASSERT_TRUE(
       factory.register_matched_remote_participant(two.b.participant, {7}, {6}, shared_secret()));
@@ -388,12 +392,12 @@ TEST(TrustingHost, AGate_IsAskedAboutEachMatch) {
       Code::keys_not_permitted);
 }
 
-// Uses the factory while it judges, as another peer's message would.
+// A gate that uses the factory while it judges, as the message of another peer would.
 struct BusyGate final : spi::MatchGate {
   Status check(const Peer& peer) const override {
     auto other = std::async(std::launch::async, [&] { return use(); });
     went_on = other.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
-    if (!went_on) waiting = std::move(other);  // until the lock is given back
+    if (!went_on) waiting = std::move(other);  // until the lock is released
     asked.push_back(peer);
     return {};
   }
@@ -433,7 +437,7 @@ TEST(TrustingHost, PeerJudgedAnewMeanwhile_IsAskedAboutAgain) {
   ASSERT_EQ(gate->asked.size(), 2u);
   EXPECT_EQ(gate->asked[0].permissions.value, 7);
   EXPECT_EQ(gate->asked[1].permissions.value, 6);
-  // Its reader is gone when the answer comes.
+  // The reader is unregistered before the answer arrives.
   gate->use = [&] { return factory.unregister_datareader(reader).has_value(); };
   EXPECT_EQ(
       code_of(factory.register_matched_remote_datawriter(reader, two.b.remote, shared_secret())),

@@ -58,7 +58,7 @@ TEST_P(Threads, EntitiesThatGoWhileInUse_DoNoHarm) {
   TwoSides two(kOrigin, {}, options());
   const auto attributes = endpoint_attributes(kOrigin, kEncrypt);
   const auto fixed = two.endpoints(attributes);
-  // What a host should not do, but what must not do harm: handles in use are unregistered.
+  // Handles in use are unregistered. A host should not do this, but it must do no harm.
   WriterToReader e = two.endpoints(attributes);
   std::array<std::atomic<std::int64_t>, 4> handles = {e.writer.value, e.remote_reader.value,
                                                       e.reader.value, e.remote_writer.value};

@@ -1,4 +1,4 @@
-// Which participant gets key tokens, and who may ask for fragments of them.
+// Which participant gets key tokens, and which may request fragments of them.
 #include "plugins/cryptography/token_destination.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr EntityId kWriterId{{0, 0, 1, 2}}, kReaderId{{0, 0, 1, 7}};
 
-// The payload of a message from kOurs to that participant.
+// Returns the payload of a message from kOurs to that participant.
 Bytes tokens_to(const GuidPrefix& destination, bool little = true,
                 std::string_view class_id = kOfWriter) {
   return token_message({kOurs, kWriterId}, {destination, kReaderId}, fresh_tokens(), class_id,
@@ -56,7 +56,7 @@ TEST(TokenDestination, AnotherParticipant_IsRefusedWithBothNames) {
   EXPECT_EQ(status.error().details().found, kVictim.to_string());
 }
 
-// The standard lets a message be for all. Key tokens never are.
+// The standard allows a message for all participants. Key tokens never are for all.
 TEST(TokenDestination, AllParticipants_AreRefused) {
   EXPECT_EQ(check({.payload = tokens_to(GuidPrefix{})}), Code::token_destination_refused);
 }
@@ -95,7 +95,7 @@ TEST(TokenDestination, CutOffAnywhere_IsRefused) {
 }
 
 TEST(TokenDestination, WithoutDataOrInAnotherEncoding_IsRefused) {
-  for (const std::uint8_t flags : {0x00, 0x08, 0x0c})  // nothing, a key, both
+  for (const std::uint8_t flags : {0x00, 0x08, 0x0c})  // no payload, a key, both
     EXPECT_EQ(check({.flags = flags, .payload = tokens_to(kPeer)}),
               Code::token_destination_refused);
   auto list = tokens_to(kPeer);
@@ -110,7 +110,7 @@ TEST(TokenDestination, OtherSubmessages_Pass) {
     EXPECT_TRUE(check_token_destination(data_submessage(28, id), kPeer, sent)) << +id;
 }
 
-// A host that is configured with small fragments sends the first one first.
+// A host that is configured with small fragments sends the first fragment first.
 TEST(TokenDestination, LaterFragments_FollowTheirFirstOneOnly) {
   const auto payload = tokens_to(kPeer);
   const auto whole = static_cast<std::uint32_t>(payload.size());
@@ -166,8 +166,8 @@ struct Host {
   WriterToReader ends;
 };
 
-// T46: Cyclone DDS answers any NACK_FRAG of a matched reader, whatever participant the message is
-// for.
+// T46 (docs/attacks.md): Cyclone DDS answers any NACK_FRAG of a matched reader, whatever
+// participant the message is for.
 TEST(KeyTokens, ForAnotherParticipant_AreNotEncryptedForAPeer) {
   Host host(false);
   auto& events = host.two.a.events;
@@ -193,7 +193,8 @@ TEST(KeyTokens, AskedForByNackFrag_DoNotReachTheHost) {
   }
 }
 
-// An honest peer misses the first fragment, of that many octets, and requests it again.
+// An honest peer has not received the first fragment, which has that many octets, and requests it
+// again.
 void expect_sent_again(Host& host, std::uint16_t fragment_size) {
   auto payload = tokens_to(kPeer);
   const auto whole = static_cast<std::uint32_t>(payload.size());
@@ -212,8 +213,8 @@ TEST(KeyTokens, InFragments_AreSentAgainToTheirReceiver) {
   expect_sent_again(host, 100);
 }
 
-// An embedded participant may have fragments that end before the destination. It has a volatile
-// writer for each peer, so that none can reach another one.
+// The fragments of an embedded participant may end before the destination. It has a volatile writer
+// for each peer, so a message cannot reach another peer.
 TEST(KeyTokens, OfAnEmbeddedHostInTinyFragments_AreSent) {
   Host host(true);
   expect_sent_again(host, 20);

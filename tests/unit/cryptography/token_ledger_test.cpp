@@ -18,7 +18,7 @@ constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}}, kOtherReader{{0
 
 using Kind = TokenDecision::Kind;
 
-// What the host does: messages go in, and it comes back with what was in them.
+// A host: messages arrive, and it comes back with the tokens in them.
 struct Host {
   Guid remote{kPeer, kWriter};
   Guid local{kOurs, kReader};
@@ -29,7 +29,7 @@ struct Host {
   Ticket ticket = {};
   std::vector<spi::Token> sent = {};
 
-  // A message with other tokens than all before.
+  // A message arrives with tokens that differ from all before.
   Kind note(std::uint64_t number) {
     sent = fresh_tokens();
     const auto passage =
@@ -86,7 +86,7 @@ TEST(TokenLedger, OnlyTheMessageThatPassed_PassesAgain) {
   EXPECT_EQ(host.note(4), Kind::hidden) << "the host never saw it, and takes none before 5";
 }
 
-// A number that the host is never to see must not let lower ones pass.
+// A great number, which the host may never see, must not let lower ones pass.
 TEST(TokenLedger, AGreatNumber_OpensNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -142,7 +142,7 @@ TEST(TokenLedger, AFormerTicketOfOtherEndpoints_GetsTheNewTokens) {
   EXPECT_EQ(host.use(host.ticket)->tokens, host.sent);
 }
 
-// The host may hold messages back until one comes that is missing.
+// The host may hold messages back until a missing one arrives.
 TEST(TokenLedger, WithoutAcknowledgment_ForgetsNothing) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -150,7 +150,7 @@ TEST(TokenLedger, WithoutAcknowledgment_ForgetsNothing) {
   EXPECT_EQ(host.note(2), Kind::repeated);
 }
 
-// As after tokens for a local endpoint that does not exist: the host drops them and says nothing.
+// If the tokens are for a local endpoint that does not exist, the host drops them without a report.
 TEST(TokenLedger, TakenAndUnusedTokens_AreForgotten) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -170,7 +170,7 @@ TEST(TokenLedger, WhatTheHostMayNotHaveTaken_IsNotForgotten) {
   EXPECT_EQ(host.note(3), Kind::repeated);
 }
 
-// What is acknowledged within ten seconds counts from the last of it.
+// Acknowledgments within ten seconds are counted from the last one.
 TEST(TokenLedger, AcknowledgmentOfTheMessage_StartsTheTime) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -188,7 +188,8 @@ TEST(TokenLedger, AcknowledgmentOfTheMessage_StartsTheTime) {
   EXPECT_EQ(host.ledger.pending(), 0u);
 }
 
-// A stranger who sends a recorded one again would make it wait for another six minutes.
+// Otherwise a stranger could repeat a recorded message, and the tokens would wait for another six
+// minutes.
 TEST(TokenLedger, WhatTheHostHasTaken_MakesNothingWait) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -285,7 +286,7 @@ TEST(TokenLedger, TokensOfAFormerSession_AreNotGivenToThePresentOne) {
   EXPECT_EQ(host.note(3), Kind::ticket) << "once";
 }
 
-// The message was opened, and the host dropped the peer before it took the message.
+// The message was opened, but the host dropped the peer before it took the message.
 TEST(TokenLedger, TokensBehindATicketThatTheHostNeverHad_AreToComeAgain) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -354,7 +355,7 @@ TEST(TokenLedger, OneCertificate_HasABoundedNumber) {
                             false, host.now);
   };
   for (std::size_t i = 1; i <= TokenLedger::kMaxPending; ++i) {
-    host.remote.prefix.octets[11] = static_cast<std::uint8_t>(i % 3);  // of several participants
+    host.remote.prefix.octets[11] = static_cast<std::uint8_t>(i % 3);  // the participants change
     ASSERT_TRUE(note(i));
   }
   EXPECT_EQ(code_of(note(TokenLedger::kMaxPending + 1)), Code::crypto_tokens_crowded);
@@ -371,7 +372,7 @@ TEST(TokenLedger, OneCertificate_HasABoundedNumber) {
   EXPECT_EQ(host.ledger.size(), 1u);
 }
 
-// As many names as there are messages, each invented by a sender that proved none.
+// A sender that has proven no name invents a new one for each message.
 class Inventor {
  public:
   Inventor(Host& host, std::uint64_t exchange) : host_(host), exchange_(exchange) {}
@@ -428,7 +429,8 @@ TEST(TokenLedger, AllThatInventNames_HaveABoundedNumber) {
   EXPECT_EQ(host.note(1), Kind::ticket) << "one that proved its name";
 }
 
-// Four times as many as may wait, each used at once; their senders differ in the octets of `name`.
+// Uses four times as many tickets as may wait, each at once. Their senders differ in the octets of
+// `name`.
 void expect_used_ones_to_be_forgotten(Host& host, std::span<std::uint8_t, 3> name, bool is_proven) {
   for (std::uint64_t i = 1; i <= 4 * TokenLedger::kMaxPending; ++i) {
     name[0] = static_cast<std::uint8_t>(i >> 16);

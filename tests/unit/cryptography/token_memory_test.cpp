@@ -1,4 +1,4 @@
-// What key tokens cost that no endpoint ever comes for.
+// The memory that key tokens cost if no endpoint ever comes for them.
 #include <gtest/gtest.h>
 
 #include "plugins/cryptography/key_material.hpp"
@@ -10,7 +10,7 @@
 namespace ddssec::cryptography::testing {
 namespace {
 
-// SECURITY.md: for each certificate.
+// The limit for each certificate in SECURITY.md.
 constexpr std::int64_t kMaxOctets = 16'000'000;
 constexpr auto kOriginAuthenticated = ProtectionKind::encrypt_with_origin_authentication;
 
@@ -21,7 +21,7 @@ struct TokenSender {
     tokens = two.writer_tokens(reader).value();
     EXPECT_EQ(tokens.size(), kMaxTokensPerEndpoint);
   }
-  // From now on it is the participant of this number.
+  // From now on the sender is the participant of this number.
   void authenticate(std::uint8_t number) {
     prefix.octets.back() = number;
     auto secret = shared_secret(number);
@@ -35,7 +35,7 @@ struct TokenSender {
     }
     exchange = two.volatile_endpoints();
   }
-  // Tokens of the n-th writer that `b` never hears of otherwise. True if they were kept.
+  // Sends tokens of the n-th writer, which `b` never hears of otherwise. True if they were kept.
   bool send(std::uint32_t n) {
     const EntityId writer{{static_cast<std::uint8_t>(n >> 16), static_cast<std::uint8_t>(n >> 8),
                            static_cast<std::uint8_t>(n), 2}};
@@ -69,7 +69,7 @@ TEST(KeyTokensOfOneCertificate, FullLedger_TakesNoMoreThanThePromisedMemory) {
   RecordProperty("octets", static_cast<int>(held));
 }
 
-// Hundreds of empty properties in the tokens of each message.
+// The tokens of each message have hundreds of empty properties.
 TEST(KeyTokensOfOneCertificate, WhatNoKeyNeeds_IsNotKept) {
   TokenSender sender;
   sender.authenticate(1);

@@ -15,7 +15,7 @@ inline constexpr GuidPrefix kOurs{{0x90, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 inline constexpr std::string_view kOfParticipant = "dds.sec.participant_crypto_tokens";
 inline constexpr std::string_view kOfWriter = "dds.sec.datawriter_crypto_tokens";
 
-/// Other ones each time.
+/// Returns tokens that differ from all before.
 inline std::vector<spi::Token> fresh_tokens() {
   static std::uint8_t number = 0;
   auto token = Insider(kAes256Gcm).token();
@@ -25,7 +25,7 @@ inline std::vector<spi::Token> fresh_tokens() {
 
 inline void append_guid(Bytes& out, const Guid& guid) { append(out, guid.octets()); }
 
-/// ParticipantGenericMessage with key tokens.
+/// Returns a ParticipantGenericMessage with key tokens.
 inline Bytes token_message(const Guid& remote, const Guid& local,
                            std::span<const spi::Token> tokens,
                            std::string_view class_id = kOfWriter, bool little = true) {

@@ -20,7 +20,8 @@ Status usable(const EntityId& remote, const EntityId& local, bool is_of_reader,
   return check_usable({{kPeer, remote}, {kOurs, local}, 1, is_of_reader, std::move(tokens), 0, 0});
 }
 
-// The host never matches those, and would hold their ticket when the next one came.
+// The host never matches other pairs, so it would still hold their ticket when the next one
+// arrives.
 TEST(UsableTokens, OnlyEndpointsThatExchangeKeys_AreAccepted) {
   constexpr EntityId kSecureWriter{{0xff, 0, 3, 0xc2}}, kSecureReader{{0xff, 0, 3, 0xc7}};
   EXPECT_TRUE(usable(kWriter, kReader, false));

@@ -1,4 +1,4 @@
-// What decoding refuses, and that a refused message leaves no plain octets and uses up nothing.
+// What decoding refuses. A refused message leaves no plain octets and uses up nothing.
 #include <algorithm>
 #include <span>
 
@@ -69,7 +69,7 @@ TEST(TransformDecode, CutOffAnywhere_IsRefusedAndLeavesNoPlainOctets) {
   }
 }
 
-// An attacker who changes copies on the path must not make the original useless.
+// An attacker on the path who changes copies must not make the original useless.
 TEST(TransformDecode, ChangedCopiesBefore_DoNotUseUpTheOriginal) {
   const auto plain = data_submessage(16);
   for (const auto kind : kKinds) {
@@ -103,7 +103,8 @@ TEST(TransformDecode, KeyOfAnotherWriter_IsNamed) {
   EXPECT_EQ(code_of(one.decode(encoded, out)), Code::transform_key_id_mismatch);
 }
 
-// Without origin authentication, the host itself drops a message that comes twice.
+// Without origin authentication the plugin accepts the copy, because the host itself drops a
+// message that arrives twice.
 TEST(TransformDecode, SecondCopyWithOriginAuthentication_IsRefusedAndLeavesNoPlainOctets) {
   for (const auto kind : std::span(kKinds).last(2)) {
     Pair pair(kind);
@@ -116,7 +117,7 @@ TEST(TransformDecode, SecondCopyWithOriginAuthentication_IsRefusedAndLeavesNoPla
   }
 }
 
-// Each owner of a key sends only submessages of its own direction.
+// The owner of a key sends submessages of one direction only.
 TEST(TransformDecode, SubmessageOfTheOtherDirection_IsRefusedWithAnEvent) {
   Pair pair(kEncrypt);
   Bytes out(500);

@@ -1,4 +1,5 @@
-// What is encoded: whole submessages, into enough room, for receivers that are there.
+// What is encoded: only whole submessages, only into enough room, and only for receivers that
+// exist.
 #include <gtest/gtest.h>
 
 #include "tests/unit/cryptography/two_sides.hpp"

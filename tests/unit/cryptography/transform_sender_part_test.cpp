@@ -1,4 +1,4 @@
-// What a host that does not check sources gets of a protected message.
+// What a host that does not check sources gets from a protected message.
 #include <gtest/gtest.h>
 
 #include "plugins/spi/property_names.hpp"
@@ -48,7 +48,8 @@ TEST(TransformSenderPart, MessageThatAlsoNamesAStranger_EndsBeforeItWithAnEvent)
   }
 }
 
-// Cyclone DDS sends what participants of one process say in one message, under the key of one.
+// Cyclone DDS puts messages of several participants of one process into one message, under the key
+// of one of them.
 TEST(TransformSenderPart, MessageThatAlsoNamesAnotherPeer_IsReportedOnce) {
   TwoSides two(ProtectionKind::encrypt, {}, kTrustingHost);
   auto secret = shared_secret(2);
@@ -64,7 +65,7 @@ TEST(TransformSenderPart, MessageThatAlsoNamesAnotherPeer_IsReportedOnce) {
     EXPECT_EQ(opened->size(), honest.size() + 24) << "what follows is still dropped";
   }
   EXPECT_EQ(two.b.events.codes(), std::vector{Code::info_source_of_peer});
-  // A participant that has not authenticated is no such peer.
+  // A participant that has not authenticated does not count as such a peer.
   auto stranger = kVictim;
   stranger.octets[11] ^= 1;
   for (int i = 0; i < 2; ++i)

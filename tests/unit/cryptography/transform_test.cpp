@@ -1,4 +1,4 @@
-// Round trips of all transformations, and what each refuses.
+// Round trips of all transformations, and what each of them refuses.
 #include <gtest/gtest.h>
 
 #include "tests/unit/cryptography/two_sides.hpp"
@@ -27,7 +27,8 @@ TEST(Payload, EverySize_ComesBack) {
     }
 }
 
-// Fast DDS 2.9: samples of other lengths than whole words came in no Cyclone DDS on our plugins.
+// Fast DDS 2.9 pads a payload to whole words. Without this tolerance, samples of other lengths do
+// not reach Cyclone DDS with our plugins.
 TEST(Payload, OctetsUpToAWholeWordAfterItsFooter_AreNoPartOfIt) {
   TwoSides two;
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
@@ -68,7 +69,7 @@ TEST(Message, EveryKind_ComesBackWithItsSourceInFront) {
   }
 }
 
-// Fast DDS 2.9 appends its statistics submessage behind SRTPS_POSTFIX.
+// Fast DDS 2.9 appends its statistics submessage after SRTPS_POSTFIX.
 TEST(Message, WhatFollowsThePostfix_IsLost) {
   for (auto kind : kKinds) {
     TwoSides two(kind);
@@ -101,7 +102,7 @@ TEST(Volatile, OwnMessageSentBack_IsNotTheOthers) {
   TwoSides two(kNone, {}, {.max_blocks_per_session = 8});
   const auto e = two.volatile_endpoints();
   std::vector<Bytes> said;
-  for (int i = 0; i < 20; ++i)  // several sessions
+  for (int i = 0; i < 20; ++i)  // this takes several sessions
     said.push_back(encode_submessage(two, e, data_submessage(60, 0x07)).value());
   for (const auto& own : said) {
     EXPECT_EQ(code_of(decode_reply(two, e, own)), Code::key_exchange_reflected);
@@ -129,7 +130,7 @@ TEST(Volatile, AnotherSecret_IsAnotherKey) {
   TwoSides two;
   const auto e = two.volatile_endpoints();
   const auto before = encode_submessage(two, e, data_submessage(8, 0x07)).value();
-  TwoSides::match(two.b, 77);  // authenticated anew
+  TwoSides::match(two.b, 77);  // authenticated again
   EXPECT_EQ(code_of(decode_submessage(two, e, before)), Code::tag_mismatch);
   TwoSides::match(two.a, 77);
   EXPECT_TRUE(
@@ -178,7 +179,7 @@ TEST(Receivers, EachReader_FindsItsOwnMac) {
   EXPECT_EQ(decode_submessage(two, second, *to_both).value(), data);
 }
 
-// The host may list one that is unregistered before the message is encoded.
+// The host may list a receiver that is unregistered before the message is encoded.
 TEST(Receivers, AfterOneHasLeft_TheOthersFindTheirMac) {
   for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
                           ProtectionKind::sign_with_origin_authentication}) {

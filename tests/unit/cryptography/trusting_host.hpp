@@ -1,4 +1,4 @@
-// An engine that hands key token messages to its host.
+// An engine that passes key token messages on to its host.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ struct Engine {
     }
     ends = two.volatile_endpoints();
   }
-  /// What the host gets of a message with these tokens.
+  /// Returns what the host gets from a message with these tokens.
   Bytes decoded(std::uint32_t number, std::span<const spi::Token> tokens) {
     const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, tokens);
     const auto octets = DataMessage{.number = number, .payload = payload}.octets();
@@ -42,11 +42,11 @@ struct Engine {
     EXPECT_EQ(out->size(), octets.size());
     return std::move(*out);
   }
-  /// Does the host know its class?
+  /// True if the host knows the class of the message.
   bool passes(std::uint32_t number, std::span<const spi::Token> tokens) {
     return decoded(number, tokens)[24 + 104] == 'd';
   }
-  /// The tokens that the host finds in a message.
+  /// Returns the tokens that the host finds in a message.
   static std::vector<spi::Token> tokens_in(const Bytes& submessage) {
     return read_token_message(read_data_piece(submessage).value()).value()->tokens;
   }

@@ -42,7 +42,7 @@ inline EndpointSecurityAttributes endpoint_attributes(ProtectionKind submessage,
   return attributes;
 }
 
-/// With a peer that understands every cipher, or as said.
+/// Returns a secret that is shared with a peer which understands `peer_ciphers`.
 inline spi::SharedSecret shared_secret(std::uint8_t seed = 1,
                                        spi::CipherMask peer_ciphers = spi::kAllCiphers) {
   spi::SharedSecret shared;
@@ -56,7 +56,8 @@ inline spi::SharedSecret shared_secret(std::uint8_t seed = 1,
 inline PropertyList key_size(std::string_view bits) {
   return {{"dds.sec.crypto.keysize", std::string(bits)}};
 }
-/// By the name of the algorithm; a participant's `messages` too, if asked for.
+/// Returns the property that selects an algorithm by its name, and with `messages` the one for a
+/// participant's messages.
 inline PropertyList cipher(std::string_view name, bool messages = false) {
   PropertyList out = {{"dds.sec.crypto.symmetric_cipher_algorithm", std::string(name)}};
   if (messages)
@@ -69,7 +70,7 @@ inline PropertyList builtin_endpoint(std::string_view name) {
 inline constexpr std::string_view kVolatileWriter = "BuiltinParticipantVolatileMessageSecureWriter";
 inline constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileMessageSecureReader";
 
-/// One engine with what it needs.
+/// One engine, with its services and events.
 struct Side {
   explicit Side(const CryptographyOptions& options = {})
       : services{clock, random, events}, engine(make_cryptography(services, options)) {}
@@ -83,7 +84,7 @@ struct Side {
   EngineServices services;
   std::unique_ptr<spi::Cryptography> engine;
   ParticipantCryptoHandle participant;
-  ParticipantCryptoHandle remote;  ///< the other side's, as matched here
+  ParticipantCryptoHandle remote;  ///< the other side's participant, as it is matched here
 };
 
 struct WriterToReader {
@@ -138,7 +139,7 @@ struct TwoSides {
     return out;
   }
 
-  /// Matches and passes tokens both ways.
+  /// Matches the endpoints, and passes tokens in both directions.
   void match_endpoints(WriterToReader& out) {
     out.remote_reader =
         a.factory()
@@ -153,7 +154,8 @@ struct TwoSides {
     if (!of_reader.empty()) take_reader(out, of_reader).value();
   }
 
-  /// What `a` gives `b` of itself and of a writer, `b` gives `a` of a reader; and its taking.
+  /// The tokens that `a` makes for its participant and its writers, and `b` for its readers, and
+  /// the calls in which the other side takes them.
   Result<Tokens> participant_tokens(KeyStage stage = KeyStage::in_use) {
     return a.exchange().create_local_participant_crypto_tokens(a.participant, a.remote, stage);
   }
@@ -182,7 +184,7 @@ struct TwoSides {
   Side b;
 };
 
-/// What an encoder or decoder writes, as octets of its own.
+/// Returns what an encoder or decoder writes, as octets of its own.
 inline Result<Bytes> into_bytes(std::size_t room,
                                 const std::function<Result<std::size_t>(MutableBytes)>& call) {
   Bytes out(room);
@@ -213,7 +215,7 @@ inline Result<Bytes> decode_submessage(TwoSides& two, const WriterToReader& e, B
     return two.b.transform().decode_datawriter_submessage(e.reader, e.remote_writer, encoded, out);
   });
 }
-/// The reader's own submessage, and its reading by the writer.
+/// Encodes a submessage of the reader; decode_reply() is the writer's side.
 inline Result<Bytes> encode_reply(TwoSides& two, const WriterToReader& e, BytesView plain) {
   return into_bytes(plain.size() + spi::protection_overhead(1), [&](MutableBytes out) {
     return two.b.transform().encode_datareader_submessage(e.reader, {&e.remote_writer, 1}, plain,
@@ -236,7 +238,7 @@ inline Result<Bytes> decode_message(TwoSides& two, BytesView encoded) {
   });
 }
 
-/// DATA with `size` octets behind its header (a multiple of 4).
+/// Returns DATA with `size` octets after its header (a multiple of 4).
 inline Bytes data_submessage(std::size_t size, std::uint8_t id = 0x15) {
   Bytes out(4 + size, 0x5a);
   out[0] = id, out[1] = 0x05;
@@ -252,7 +254,8 @@ inline Bytes rtps_message(std::initializer_list<Bytes> submessages) {
   return out;
 }
 
-/// A thread may sleep between encoding and decoding while the others fill the replay window.
+/// True also for a repeated message: a thread may sleep between encoding and decoding while the
+/// others fill the replay window.
 inline bool is_decoded_or_late(const Result<Bytes>& decoded) {
   return decoded || decoded.error().code() == Code::message_repeated;
 }

@@ -1,4 +1,4 @@
-// PID_TYPE_INFORMATION: found wherever it stands, so that Cyclone DDS never reads it.
+// PID_TYPE_INFORMATION is found wherever it stands, so that Cyclone DDS never reads it.
 #include "plugins/cryptography/type_information.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ void append_parameter(Bytes& out, std::uint16_t id, BytesView value, bool little
   append(out, value);
 }
 
-// An announcement of the peer's with these parameters before its names.
+// Returns an announcement of the peer with these parameters before its names.
 Bytes announcement(const std::vector<std::pair<std::uint16_t, Bytes>>& parameters, bool little,
                    const GuidPrefix& peer = kPeer) {
   auto guid = to_bytes(peer.view());
@@ -39,7 +39,7 @@ Bytes announcement(const std::vector<std::pair<std::uint16_t, Bytes>>& parameter
   return out;
 }
 
-// What a host gets of a submessage.
+// Returns what a host gets of a submessage.
 Result<Bytes> given(Bytes submessage, DiscoveryOfPeers& walks) {
   DDSSEC_ASSIGN_OR_RETURN(const auto at, check_builtin_source(submessage, kPeer, walks));
   if (at) hide_type_information(submessage, *at);
@@ -73,7 +73,7 @@ TEST(TypeInformation, OtherParameters_StayUnchanged) {
     EXPECT_EQ(given(kPublications, list),
               (DataMessage{.writer = kPublications, .payload = list}.octets()));
   }
-  // Its octets within another parameter are no parameter.
+  // The same octets within another parameter are no parameter.
   const auto user_data = announcement({{0x2c, Bytes{0x75, 0, 4, 0, 0x75, 0, 4, 0}}}, true);
   EXPECT_EQ(given(kPublications, user_data),
             (DataMessage{.writer = kPublications, .payload = user_data}.octets()));
@@ -102,7 +102,8 @@ constexpr std::size_t kTypeInformationAt = 20;  // after a topic name of 12 octe
 
 bool first_octet_ends_fragment(std::uint16_t size) { return (kTypeInformationAt + 1) % size == 0; }
 
-// Its type information has the id `wanted_id` for the host, also when the fragments come again.
+// Expects that the host reads the id `wanted_id` in place of the type information, also when the
+// fragments arrive again.
 void expect_hidden_in_fragments(bool little, std::uint16_t size, std::uint16_t wanted_id) {
   const auto list = [&](std::uint16_t id) {
     return announcement({{kTopicName, Bytes(12, 0x50)}, {id, of_size(40)}}, little);
@@ -123,7 +124,8 @@ TEST(TypeInformation, InFragmentsOfEachSize_IsHiddenAlsoWhenTheyComeAgain) {
       if (!first_octet_ends_fragment(size)) expect_hidden_in_fragments(little, size, 0);
 }
 
-// The host has the first octet before the plugin knows the id: it becomes one that no host knows.
+// The host has the first octet before the plugin knows the id, so the plugin turns it into an id
+// that no host knows.
 TEST(TypeInformation, WhoseIdBeginsInTwoFragments_BecomesUnknown) {
   for (const bool little : {true, false})
     for (std::uint16_t size = 1; size <= kTypeInformationAt + 1; ++size)
@@ -133,7 +135,7 @@ TEST(TypeInformation, WhoseIdBeginsInTwoFragments_BecomesUnknown) {
 
 // ---- in the engine
 
-// In the header of rtps_message.
+// The source in the header of rtps_message.
 constexpr GuidPrefix kSender{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 
 struct Engine {
@@ -174,7 +176,7 @@ TEST(TrustingHost, SecureWritersTypeInformation_IsHidden) {
     }
 }
 
-// What stands after INFO_SRC in a message as the host gets it.
+// Returns what follows INFO_SRC in a message as the host gets it.
 Bytes opened(Engine& engine, std::initializer_list<Bytes> submessages) {
   constexpr std::size_t kBegin = 20 + 24;
   const auto encoded = encode_message(engine.two, rtps_message(submessages));
@@ -191,7 +193,8 @@ TEST(TrustingHost, ClearTypeInformationWithinAMessage_IsHidden) {
   EXPECT_EQ(padded, wanted);
 }
 
-// Changed before its own key was asked it would be refused, and with it every announcement.
+// If the plugin changed the group before its own key was checked, the group would be refused, and
+// with it every announcement.
 TEST(TrustingHost, SignedGroupsWithinAMessage_PassUnchanged) {
   Engine engine;
   const auto ends = engine.two.endpoints(builtin(ProtectionKind::sign));
@@ -204,7 +207,7 @@ TEST(TrustingHost, SignedGroupsWithinAMessage_PassUnchanged) {
             publication(0));
 }
 
-// Only what SEC_POSTFIX follows has a key of its own.
+// Only a group that ends with SEC_POSTFIX has a key of its own.
 TEST(SenderPart, TypeInformationAfterSecPrefixAlone_IsHidden) {
   const Bytes prefix = {0x31, 1, 4, 0, 0, 0, 0, 0}, postfix = {0x32, 1, 4, 0, 0, 0, 0, 0};
   OneOwner walks;
@@ -219,7 +222,8 @@ TEST(SenderPart, TypeInformationAfterSecPrefixAlone_IsHidden) {
   EXPECT_EQ(part_of_sender(publication(kTypeInformation), kSender, walks).types.size(), 1u);
 }
 
-// A message that goes on to its end in its last submessage, as our encoders write none.
+// Returns a message whose last submessage goes on to the end of the message. Our encoders write
+// none.
 Bytes opened_to_the_end(Engine& engine, const Bytes& first, Bytes last) {
   constexpr std::size_t kInfoSource = 24;
   last[2] = last[3] = 0;
@@ -234,7 +238,7 @@ Bytes opened_to_the_end(Engine& engine, const Bytes& first, Bytes last) {
   return {out.begin() + 20 + kInfoSource, out.end()};
 }
 
-// Padding of length 0 would be empty to the host, which would read on inside of it.
+// Padding of length 0 would be empty to the host, which would read on within it.
 TEST(TrustingHost, HiddenSubmessageToTheEnd_IsCutOff) {
   constexpr EntityId kTypeRequests{{0x00, 0x03, 0x00, 0xc3}};
   const auto first = data_submessage(16);

@@ -14,7 +14,7 @@ using test::code_of;
 constexpr KeyId kKey{{1, 2, 3, 4}};
 constexpr Iv kIv{9, 9, 9, 9, 1, 2, 3, 4, 5, 6, 7, 8};
 
-// CryptoHeader, the content, and a footer with the number of receiver-specific MACs.
+// Returns CryptoHeader, the content, and a footer with the number of receiver-specific MACs.
 Bytes payload(TransformKind kind, BytesView content, std::uint32_t macs = 0) {
   Bytes out(kCryptoHeaderSize + content.size() + kFooterSize + 4);
   UncheckedWriter pen(out);
@@ -59,7 +59,7 @@ TEST(ProtectedPayload, OfAnUnknownKind_IsRefused) {
             Code::crypto_header_kind_unknown);
 }
 
-// SEC_PREFIX, a signed submessage, and SEC_POSTFIX with the MAC of one receiver.
+// Returns SEC_PREFIX, a signed submessage, and SEC_POSTFIX with the MAC of one receiver.
 Bytes group() {
   Bytes out(200);
   UncheckedWriter pen(out);
