@@ -1,5 +1,9 @@
 #!/usr/bin/env python3
-"""Holds the pages docs/attacks/*.md to the tests: each test named there exists and runs against the host of its line."""
+"""Holds the pages docs/attacks/*.md to the tests: each test named there exists and runs against the host of its line.
+The tables of docs/attacks.md, which name each attack with its hosts and whether a part is open, are made from the pages.
+
+Usage: attacks.py ROOT [--write]     --write brings the tables up to date instead of complaining.
+"""
 
 import pathlib
 import re
@@ -45,16 +49,48 @@ def lines_by_host(text):
         yield (host.group(1) if host else None), bullet
 
 
-def faults(root):
+def anchor(heading):
+    """What a link to `heading` ends with, as GitHub makes it."""
+    return re.sub(r"[^\w\- ]", "", heading.replace("`", "").lower()).replace(" ", "-")
+
+
+def table_of(page):
+    """A row for each attack of the page: where tests show the defence, and what is open."""
+    out = "| attack | tests against | open |\n|---|---|---|\n"
+    for heading, body in re.findall(r"^## (.+)\n((?:(?!## ).*\n?)*)", page.read_text(encoding="utf-8"), re.MULTILINE):
+        hosts = [host for host, _ in lines_by_host(body) if host]
+        defended = [host for host in FOLDERS if host in hosts and host != "Open"]
+        is_open = "–" if "Open" not in hosts else "a part" if defended else "all"
+        out += f"| [{heading}](attacks/{page.name}#{anchor(heading)}) | {', '.join(defended) or '–'} | {is_open} |\n"
+    return out
+
+
+def with_tables(root, index):
+    """The text of the index with the table of each page between its marks, and a fault for each page without marks."""
+    found = []
+    for page in sorted((root / "docs/attacks").glob("*.md")):
+        begin, end = f"<!-- {page.name} -->\n", f"<!-- end of {page.name} -->\n"
+        if begin not in index or end not in index:
+            found.append(f"docs/attacks.md lacks the lines {begin.strip()} and {end.strip()}")
+            continue
+        before, _, rest = index.partition(begin)
+        index = before + begin + "\n" + table_of(page) + "\n" + end + rest.partition(end)[2]
+    return index, found
+
+
+def faults(root, write):
     tests, entries = tests_by_folder(root), ctest_entries(root)
     pages = sorted((root / "docs/attacks").glob("*.md"))
     if not pages:
         yield "there are no pages"
-    index = (root / "docs/attacks.md").read_text(encoding="utf-8")
-    for page in pages:
-        for heading in re.findall(r"^## (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE):
-            if f"[{heading}](attacks/{page.name}#" not in index:
-                yield f"docs/attacks.md does not name {heading!r} of {page.name}"
+    file = root / "docs/attacks.md"
+    index = file.read_text(encoding="utf-8")
+    expected, missing_marks = with_tables(root, index)
+    yield from missing_marks
+    if expected != index and write:
+        file.write_text(expected, encoding="utf-8")
+    elif expected != index:
+        yield "docs/attacks.md is not what the pages say; run tests/lint/attacks.py . --write"
     text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
     for host, bullet in lines_by_host(text):
         if host is None:
@@ -73,7 +109,7 @@ def faults(root):
 
 
 def main():
-    found = list(faults(pathlib.Path(sys.argv[1])))
+    found = list(faults(pathlib.Path(sys.argv[1]), "--write" in sys.argv[2:]))
     for fault in found:
         print(f"docs/attacks/: {fault}")
     print(f"{len(found)} faults")
