@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, runs all tests. The last lines are ctest's summary. A few tests that
-# fail are run once more, alone (tests/support/ctest_twice.sh): "PASSED ONLY WHEN RUN AGAIN: ..." names them.
+# fail are run once more, alone (tests/support/ctest_twice.sh): "PASSED ONLY WHEN RUN AGAIN: ..." names them, as
+# "SKIPPED: ..." names the tests that this machine cannot run.
 # Usage: scripts/test.sh [--long]     --long adds the full interop matrix and longer runs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""ctest_twice.sh forgives a few tests that fail once, names them, and forgives none that fails twice."""
+"""ctest_twice.sh forgives a few tests that fail once and names them, as it names those that were skipped. It forgives
+none that fails twice."""
 
 import pathlib
 import subprocess
@@ -9,6 +10,8 @@ import unittest
 
 SCRIPT = pathlib.Path(__file__).resolve().parent / "ctest_twice.sh"
 GOOD, BAD, ONCE = "true", "false", 'test -e "$0.ran" || { touch "$0.ran"; false; }'
+SKIP = "exit 77"
+FAIL_THEN_SKIP = 'test ! -e "$0.ran" || exit 77; touch "$0.ran"; false'
 
 
 class CtestTwice(unittest.TestCase):
@@ -17,6 +20,7 @@ class CtestTwice(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="ddssec-ctest-") as folder:
             lines = [f'add_test([=[{name}]=] "sh" "-c" [=[{command}]=] "{folder}/{name}")'
                      for name, command in tests.items()]
+            lines.append(f"set_tests_properties({' '.join(tests)} PROPERTIES SKIP_RETURN_CODE 77)" if tests else "")
             pathlib.Path(folder, "CTestTestfile.cmake").write_text("\n".join(lines) + "\n")
             done = subprocess.run([SCRIPT, folder, "--parallel", "2"], text=True, timeout=60, check=False,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
@@ -26,6 +30,25 @@ class CtestTwice(unittest.TestCase):
         status, said = self.run_tests(a=GOOD, b=GOOD)
         self.assertEqual(status, 0, said)
         self.assertIn("100% tests passed, 0 tests failed out of 2", said)
+        self.assertNotIn("AGAIN", said)
+        self.assertNotIn("SKIPPED", said)
+
+    def test_skipped_tests_are_named_at_the_end(self):
+        status, said = self.run_tests(a=GOOD, b=SKIP, c=SKIP)
+        self.assertEqual(status, 0, said)
+        self.assertEqual(said.splitlines()[-2:],
+                         ["SKIPPED: b, c", "100% tests passed, 0 tests failed out of 3"])
+
+    def test_skipped_tests_are_named_beside_those_that_pass_only_when_run_again(self):
+        status, said = self.run_tests(a=ONCE, b=SKIP)
+        self.assertEqual(status, 0, said)
+        self.assertEqual(said.splitlines()[-3:], [
+            "SKIPPED: b", "PASSED ONLY WHEN RUN AGAIN: a",
+            "100% tests passed, 0 tests failed out of 2; only when run again passed: a"])
+
+    def test_a_failure_that_is_skipped_in_the_second_run_has_not_passed(self):
+        _, said = self.run_tests(a=GOOD, b=FAIL_THEN_SKIP)
+        self.assertIn("SKIPPED: b", said)
         self.assertNotIn("AGAIN", said)
 
     def test_some_pass_only_when_run_again(self):
