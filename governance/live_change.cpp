@@ -58,11 +58,6 @@ Status check_domain(const DomainRule& former, const DomainRule& next) {
   DDSSEC_RETURN_IF_ERROR(
       check("enable_join_access_control", &DomainRule::enable_join_access_control));
   DDSSEC_RETURN_IF_ERROR(check("enable_key_revision", &DomainRule::enable_key_revision));
-  DDSSEC_RETURN_IF_ERROR(
-      check("discovery_protection_kind", &DomainRule::discovery_protection_kind));
-  DDSSEC_RETURN_IF_ERROR(
-      check("liveliness_protection_kind", &DomainRule::liveliness_protection_kind));
-  DDSSEC_RETURN_IF_ERROR(check("rtps_protection_kind", &DomainRule::rtps_protection_kind));
   DDSSEC_RETURN_IF_ERROR(check("rtps_psk_protection_kind", &DomainRule::rtps_psk_protection_kind));
   return check_algorithms(former, next);
 }
@@ -80,8 +75,9 @@ Status check_discovery(const DomainRule& former, const TopicRule& added) {
 // Returns the rank of the kind: 0 for NONE, 1 for SIGN, 2 for ENCRYPT.
 int strength(ProtectionKind kind) { return is_encrypted(kind) ? 2 : is_protected(kind) ? 1 : 0; }
 
-Status check_kind(std::string_view element, const TopicRule& former, const TopicRule& next,
-                  ProtectionKind TopicRule::*kind) {
+template <class Rule>
+Status check_kind(std::string_view element, const Rule& former, const Rule& next,
+                  ProtectionKind Rule::*kind) {
   const auto before = former.*kind, after = next.*kind;
   if (strength(before) <= strength(after) &&
       is_origin_authenticated(before) == is_origin_authenticated(after))
@@ -89,9 +85,42 @@ Status check_kind(std::string_view element, const TopicRule& former, const Topic
   return differs(element, value_text(before), value_text(after), next.line);
 }
 
-Status check_control(std::string_view element, const TopicRule& former, const TopicRule& next,
-                     bool TopicRule::*control) {
-  if (next.*control || !(former.*control)) return {};
+// Adds the kind of the whole domain if it has risen.
+Status add_kind(std::string_view element, const DomainRule& former, const DomainRule& next,
+                ProtectionKind DomainRule::*kind, LiveChange& out) {
+  DDSSEC_RETURN_IF_ERROR(check_kind(element, former, next, kind));
+  if (former.*kind != next.*kind)
+    out.domain.push_back({element, shown(former.*kind), shown(next.*kind), next.line});
+  return {};
+}
+
+// Participants without authentication take part only where messages are not protected.
+Status check_messages(const DomainRule& former, const DomainRule& next) {
+  const auto before = former.rtps_protection_kind, after = next.rtps_protection_kind;
+  if (is_protected(before) == is_protected(after) || !former.allow_unauthenticated_participants)
+    return {};
+  return fail(Code::governance_renewal_refused,
+              {.line = next.line,
+               .field = "rtps_protection_kind",
+               .expected = shown(before),
+               .found = shown(after),
+               .note = "unauthenticated participants are allowed, and take part only where "
+                       "messages are not protected"});
+}
+
+Status add_domain(const DomainRule& former, const DomainRule& next, LiveChange& out) {
+  DDSSEC_RETURN_IF_ERROR(check_domain(former, next));
+  DDSSEC_RETURN_IF_ERROR(check_messages(former, next));
+  DDSSEC_RETURN_IF_ERROR(add_kind("discovery_protection_kind", former, next,
+                                  &DomainRule::discovery_protection_kind, out));
+  DDSSEC_RETURN_IF_ERROR(add_kind("liveliness_protection_kind", former, next,
+                                  &DomainRule::liveliness_protection_kind, out));
+  return add_kind("rtps_protection_kind", former, next, &DomainRule::rtps_protection_kind, out);
+}
+
+Status check_flag(std::string_view element, const TopicRule& former, const TopicRule& next,
+                  bool TopicRule::*flag) {
+  if (next.*flag || !(former.*flag)) return {};
   return differs(element, "true", "false", next.line);
 }
 
@@ -122,14 +151,14 @@ Status check_data(const TopicRule& former, const DomainRule& domain, const Topic
 
 // Success if the rule of `next` protects everything that the former one does.
 Status check_raised(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
-  DDSSEC_RETURN_IF_ERROR(check_same("enable_discovery_protection", former, next,
+  DDSSEC_RETURN_IF_ERROR(check_flag("enable_discovery_protection", former, next,
                                     &TopicRule::enable_discovery_protection));
-  DDSSEC_RETURN_IF_ERROR(check_same("enable_liveliness_protection", former, next,
+  DDSSEC_RETURN_IF_ERROR(check_flag("enable_liveliness_protection", former, next,
                                     &TopicRule::enable_liveliness_protection));
-  DDSSEC_RETURN_IF_ERROR(check_control("enable_read_access_control", former, next,
-                                       &TopicRule::enable_read_access_control));
-  DDSSEC_RETURN_IF_ERROR(check_control("enable_write_access_control", former, next,
-                                       &TopicRule::enable_write_access_control));
+  DDSSEC_RETURN_IF_ERROR(check_flag("enable_read_access_control", former, next,
+                                    &TopicRule::enable_read_access_control));
+  DDSSEC_RETURN_IF_ERROR(check_flag("enable_write_access_control", former, next,
+                                    &TopicRule::enable_write_access_control));
   DDSSEC_RETURN_IF_ERROR(
       check_kind("metadata_protection_kind", former, next, &TopicRule::metadata_protection_kind));
   DDSSEC_RETURN_IF_ERROR(
@@ -162,8 +191,8 @@ Status check_topic_change(const TopicRule& former, const DomainRule& domain,
 // is taken for a rule that was added before it. The former rule is then missing at the end, and the
 // first misfit is the reason of the error.
 Result<LiveChange> live_change(const DomainRule& former, const DomainRule& next) {
-  DDSSEC_RETURN_IF_ERROR(check_domain(former, next));
   LiveChange out;
+  DDSSEC_RETURN_IF_ERROR(add_domain(former, next, out));
   Status misfit;
   auto awaited = former.topic_rules.begin();
   for (const auto& rule : next.topic_rules) {

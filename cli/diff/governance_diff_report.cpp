@@ -94,6 +94,14 @@ std::string verdict_text(const governance::GovernanceDiff& diff, bool is_phased)
                                    : " whether both files work together is not known")});
   }
   const auto domains = domains_text(diff.flag_day_domains);
+  if (is_phased && diff.parts_participants)
+    return wrapped("verdict: ",
+                   {verdict + " a participant that stays with the old file does not talk to those",
+                    fmt::format("that have changed to the new one ({})", domains)}) +
+           wrapped(
+               "",
+               {"put it into all folders within a minute: embedded participants change together,",
+                "and no match ends; start all others again at that time"});
   if (is_phased)
     return wrapped("verdict: ",
                    {verdict + fmt::format(" on topics with a line \"breaks\" ({}),", domains),

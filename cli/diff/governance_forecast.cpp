@@ -16,7 +16,7 @@ namespace {
 enum class GovernanceOutcome : std::uint8_t {
   same,
   live,
-  two_phases,          // topics are protected more
+  two_phases,          // topics or the domain are protected more
   live_unless_in_use,  // a rule comes before others, or protects more: its topics may be in use
   live_if_signer_accepted,  // another CA signed it
   rolled_back,              // its revision is not higher than the former one
@@ -45,7 +45,7 @@ using Prediction = Forecast<GovernanceOutcome>;
 // The predictions for both hosts of ddssec's plugins.
 struct Forecasts {
   Prediction embedded, cyclonedds;
-  bool raises = false;     // true if an existing rule protects more
+  bool raises = false;     // true if an existing rule or the domain protects more
   bool is_phased = false;  // true if two phases are needed, whatever the revision
 
   void add(GovernanceOutcome next, const std::string& why, int at) {
@@ -69,6 +69,13 @@ void add_domain(const governance::DomainRule& before, const governance::DomainRu
             ? fmt::format("{} is not there", details.expected)
             : fmt::format("{}: {} became {}", details.field, details.expected, details.found);
     return out.add(GovernanceOutcome::restart, why, details.line);
+  }
+  if (!added->domain.empty()) {
+    out.raises = true;
+    const auto& kind = added->domain.front();
+    const auto why = fmt::format("{}: {} became {}", kind.element, kind.former, kind.next);
+    out.embedded.add(GovernanceOutcome::two_phases, why, kind.line);
+    out.cyclonedds.add(GovernanceOutcome::restart, why, kind.line);
   }
   if (!added->raised.empty()) {
     out.raises = true;

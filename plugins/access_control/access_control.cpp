@@ -150,23 +150,29 @@ class AccessControlPlugin final : public spi::AccessControl {
     return GovernanceVersion{basis->governance->revision(), basis->governance_digest};
   }
   std::optional<GovernanceVersion> pending_governance(PermissionsHandle local) override {
-    const auto pending = pending_of(local);
+    const auto own = handles_.find_participant(local);
+    const auto pending = own ? own->pending() : nullptr;
     if (!pending) return {};
     return GovernanceVersion{pending->governance->revision(), pending->digest};
   }
-  std::optional<spi::EndpointSecurityAttributes> other_attributes(PermissionsHandle local,
-                                                                  std::string_view topic) override {
-    const Holder holder = handles_.find(local);
-    const auto other =
-        holder && !holder->remote() ? holder->participant()->other_governance() : nullptr;
-    const auto* const rule = other ? other->topic_rule(topic) : nullptr;
-    if (rule == nullptr) return {};
-    return endpoint_attributes(*rule);
+  std::optional<spi::ParticipantSecurityAttributes> participant_attributes_of(
+      PermissionsHandle local, const GovernanceVersion& version) override {
+    const auto rules = governance_of(local, version);
+    if (!rules) return {};
+    return participant_attributes(rules->domain_rule());
+  }
+  std::optional<spi::EndpointSecurityAttributes> endpoint_attributes_of(
+      PermissionsHandle local, const GovernanceVersion& version, std::string_view topic) override {
+    const auto rules = governance_of(local, version);
+    if (!rules) return {};
+    if (auto builtin = builtin_attributes(rules->domain_rule(), topic)) return builtin;
+    const auto* const rule = rules->topic_rule(topic);
+    return rule != nullptr ? std::optional(endpoint_attributes(*rule)) : std::nullopt;
   }
   bool apply_pending_governance(PermissionsHandle local,
                                 const GovernanceVersion& version) override {
-    const Holder holder = handles_.find(local);
-    return holder && !holder->remote() && holder->participant()->apply_pending(version.digest);
+    const auto own = handles_.find_participant(local);
+    return own && own->apply_pending(version.digest);
   }
   std::optional<RemoteDatareader> pending_permission(PermissionsHandle remote, bool writes,
                                                      const EndpointRequest& request) override;
@@ -217,9 +223,10 @@ class AccessControlPlugin final : public spi::AccessControl {
     return {};
   }
 
-  std::shared_ptr<const LocalParticipant::Pending> pending_of(PermissionsHandle local) {
-    const Holder holder = handles_.find(local);
-    return holder && !holder->remote() ? holder->participant()->pending() : nullptr;
+  std::shared_ptr<const governance::CompiledGovernance> governance_of(
+      PermissionsHandle local, const GovernanceVersion& version) {
+    const auto own = handles_.find_participant(local);
+    return own ? own->governance_of(version.digest) : nullptr;
   }
 
   std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,

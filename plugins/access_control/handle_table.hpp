@@ -40,6 +40,12 @@ class HandleTable {
     return entry == holders_.end() ? nullptr : entry->second;
   }
 
+  /// Returns nullptr for an unknown handle and for that of a remote participant.
+  std::shared_ptr<LocalParticipant> find_participant(spi::PermissionsHandle handle) const {
+    const auto holder = find(handle);
+    return holder && !holder->remote() ? holder->participant() : nullptr;
+  }
+
   Holder find_local(spi::IdentityHandle identity) const {
     const std::shared_lock lock(mutex_);
     const auto entry = local_of_.find(identity.value);

@@ -27,18 +27,23 @@ Error old_revision_error(const governance::CompiledGovernance& former,
                         "revision, if it is not an old one that was put back"});
 }
 
-Status check_has_revision(const governance::CompiledGovernance& next,
-                          const governance::TopicRule& raised) {
+// `what`: whose protection the document changes.
+Status check_has_revision(const governance::CompiledGovernance& next, int line, std::string what) {
   if (next.revision() != 0) return {};
   return fail(
       Code::governance_renewal_refused,
-      {.line = raised.line,
+      {.line = line,
        .field = "revision",
-       .expected = "a revision, since the document changes the protection of \"" +
-                   raised.topic_expression + "\"",
+       .expected = "a revision, since the document changes " + std::move(what),
        .found = "none",
        .hint = "sign the document with ddssec governance sign, which writes one, or restart "
                "the participant"});
+}
+
+Status check_has_revision(const governance::CompiledGovernance& next,
+                          const governance::TopicRule& raised) {
+  return check_has_revision(next, raised.line,
+                            "the protection of \"" + raised.topic_expression + "\"");
 }
 
 // Returns the error for a topic that cannot change while this participant uses it.
@@ -55,7 +60,21 @@ Error topic_in_use_error(const std::string& topic, const governance::TopicRule* 
   return Error(Code::governance_renewal_refused, std::move(details));
 }
 
-Error not_at_once_error() {
+// `former` and `next` differ in more than a host can take that does not change what exists.
+Error not_at_once_error(const governance::CompiledGovernance& former,
+                        const governance::CompiledGovernance& next) {
+  const auto change = governance::live_change(former.domain_rule(), next.domain_rule());
+  if (change && !change->domain.empty()) {
+    const auto& kind = change->domain.front();
+    return Error(Code::governance_renewal_refused,
+                 {.line = kind.line,
+                  .field = std::string(kind.element),
+                  .expected = kind.former,
+                  .found = kind.next,
+                  .note = "this host cannot change it while it runs",
+                  .hint = "restart the participant when the embedded participants of the domain "
+                          "have the document"});
+  }
   return Error(Code::governance_renewal_refused,
                {.field = "topic_rule",
                 .expected = "the protection that the topics in use have",
@@ -128,7 +147,8 @@ Status LocalParticipant::set_basis(Basis basis) {
   const std::lock_guard lock(mutex_);
   if (basis_ && next->governance != basis_->governance) {
     DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
-    if (change == Change::phased) return std::unexpected(not_at_once_error());
+    if (change == Change::phased)
+      return std::unexpected(not_at_once_error(*basis_->governance, *next->governance));
   }
   basis_ = std::move(next);
   return {};
@@ -150,16 +170,18 @@ void LocalParticipant::drop_pending() {
   pending_ = nullptr;
 }
 
-std::shared_ptr<const governance::CompiledGovernance> LocalParticipant::other_governance() const {
+std::shared_ptr<const governance::CompiledGovernance> LocalParticipant::governance_of(
+    const Sha256Digest& digest) const {
   const std::lock_guard lock(mutex_);
-  return pending_ ? pending_->governance : former_;
+  if (pending_ && pending_->digest == digest) return pending_->governance;
+  return former_.digest == digest ? former_.governance : nullptr;
 }
 
 bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
   const std::lock_guard lock(mutex_);
   if (!pending_ || pending_->digest != digest) return false;
   auto basis = std::make_shared<Basis>(*basis_);
-  former_ = basis->governance;
+  former_ = {basis->governance, basis->governance_digest};
   basis->governance = pending_->governance;
   basis->governance_digest = pending_->digest;
   basis_ = std::move(basis);
@@ -175,9 +197,11 @@ Result<LocalParticipant::Change> LocalParticipant::check(
   DDSSEC_ASSIGN_OR_RETURN(const auto change,
                           governance::live_change(former.domain_rule(), next.domain_rule()));
   if (!change.raised.empty()) DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *change.raised[0]));
-  if (is_same_revision(former, next) && (!change.rules.empty() || !change.raised.empty()))
+  for (const auto& kind : change.domain)
+    DDSSEC_RETURN_IF_ERROR(check_has_revision(next, kind.line, std::string(kind.element)));
+  if (is_same_revision(former, next) && !change.is_empty())
     return std::unexpected(old_revision_error(former, next));
-  auto out = Change::at_once;
+  auto out = change.domain.empty() ? Change::at_once : Change::phased;
   for (const auto& topic : topics_in_use_) {
     const auto* const before = former.topic_rule(topic);
     const auto* const after = next.topic_rule(topic);

@@ -51,12 +51,12 @@ class LocalParticipant {
   Result<std::shared_ptr<const Basis>> basis_for(std::string_view topic) const;
   /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {
-    at_once,  ///< each topic that was ever in use is protected as before
-    phased,   ///< some of them are protected more
+    at_once,  ///< the domain, and each topic that was ever in use, are protected as before
+    phased,   ///< the domain or some of the topics are protected more
   };
-  /// Success if the document adds topic rules, or raises what they protect
-  /// (governance::live_change), and has a higher revision. It may also have none if the one in
-  /// force has none and no topic is protected more. Error: governance_renewal_refused.
+  /// Success if the document adds topic rules, or raises what topics or the domain are protected
+  /// with (governance::live_change), and has a higher revision. It may also have none if the one in
+  /// force has none and nothing is protected more. Error: governance_renewal_refused.
   Result<Change> check_governance(const governance::CompiledGovernance& next) const;
   /// Sets the basis; its governance must be one that can be taken at once. Error: that of
   /// check_governance, if the governance differs from the former one.
@@ -74,9 +74,10 @@ class LocalParticipant {
   std::shared_ptr<const Pending> pending() const;
   void set_pending(Pending pending);
   void drop_pending();
-  /// Returns the rules of the document that waits, or else of the document before the last one that
-  /// waited; nullptr if there is neither.
-  std::shared_ptr<const governance::CompiledGovernance> other_governance() const;
+  /// Returns the rules of the document with that digest; nullptr unless it waits, or was in force
+  /// before the last one that waited.
+  std::shared_ptr<const governance::CompiledGovernance> governance_of(
+      const Sha256Digest& digest) const;
   /// Puts the document with that digest, which waited, into force. Returns false if it does not
   /// wait.
   bool apply_pending(const Sha256Digest& digest);
@@ -89,7 +90,7 @@ class LocalParticipant {
   std::shared_ptr<const Basis> basis_;
   std::shared_ptr<const Pending> pending_;
   std::shared_ptr<const ListedPermissions> listed_;
-  std::shared_ptr<const governance::CompiledGovernance> former_;
+  Pending former_;  ///< in force before the last document that waited; nullptr: there was none
   mutable std::set<std::string, std::less<>> topics_in_use_;
   mutable bool has_more_topics_ = false;
 };

@@ -161,15 +161,21 @@ class AccessControl {
   };
   /// Returns the version in force. Empty for an unknown handle.
   virtual std::optional<GovernanceVersion> governance_version(PermissionsHandle) { return {}; }
-  /// Returns the version of a document that `expire` has taken, and that protects topics in use
-  /// more. It waits until the host has changed the endpoints of these topics. Until then the
+  /// Returns the version of a document that `expire` has taken, and that protects topics in use or
+  /// the whole domain more. It waits until the host has changed what it protects. Until then the
   /// document in force decides everything. Empty if none waits.
   virtual std::optional<GovernanceVersion> pending_governance(PermissionsHandle) { return {}; }
-  /// Returns the attributes of an endpoint of the topic under the pending document; if none waits,
-  /// under the document before the last one that waited. Empty if there is no such document, or if
-  /// it has no rule for the topic.
-  virtual std::optional<EndpointSecurityAttributes> other_attributes(PermissionsHandle,
-                                                                     std::string_view) {
+  /// Returns the participant's attributes under the document of that version. Empty unless it is
+  /// the pending one, or the one before the last that waited.
+  virtual std::optional<ParticipantSecurityAttributes> participant_attributes_of(
+      PermissionsHandle, const GovernanceVersion&) {
+    return {};
+  }
+  /// Returns the attributes of an endpoint of the topic, which may be a builtin one, under the same
+  /// document. Also empty if it has no rule for the topic.
+  virtual std::optional<EndpointSecurityAttributes> endpoint_attributes_of(PermissionsHandle,
+                                                                           const GovernanceVersion&,
+                                                                           std::string_view) {
     return {};
   }
   /// Returns the rights of an endpoint of the peer under the pending document. `writes` is true for

@@ -5,13 +5,11 @@
 namespace ddssec::rtps {
 namespace {
 
-bool is_plain_sedp(const BuiltinTopicInfo& info) {
-  return info.topic == BuiltinTopic::publications || info.topic == BuiltinTopic::subscriptions;
-}
-
-bool is_secure_sedp(const BuiltinTopicInfo& info) {
-  return info.topic == BuiltinTopic::publications_secure ||
-         info.topic == BuiltinTopic::subscriptions_secure;
+bool is_sedp(const BuiltinTopicInfo& info, bool secure) {
+  return secure ? info.topic == BuiltinTopic::publications_secure ||
+                      info.topic == BuiltinTopic::subscriptions_secure
+                : info.topic == BuiltinTopic::publications ||
+                      info.topic == BuiltinTopic::subscriptions;
 }
 
 }  // namespace
@@ -50,7 +48,7 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
          .is_reliable = true,
          .locators = remote.metatraffic,
          .begins_at_zero = again && remote.data.vendor == kVendorFastDds,
-         .contradicted = core_.security && is_plain_sedp(info) ? contradicted_ : nullptr},
+         .contradicted = core_.security && is_sedp(info, false) ? contradicted_ : nullptr},
         core_.now);
 }
 
@@ -64,9 +62,9 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
 
 // The endpoints are unmatched first, because a new match begins with the first announcement that
 // the writer keeps.
-void BuiltinMatcher::refresh_announcements(RemoteParticipant& remote) {
+void BuiltinMatcher::refresh_announcements(RemoteParticipant& remote, bool secure) {
   for (const auto& info : kBuiltinTopics) {
-    if (!is_plain_sedp(info)) continue;
+    if (!is_sedp(info, secure)) continue;
     builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
     match(info, remote, false, true);
   }
@@ -76,14 +74,14 @@ void BuiltinMatcher::offer_again(const RemoteParticipant& remote) {
   for (const auto& info : kBuiltinTopics) {
     const Guid reader{remote.prefix(), info.reader};
     auto& writer = builtin_.writer(info.topic);
-    if ((is_plain_sedp(info) || is_secure_sedp(info)) && writer.readers().contains(reader))
+    if ((is_sedp(info, false) || is_sedp(info, true)) && writer.readers().contains(reader))
       writer.ask(reader, remote.metatraffic);
   }
 }
 
-bool BuiltinMatcher::has_read(const RemoteParticipant& remote) const {
+bool BuiltinMatcher::has_read(const RemoteParticipant& remote, bool secure) const {
   return std::ranges::all_of(kBuiltinTopics, [&](const auto& info) {
-    if (!is_plain_sedp(info)) return true;
+    if (!is_sedp(info, secure)) return true;
     const auto* writer = builtin_.find_reader(info.reader)->writer({remote.prefix(), info.writer});
     return writer == nullptr || (writer->was_heard() && writer->has_caught_up());
   });

@@ -23,13 +23,14 @@ class BuiltinMatcher {
   /// arrived.
   void match(const EntityId& local, RemoteParticipant& remote);
   void unmatch(const RemoteParticipant& remote);
-  /// Requests all plain announcements of the participant's endpoints again.
-  void refresh_announcements(RemoteParticipant& remote);
+  /// Requests all plain announcements of the participant's endpoints again, or all secure ones.
+  void refresh_announcements(RemoteParticipant& remote, bool secure = false);
   /// Tells the participant which announcements of ours there are: it requests those that it has not
   /// received, whatever was acknowledged in its name.
   void offer_again(const RemoteParticipant& remote);
-  /// Returns true if all announcements of the participant have arrived, as far as is known.
-  bool has_read(const RemoteParticipant& remote) const;
+  /// Returns true if all announcements of the participant of that kind have arrived, as far as is
+  /// known.
+  bool has_read(const RemoteParticipant& remote, bool secure = false) const;
   /// Must be called when the addresses that are used for the participant may have changed.
   void readdress(const RemoteParticipant& remote, MonotonicTime now);
   /// Must be called when a message from the participant's endpoints of DCPSParticipantsSecure has

@@ -20,6 +20,14 @@ bool may_be_redirected(const ParticipantCore& core, const RemoteParticipant& rem
          !core.attributes().is_rtps_protected();
 }
 
+// True if the peer announces the endpoint by secure discovery because the governance changes.
+bool confirms(const ParticipantCore& core, const EndpointData& clear, const EndpointData& secure) {
+  const auto& security = core.security->core();
+  return security.governance_changes && security.takes_part(secure.guid.prefix) &&
+         clear.topic_name == secure.topic_name && clear.type_name == secure.type_name &&
+         !differ_in_what_a_match_keeps(clear.qos, secure.qos);
+}
+
 }  // namespace
 
 ClearAnnouncements::ClearAnnouncements(ParticipantCore& core, LocalEndpoints& local,
@@ -54,7 +62,8 @@ void ClearAnnouncements::note_contradiction(const GuidPrefix& participant) {
 void ClearAnnouncements::give_way_to(RemoteParticipant& remote, const EndpointData& secure) {
   const auto id = secure.guid.entity;
   const auto known = remote.endpoints.find(id);
-  if (known != remote.endpoints.end() && !known->second.data.by_secure_discovery)
+  if (known != remote.endpoints.end() && !known->second.data.by_secure_discovery &&
+      !confirms(core_, known->second.data, secure))
     matcher_.remove(remote, id);
 }
 

@@ -24,7 +24,8 @@ class ClearAnnouncements final : private Timed {
   void begin(RemoteParticipant& remote);
 
   /// Removes the unprotected announcement of an endpoint that is announced securely. Any host may
-  /// have sent it.
+  /// have sent it. While the governance changes, the endpoint keeps its matches if the secure
+  /// announcement only confirms the other one.
   void give_way_to(RemoteParticipant& remote, const EndpointData& secure);
   /// Notes that the participant's endpoint is announced. If anyone can have announced it and it
   /// changes what is known, the participant's announcements are read again later

@@ -7,25 +7,6 @@
 namespace ddssec::rtps {
 namespace {
 
-// Returns the index of the locator that is replaced when `newcomer` adds one more. It is chosen
-// from the source with the most locators: the one in the middle, so that the first locators of
-// that source and the latest of the others stay.
-std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceAddress& newcomer) {
-  const auto held = [&](const SourceAddress& source) {
-    return std::pair(std::ranges::count(sources, source), source == newcomer);
-  };
-  const auto largest = *std::ranges::max_element(sources, {}, held);
-  auto left = held(largest).first / 2;
-  std::size_t at = 0;
-  while (sources[at] != largest || left-- > 0) ++at;
-  return at;
-}
-
-struct AddedLocators {
-  bool any = false;        // any of them is new
-  bool displaced = false;  // others had to go
-};
-
 // Leaves out loopback addresses that another machine announced. Otherwise it could make this
 // participant send to services on the local machine.
 void leave_out_loopback(const ParticipantCore& core, LocatorList& announced) {
@@ -38,26 +19,6 @@ LocatorList usable(const ParticipantCore& core, LocatorList announced,
                    const LocatorList& fallback = {}) {
   leave_out_loopback(core, announced);
   return usable_locators(announced, fallback, core.config.interfaces);
-}
-
-// The locators that one source announces do not displace those that other sources announced.
-AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sources,
-                           const LocatorList& more, const SourceAddress& source) {
-  constexpr std::size_t kMax = 8;
-  AddedLocators out;
-  for (const auto& locator : more) {
-    if (std::ranges::find(known, locator) != known.end()) continue;
-    out.any = true;
-    if (known.size() >= kMax) {
-      out.displaced = true;
-      const auto at = static_cast<std::ptrdiff_t>(superfluous(sources, source));
-      known.erase(known.begin() + at);
-      sources.erase(sources.begin() + at);
-    }
-    known.push_back(locator);
-    sources.push_back(source);
-  }
-  return out;
 }
 
 // A peer that has not proven its identity may announce addresses of other hosts. So the answer
@@ -140,7 +101,8 @@ Discovery::Discovery(ParticipantCore& core, const Parts& parts)
     : core_(core),
       parts_(parts),
       builtin_(core, parts.local.builtin()),
-      clear_(core, parts.local, parts.remotes, parts.matcher, builtin_) {}
+      clear_(core, parts.local, parts.remotes, parts.matcher, builtin_),
+      proven_(core, parts.remotes, parts.matcher, builtin_) {}
 
 // ---- participants that are found
 
@@ -236,11 +198,11 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
   }
   const auto added = add_locators(remote.metatraffic, remote.metatraffic_sources,
                                   usable(core_, data.metatraffic_unicast), core_.source);
-  if (added.displaced) remote.has_displaced_addresses = true;
+  if (added.has_displaced) remote.has_displaced_addresses = true;
   add_locators(remote.user, remote.user_sources, usable(core_, data.default_unicast), core_.source);
   core_.sender.amplification_limit().set_addresses(prefix, remote.metatraffic,
                                                    remote.metatraffic_sources);
-  if (!differs && !added.any) return;
+  if (!differs && !added.has_new) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
                             core_.now);
 }
@@ -295,6 +257,7 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
 }
 
 void Discovery::tick() {
+  proven_.tick();
   if (core_.security)
     for (const auto& prefix : parts_.remotes.to_ask()) core_.security->ask_for_sign_of_life(prefix);
   for (const auto& prefix : parts_.remotes.ended()) gone_.push_back(prefix);
@@ -370,6 +333,7 @@ void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
     ++core_.counters.refused_discovery;
     return;
   }
+  proven_.note_announced(*remote, *data);
   if (secure) clear_.give_way_to(*remote, *data);
   if (!clear_.note_announced(*remote, *data)) return;
   parts_.matcher.add(*remote, std::move(*data));

@@ -6,6 +6,7 @@
 #include "rtps/participant/announcer.hpp"
 #include "rtps/participant/clear_announcements.hpp"
 #include "rtps/participant/endpoint_lookup.hpp"
+#include "rtps/participant/proven_readings.hpp"
 #include "rtps/participant/writer_liveliness.hpp"
 
 namespace ddssec::rtps {
@@ -74,6 +75,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   const Parts parts_;
   BuiltinMatcher builtin_;
   ClearAnnouncements clear_;
+  ProvenReadings proven_;
   std::vector<GuidPrefix> gone_;
 };
 

@@ -89,24 +89,36 @@ Result<LocalReader*> LocalEndpoints::create_reader(EndpointDescription request,
 }
 
 void LocalEndpoints::remove(const Guid& endpoint) {
-  if (writers_.erase(endpoint.entity) + readers_.erase(endpoint.entity) > 0) unpublish(endpoint);
+  const auto& id = endpoint.entity;
+  if (writers_.erase(id) + readers_.erase(id) > 0) unpublish(endpoint, is_announced_securely(id));
+  if (moved_.erase(id) > 0) unpublish(endpoint, false);
   if (core_.security) core_.security->forget_endpoint(endpoint.entity);
 }
 
+void LocalEndpoints::publish_moved(const EndpointData& data) {
+  publish(data);
+  moved_.insert(data.guid.entity);
+}
+
+void LocalEndpoints::end_moves() {
+  for (const auto& id : std::exchange(moved_, {})) unpublish({prefix(), id}, false);
+}
+
 void LocalEndpoints::publish(const EndpointData& data) {
+  const bool securely = is_announced_securely(data.guid.entity);
   Change change;
   change.key_hash = data.guid.octets();
-  if (data.qos.data_tags.empty() || is_announced_securely(data.guid.entity)) {
+  if (data.qos.data_tags.empty() || securely) {
     change.payload = Payload::copy_of(serialized(data));
   } else {
     auto untagged = data;
     untagged.qos.data_tags.clear();
     change.payload = Payload::copy_of(serialized(untagged));
   }
-  sedp_writer(data.guid.entity).write(std::move(change), core_.now);
+  sedp_writer(data.guid.entity, securely).write(std::move(change), core_.now);
 }
 
-void LocalEndpoints::unpublish(const Guid& endpoint) {
+void LocalEndpoints::unpublish(const Guid& endpoint, bool securely) {
   std::array<std::uint8_t, 64> buffer;
   SpanWriter payload(buffer);
   write_endpoint_key(payload, endpoint);
@@ -115,7 +127,7 @@ void LocalEndpoints::unpublish(const Guid& endpoint) {
   change.status = {true, true};
   change.is_key_only = true;
   change.payload = Payload::copy_of(payload.view());
-  sedp_writer(endpoint.entity).write(std::move(change), core_.now);
+  sedp_writer(endpoint.entity, securely).write(std::move(change), core_.now);
 }
 
 // True if the endpoint is announced only to authenticated participants. The governance selects the
@@ -126,11 +138,12 @@ bool LocalEndpoints::is_announced_securely(const EntityId& endpoint) const {
   return attributes != nullptr && attributes->topic.is_discovery_protected;
 }
 
-StatefulWriter& LocalEndpoints::sedp_writer(const EntityId& endpoint) {
-  const bool secure = is_announced_securely(endpoint);
+StatefulWriter& LocalEndpoints::sedp_writer(const EntityId& endpoint, bool securely) {
   if (is_writer(endpoint))
-    return builtin_.writer(secure ? BuiltinTopic::publications_secure : BuiltinTopic::publications);
-  return builtin_.writer(secure ? BuiltinTopic::subscriptions_secure : BuiltinTopic::subscriptions);
+    return builtin_.writer(securely ? BuiltinTopic::publications_secure
+                                    : BuiltinTopic::publications);
+  return builtin_.writer(securely ? BuiltinTopic::subscriptions_secure
+                                  : BuiltinTopic::subscriptions);
 }
 
 LocalWriter* LocalEndpoints::find_writer(const EntityId& id) {

@@ -47,6 +47,13 @@ class LocalEndpoints final : public ProcessPeer {
   Result<LocalReader*> create_reader(EndpointDescription request, EndpointListener& listener);
   /// Announces a local endpoint, or its changes.
   void publish(const EndpointData& data);
+  /// Announces a local endpoint by secure discovery, since the governance protects the discovery of
+  /// its topic from now on. The unprotected announcement stays until end_moves.
+  void publish_moved(const EndpointData& data);
+  /// True if an unprotected announcement stands beside a secure one.
+  bool any_moves() const { return !moved_.empty(); }
+  /// Peers know the secure announcements: the unprotected ones end.
+  void end_moves();
   /// Removes the endpoint and its announcement. It must not be matched any more.
   void remove(const Guid& endpoint);
   /// Creates a GUID for a publisher.
@@ -75,15 +82,16 @@ class LocalEndpoints final : public ProcessPeer {
   EndpointData data_of(EndpointDescription request, EndpointKind kind);
   /// Asks access control for permission, and announces the resulting attributes.
   Status secure(EndpointData& data, EndpointListener& listener);
-  void unpublish(const Guid& endpoint);
+  void unpublish(const Guid& endpoint, bool securely);
   bool is_announced_securely(const EntityId& endpoint) const;
-  StatefulWriter& sedp_writer(const EntityId& endpoint);
+  StatefulWriter& sedp_writer(const EntityId& endpoint, bool securely);
 
   ParticipantCore& core_;
   BuiltinEndpoints builtin_;
   std::map<EntityId, LocalWriter> writers_;
   std::map<EntityId, LocalReader> readers_;
   std::uint32_t next_entity_;
+  std::set<EntityId> moved_;  ///< announced by both discoveries for a while
 };
 
 }  // namespace ddssec::rtps

@@ -35,6 +35,20 @@ MonotonicTime lease_end(const ParticipantCore& core, const ParticipantData& data
   return lease == kNever ? kNever : core.now + lease;
 }
 
+// Returns the index of the locator that is replaced when `newcomer` adds one more. It is chosen
+// from the source with the most locators: the one in the middle, so that the first locators of
+// that source and the latest of the others stay.
+std::size_t superfluous(const std::vector<SourceAddress>& sources, const SourceAddress& newcomer) {
+  const auto held = [&](const SourceAddress& source) {
+    return std::pair(std::ranges::count(sources, source), source == newcomer);
+  };
+  const auto largest = *std::ranges::max_element(sources, {}, held);
+  auto left = held(largest).first / 2;
+  std::size_t at = 0;
+  while (sources[at] != largest || left-- > 0) ++at;
+  return at;
+}
+
 }  // namespace
 
 // An announcement may name any address. Only a few are used, and only those that can be sent to.
@@ -319,6 +333,25 @@ const EndpointData* RemoteParticipants::endpoint(const Guid& guid) const {
   if (remote == nullptr) return nullptr;
   const auto endpoint = remote->endpoints.find(guid.entity);
   return endpoint == remote->endpoints.end() ? nullptr : &endpoint->second.data;
+}
+
+AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sources,
+                           const LocatorList& more, const SourceAddress& source) {
+  constexpr std::size_t kMax = 8;
+  AddedLocators out;
+  for (const auto& locator : more) {
+    if (std::ranges::find(known, locator) != known.end()) continue;
+    out.has_new = true;
+    if (known.size() >= kMax) {
+      out.has_displaced = true;
+      const auto at = static_cast<std::ptrdiff_t>(superfluous(sources, source));
+      known.erase(known.begin() + at);
+      sources.erase(sources.begin() + at);
+    }
+    known.push_back(locator);
+    sources.push_back(source);
+  }
+  return out;
 }
 
 }  // namespace ddssec::rtps

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 
 #include "rtps/budget/announced_shares.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
@@ -64,6 +65,8 @@ struct RemoteParticipant {
   bool has_unproven_endpoints = false;
   AnnouncementRefresh announcement_refresh = {};
   MonotonicTime next_offer = kNever;  ///< when our plain announcements are next offered to it
+  /// Endpoints that it has not announced again since that is protected (ProvenReadings).
+  std::set<EntityId> unconfirmed = {};
   /// The addresses that its clear announcements add to its own ones.
   ClearAddresses clear_addresses = {};
   /// True if these would have been more than the limit, and the event was raised.
@@ -211,5 +214,16 @@ class RemoteParticipants {
   MonotonicTime next_end_ = kNever;
   MonotonicTime next_question_ = kNever;
 };
+
+/// What add_locators changed.
+struct AddedLocators {
+  bool has_new = false;        ///< any of them is new
+  bool has_displaced = false;  ///< others had to go
+};
+/// Adds locators that `source` announced to `known`; `sources` has the source of each. At most
+/// eight are kept, and the locators that one source announces do not displace those that other
+/// sources announced.
+AddedLocators add_locators(LocatorList& known, std::vector<SourceAddress>& sources,
+                           const LocatorList& more, const SourceAddress& source);
 
 }  // namespace ddssec::rtps

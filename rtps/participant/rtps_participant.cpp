@@ -60,8 +60,16 @@ RtpsParticipant::RtpsParticipant(ParticipantConfig config, Transport& transport,
 Status RtpsParticipant::secure(std::unique_ptr<OwnSecurity> own) {
   core_.security = std::make_unique<Security>(std::move(own), core_.sender, core_.timers,
                                               discovery_, core_.events);
-  core_.security->admission().on_protection(
-      [this] { announce_protection(core_, local_, remotes_, matcher_); });
+  const auto announce = [this] {
+    announce_protection(core_, local_, remotes_, matcher_);
+    forget_refused(core_, remotes_);
+    // It can only be too long when the participant is created.
+    static_cast<void>(describe_own(core_, announcer_));
+    announcer_.announce_again();
+  };
+  core_.security->admission().announce_with({announce,
+                                             [this] { return are_moves_received(core_, local_); },
+                                             [this] { local_.end_moves(); }});
   local_.builtin().secure();
   receiver_.open_with(core_.security->keyring());
   DDSSEC_RETURN_IF_ERROR(describe_own(core_, announcer_));

@@ -77,7 +77,8 @@ void WriterLiveliness::on_participant_message(const Change& change, bool secure)
   const auto body = opened->body;
   if (body.size() < kKeySize || !std::ranges::equal(body.first(12), remote->prefix().octets))
     return;
-  const bool must_be_secure = core_.attributes().is_liveliness_protected();
+  const bool must_be_secure =
+      core_.security && core_.security->core().must_protect_liveliness(remote->prefix());
   if (must_be_secure && !secure && remote->data.vendor != kVendorCyclone) return;
   if (body[15] == kAutomatic) note_alive(*remote, LivelinessKind::automatic);
   if (body[15] == kManualByParticipant) note_alive(*remote, LivelinessKind::manual_by_participant);

@@ -189,12 +189,18 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
 }
 
 Status Admission::add_other_protection(const EntityId& id, std::string_view topic) {
-  const auto other =
-      core_.own->plugins().access_control.other_attributes(core_.own->permissions(), topic);
-  if (!other || core_.keyring.second_protections().attributes(id) != nullptr ||
-      protection_id(*other) == core_.keyring.second_protections().first_of(id))
+  const auto other = other_attributes(topic);
+  if (!other || core_.keyring.phases().endpoints().attributes(id) != nullptr ||
+      protection_id(*other) == core_.keyring.phases().endpoints().first_of(id))
     return {};
-  return core_.keyring.second_protections().add(id, *other);
+  return core_.keyring.phases().endpoints().add(id, *other);
+}
+
+std::optional<spi::EndpointSecurityAttributes> Admission::other_attributes(
+    std::string_view topic) const {
+  if (!core_.other_governance) return {};
+  return core_.own->plugins().access_control.endpoint_attributes_of(core_.own->permissions(),
+                                                                    *core_.other_governance, topic);
 }
 
 Result<Admission::Announced> Admission::announced(const EntityId& id) {
@@ -211,11 +217,11 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
                                                       const Endpoint& remote) {
   const auto* attributes = core_.keyring.attributes(local);
   if (attributes == nullptr || !may_still(local)) return std::nullopt;
-  const auto permission =
-      admit({*attributes, is_reader(local), core_.keyring.second_protections().attributes(local)},
-            remote);
+  // Also while there are no keys for it yet, or no longer (GovernanceTransition::note_revision).
+  const auto other = other_attributes(remote.topic);
+  const auto permission = admit({*attributes, is_reader(local), other ? &*other : nullptr}, remote);
   if (!core_.governance_changes) return permission;
-  auto& second = core_.keyring.second_protections();
+  auto& second = core_.keyring.phases().endpoints();
   second.permit(
       local, remote.guid,
       permission && permits_under_pending_governance(is_reader(local), *permission, remote));
@@ -230,7 +236,8 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
 bool Admission::permits_under_pending_governance(bool reads, const Permission& permission,
                                                  const Endpoint& remote) {
   auto& plugin = core_.own->plugins().access_control;
-  if (!plugin.pending_governance(core_.own->permissions())) return true;
+  const auto pending = plugin.pending_governance(core_.own->permissions());
+  if (!pending || pending != core_.other_governance) return true;
   const auto* peer = core_.find(remote.guid.prefix);
   const auto* association = peer == nullptr ? nullptr : peer->state.association();
   if (association == nullptr) return false;
@@ -286,17 +293,21 @@ Status Admission::check_open(const spi::EndpointSecurityAttributes& attributes,
 // of them.
 Status Admission::check_protection(const Local& local, const Endpoint& remote,
                                    const Peer& peer) const {
-  const auto& attributes = local.attributes;
+  if (remote.required_ciphers)
+    DDSSEC_RETURN_IF_ERROR(check_ciphers(peer.data.vendor, *remote.required_ciphers));
+  const auto status = check_announced(local.attributes, remote);
+  const bool may_be_other =
+      local.other != nullptr && peer.state.association()->governance.takes_part;
+  return !status && may_be_other && check_announced(*local.other, remote) ? Status() : status;
+}
+
+Status Admission::check_announced(const spi::EndpointSecurityAttributes& attributes,
+                                  const Endpoint& remote) {
   if (attributes.topic.is_discovery_protected && !remote.is_secure)
     return fail(Code::rtps_protection_missing,
                 {.expected = "an announcement by secure discovery", .found = "a plain one"});
-  if (remote.required_ciphers)
-    DDSSEC_RETURN_IF_ERROR(check_ciphers(peer.data.vendor, *remote.required_ciphers));
   const auto own = spi::security_info(attributes);
   if (spi::is_compatible(own, remote.info)) return {};
-  if (local.other != nullptr && peer.state.association()->governance.takes_part &&
-      spi::is_compatible(spi::security_info(*local.other), remote.info))
-    return {};
   return fail(
       Code::rtps_security_info_mismatch,
       {.field = "endpoint_security_info", .expected = text_of(own), .found = text_of(remote.info)});

@@ -73,17 +73,34 @@ class Admission {
   Status check_partitions(const EntityId& id, const std::vector<std::string>& partitions);
   /// Notes that the endpoint is in these partitions from now on.
   void set_partitions(const EntityId& id, const std::vector<std::string>& partitions);
+  /// Notes a secure builtin endpoint of the middleware; create_endpoint() is not called for it.
+  void note_builtin(const EntityId& id, std::string_view topic) {
+    builtin_topics_.emplace_back(id, topic);
+  }
+  const std::vector<std::pair<EntityId, std::string>>& builtin_topics() const {
+    return builtin_topics_;
+  }
   /// Returns the local endpoints of the application and their topics.
   std::vector<std::pair<EntityId, std::string>> own_topics() const;
   /// Gives the endpoint the protection of the other document too, while the governance changes.
   /// Does nothing if the endpoint has a second protection already, or if the two are equal. Error:
   /// that of cryptography.
   Status add_other_protection(const EntityId& id, std::string_view topic);
-  /// Sets the function to call when the protection of local endpoints has changed and is to be
-  /// announced.
-  void on_protection(std::function<void()> announce) { announce_ = std::move(announce); }
+  /// The functions that announce local endpoints while the governance changes.
+  struct Announcements {
+    std::function<void()> announce;      ///< called when their protection has changed
+    std::function<bool()> are_received;  ///< true if peers with the document have what moved
+    std::function<void()> end_former;    ///< called when unprotected ones are superfluous
+  };
+  void announce_with(Announcements announcements) { announcements_ = std::move(announcements); }
   void announce_protection() const {
-    if (announce_) announce_();
+    if (announcements_.announce) announcements_.announce();
+  }
+  bool are_announcements_received() const {
+    return !announcements_.are_received || announcements_.are_received();
+  }
+  void end_former_announcements() const {
+    if (announcements_.end_former) announcements_.end_former();
   }
   /// Returns the data with which discovery announces a local endpoint now. Error: that of
   /// cryptography.
@@ -98,6 +115,9 @@ class Admission {
     std::vector<std::string> partitions;
     spi::PropertyList data_tags;
   };
+  /// The attributes of an endpoint of the topic under the other document, while the governance
+  /// changes.
+  std::optional<spi::EndpointSecurityAttributes> other_attributes(std::string_view topic) const;
   Status check_own(const EntityId& id, const NewEndpoint& endpoint);
   /// True unless our own permissions were renewed, or the governance changed, and they no longer
   /// allow the endpoint. An event reports that.
@@ -111,19 +131,22 @@ class Admission {
   struct Local {
     const spi::EndpointSecurityAttributes& attributes;
     bool reads;
-    /// The second protection of the endpoint (Keyring), or nullptr.
+    /// The attributes under the other document while the governance changes, or nullptr.
     const spi::EndpointSecurityAttributes* other = nullptr;
   };
   std::optional<Permission> admit(const Local& local, const Endpoint& remote);
   Status check_open(const spi::EndpointSecurityAttributes& attributes,
                     const Endpoint& remote) const;
   Status check_protection(const Local& local, const Endpoint& remote, const Peer& peer) const;
+  static Status check_announced(const spi::EndpointSecurityAttributes& attributes,
+                                const Endpoint& remote);
   Result<Permission> check_permissions(const Local& local, const Association& peer,
                                        const Endpoint& remote);
 
   SecurityCore& core_;
   std::map<EntityId, Asked> own_;
-  std::function<void()> announce_;
+  std::vector<std::pair<EntityId, std::string>> builtin_topics_;
+  Announcements announcements_;
 };
 
 }  // namespace ddssec::rtps

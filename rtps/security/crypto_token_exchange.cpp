@@ -24,7 +24,8 @@ bool is_for_writers(const GenericMessage& message) {
 // Returns the protection that the keys of an endpoint are for; 0 if the message names none.
 ProtectionId protection_in(const GenericMessage& message) {
   const bool names_one = message.message_class == message_class::kDatawriterTokensOfOne ||
-                         message.message_class == message_class::kDatareaderTokensOfOne;
+                         message.message_class == message_class::kDatareaderTokensOfOne ||
+                         message.message_class == message_class::kParticipantTokensOfOne;
   return names_one ? static_cast<ProtectionId>(message.related.sequence_number) : 0;
 }
 
@@ -45,6 +46,7 @@ Status CryptoTokenExchange::open(Peer& peer) {
   association.volatile_reader->match({{prefix, kVolatileMessageWriter}, true, peer.metatraffic},
                                      core_.now);
   DDSSEC_ASSIGN_OR_RETURN(auto tokens, core_.keyring.participant_tokens(prefix));
+  association.governance.message_keys = core_.keyring.phases().messages().id();
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(tokens));
   if (is_revising_) send_revised(peer);
   return {};
@@ -148,7 +150,7 @@ void CryptoTokenExchange::send_endpoint_tokens(Peer& peer, const EntityId& local
   message.message_class =
       writes ? message_class::kDatawriterTokens : message_class::kDatareaderTokens;
   message.data = std::move(tokens);
-  if (protection == 0) protection = core_.keyring.second_protections().first_of(local);
+  if (protection == 0) protection = core_.keyring.phases().endpoints().first_of(local);
   if (protection != 0 && peer.state.association()->governance.takes_part) {
     message.message_class =
         writes ? message_class::kDatawriterTokensOfOne : message_class::kDatareaderTokensOfOne;
@@ -158,22 +160,57 @@ void CryptoTokenExchange::send_endpoint_tokens(Peer& peer, const EntityId& local
 }
 
 void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid& remote) {
-  auto completed = core_.keyring.second_protections().complete(local, remote);
+  auto completed = core_.keyring.phases().endpoints().complete(local, remote);
   if (!completed) return core_.raise(completed.error(), remote, EventOrigin::its_keys);
   if (completed->protection == 0) return;
   send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
   if (is_revising_ && is_trusted(peer) &&
-      completed->protection == core_.keyring.second_protections().first_of(local))
+      completed->protection == core_.keyring.phases().endpoints().first_of(local))
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
 }
 
+// A peer that waits for the keys of messages joins with those that it knows without a name.
+bool CryptoTokenExchange::complete_message_keys(Peer& peer) {
+  auto& sent = peer.state.association()->governance.message_keys;
+  const auto next = core_.keyring.phases().messages().next_id();
+  if (sent == next) return true;
+  if (!has_room(peer)) return false;
+  auto tokens = core_.keyring.participant_tokens(peer.prefix(), next);
+  if (!tokens) {
+    core_.raise(tokens.error(), peer, EventOrigin::its_keys);
+    return false;
+  }
+  sent = next;
+  GenericMessage message;
+  message.message_class = message_class::kParticipantTokensOfOne;
+  message.related.sequence_number = static_cast<std::int64_t>(next);
+  message.data = std::move(*tokens);
+  send(peer, std::move(message));
+  return true;
+}
+
 bool CryptoTokenExchange::complete_pairs(Peer& peer) {
+  if (!complete_message_keys(peer)) return false;
   for (const auto& [local, remote] :
-       core_.keyring.second_protections().incomplete_pairs(peer.prefix())) {
+       core_.keyring.phases().endpoints().incomplete_pairs(peer.prefix())) {
     if (!has_room(peer)) return false;
     complete(peer, local, remote);
   }
   return true;
+}
+
+// While the former protection is sent, only the second one has these keys.
+void CryptoTokenExchange::send_again(Peer& peer) {
+  auto& association = *peer.state.association();
+  auto& phases = core_.keyring.phases();
+  association.governance.message_keys = 0;
+  if (core_.governance_changes && !phases.has_swapped())
+    return phases.endpoints().send_again(peer.prefix());
+  if (!is_trusted(peer)) return;
+  for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
+    add_waiting(association, local, remote, spi::KeyStage::in_use);
+  static_cast<void>(complete_message_keys(peer));
+  send_waiting(peer);
 }
 
 // ---- key revision
@@ -197,7 +234,7 @@ void CryptoTokenExchange::set_revising(bool revising) {
 
 void CryptoTokenExchange::send_revised(Peer& peer) {
   if (!is_trusted(peer)) return;
-  auto own = core_.keyring.participant_tokens(peer.prefix(), spi::KeyStage::revised);
+  auto own = core_.keyring.participant_tokens(peer.prefix(), 0, spi::KeyStage::revised);
   if (!own) return core_.raise(own.error(), peer, EventOrigin::its_keys);
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
   auto& association = *peer.state.association();
@@ -290,14 +327,17 @@ bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& cha
   }
   if (is_for_readers(*message) || is_for_writers(*message))
     return on_endpoint_tokens(*peer, std::move(*message), size);
-  if (message->message_class == message_class::kParticipantTokens)
+  if (message->message_class == message_class::kParticipantTokens ||
+      message->message_class == message_class::kParticipantTokensOfOne)
     on_participant_tokens(*peer, *message);
   if (message->message_class == message_class::kTokensWanted) on_tokens_wanted(*peer, *message);
   return true;
 }
 
 void CryptoTokenExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
-  const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data);
+  const auto protection = protection_in(message);
+  if (protection != 0 && !core_.keyring.phases().messages().has(protection)) return;
+  const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data, protection);
   if (!status) return core_.raise(status.error(), peer, EventOrigin::its_keys);
   // The peer can read the local messages now. Messages that it could not read before are offered
   // again at once.
@@ -329,10 +369,10 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   // Local endpoints exist before they are announced, so keys for an unknown one are dropped.
   if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
   const auto protection = protection_in(message);
-  if (protection != 0 && !core_.keyring.second_protections().has(local.entity, protection))
+  if (protection != 0 && !core_.keyring.phases().endpoints().has(local.entity, protection))
     return true;
   if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown ||
-      core_.keyring.second_protections().of(local.entity, remote) != nullptr) {
+      core_.keyring.phases().endpoints().of(local.entity, remote) != nullptr) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
     return true;
   }

@@ -66,8 +66,12 @@ class CryptoTokenExchange {
   void request_tokens(const EntityId& local, const Guid& remote);
 
   /// Gives pairs with endpoints of the peer the second protection that they lack, and sends its
-  /// keys, as far as there is room. Returns true if none lacks it now.
+  /// keys and those of messages, as far as there is room. Returns true if none lacks it now.
   bool complete_pairs(Peer& peer);
+  /// The peer has none of the keys of the protection that comes into force here, or is in force:
+  /// they are sent again, as far as there is room. The rest follows with complete_pairs, or when
+  /// the peer has acknowledged some.
+  void send_again(Peer& peer);
 
   // Key revision:
   /// Notes whether a revision is under way. While one is, new peers and endpoints also get the
@@ -87,6 +91,8 @@ class CryptoTokenExchange {
   void send_endpoint_tokens(Peer& peer, const EntityId& local, const Guid& remote,
                             std::vector<spi::Token> tokens, ProtectionId protection = 0);
   void complete(Peer& peer, const EntityId& local, const Guid& remote);
+  /// Returns false if there was no room, or if there were no keys of messages.
+  bool complete_message_keys(Peer& peer);
   void add_waiting(Association& association, const EntityId& local, const Guid& remote,
                    spi::KeyStage stage);
   void send_waiting(Peer& peer);

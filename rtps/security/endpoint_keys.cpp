@@ -218,7 +218,10 @@ void SecondProtections::permit(const EntityId& id, const Guid& remote, bool may)
     forget(permitted_, id, remote);
 }
 
+// The builtin endpoints of all peers that are authenticated are matched.
 bool SecondProtections::is_permitted(const EntityId& id, const Guid& remote) const {
+  const auto* first = rtps::find(first_, id);
+  if (first != nullptr && first->attributes.is_builtin) return true;
   const auto of = permitted_.find(id);
   return of != permitted_.end() && of->second.contains(remote);
 }
@@ -293,13 +296,20 @@ bool SecondProtections::any_with(const GuidPrefix& prefix) const {
   });
 }
 
+void SecondProtections::send_again(const GuidPrefix& prefix) {
+  for (auto& [id, other] : others_)
+    for (auto at = other.pairs.lower_bound({prefix, {}});
+         at != other.pairs.end() && at->first.prefix == prefix; ++at)
+      at->second.is_unsent = at->second.handle != 0;
+}
+
 std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(
     const GuidPrefix& prefix) const {
   std::vector<std::pair<EntityId, Guid>> out;
   const auto add = [&](const EntityId& id, const LocalKeys& has, const LocalKeys& lacks) {
     for (auto at = has.pairs.lower_bound({prefix, {}});
          at != has.pairs.end() && at->first.prefix == prefix; ++at)
-      if (!at->second.is_suspended && !lacks.pairs.contains(at->first) &&
+      if (!at->second.is_suspended && (at->second.is_unsent || !lacks.pairs.contains(at->first)) &&
           is_permitted(id, at->first))
         out.emplace_back(id, at->first);
   };
@@ -320,7 +330,12 @@ Result<SecondProtections::Completion> SecondProtections::complete(const EntityId
   const auto in_other = other->second.pairs.find(remote);
   const bool has_first = in_first != first->second.pairs.end();
   const bool has_other = in_other != other->second.pairs.end();
-  if (has_first == has_other || (has_first && in_first->second.is_suspended)) return Completion{};
+  if (has_first && in_first->second.is_suspended) return Completion{};
+  if (has_other && std::exchange(in_other->second.is_unsent, false)) {
+    DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, other->second, in_other->second));
+    return Completion{other->second.protection, std::move(tokens)};
+  }
+  if (has_first == has_other) return Completion{};
   auto& lacks = has_first ? other->second : first->second;
   const bool is_relay_only =
       has_first ? in_first->second.is_relay_only : in_other->second.is_relay_only;

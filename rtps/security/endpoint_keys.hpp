@@ -25,6 +25,7 @@ struct PairKeys {
   bool is_relay_only = false;
   bool is_suspended = false;
   bool is_silent = false;  ///< only messages to this endpoint alone are protected for it
+  bool is_unsent = false;  ///< a second protection: the remote endpoint needs its keys once more
   Sha256Digest keys = {};  ///< digest of its latest tokens
   std::optional<std::size_t> place = {};  ///< index in the lists of ready pairs
 };
@@ -64,9 +65,14 @@ const LocalKeys* find(const Locals& locals, const EntityId& id);
 
 /// An authenticated remote participant.
 struct RemoteCrypto {
-  spi::ParticipantCryptoHandle crypto;
+  spi::IdentityHandle identity;
+  spi::PermissionsHandle permissions;
   std::shared_ptr<const spi::SharedSecret> secret;
   bool wraps_plain_builtin = true;
+  /// It sends by the governance document that comes into force here: it says so, or was judged by
+  /// that document when it authenticated (GovernanceTransition).
+  bool sends_next = false;
+  spi::ParticipantCryptoHandle crypto = {};
   Sha256Digest keys = {};  ///< digest of its latest tokens
 };
 using Remotes = std::map<GuidPrefix, RemoteCrypto>;
@@ -157,7 +163,10 @@ class SecondProtections {
   bool any_announced_with_second(const GuidPrefix& prefix) const;
   /// True if a pair with an endpoint of that peer exists whose local endpoint has two protections.
   bool any_with(const GuidPrefix& prefix) const;
-  /// Returns the pairs with endpoints of that peer that have one protection and lack the other one.
+  /// Notes that keys of second protections must be sent once more, to endpoints of that peer.
+  void send_again(const GuidPrefix& prefix);
+  /// Returns the pairs with endpoints of that peer that have one protection and lack the other
+  /// one, or whose keys must be sent.
   std::vector<std::pair<EntityId, Guid>> incomplete_pairs(const GuidPrefix& prefix) const;
   struct Completion {
     ProtectionId protection = 0;          ///< the protection under which the pair was registered

@@ -38,6 +38,9 @@ inline constexpr std::string_view kDatawriterTokensOfOne =
     "org.ddssec.datawriter_crypto_tokens_of_protection";
 inline constexpr std::string_view kDatareaderTokensOfOne =
     "org.ddssec.datareader_crypto_tokens_of_protection";
+/// The same of a participant: those of messages.
+inline constexpr std::string_view kParticipantTokensOfOne =
+    "org.ddssec.participant_crypto_tokens_of_protection";
 }  // namespace message_class
 
 struct GenericMessage {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "wire/span_writer.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -10,16 +12,19 @@ using GovernanceReport = GovernanceOfPeer::GovernanceReport;
 constexpr std::string_view kClass = "org.ddssec.governance";
 constexpr std::string_view kVersion = "org.ddssec.governance.version";
 constexpr std::string_view kWantsAnswer = "org.ddssec.governance.wants_answer";
+constexpr std::string_view kWantsKeys = "org.ddssec.governance.wants_keys";
 constexpr std::size_t kOctets = 4 + 32 + 1;  // revision, digest, state
 
-spi::Token token_of(const GovernanceReport& report, bool wants_answer) {
-  Writer octets;
-  octets.write(report.version.revision);
-  octets.write_bytes(report.version.digest);
-  octets.write(static_cast<std::uint8_t>(report.state));
+spi::Token token_of(const GovernanceReport& report, bool wants_answer, bool wants_keys) {
+  Bytes octets(kOctets);
+  SpanWriter out(octets, Endian::big);
+  out.write(report.version.revision);
+  out.write_bytes(report.version.digest);
+  out.write(static_cast<std::uint8_t>(report.state));
   spi::Token token{.class_id = std::string(kClass)};
-  token.binary_properties.push_back({std::string(kVersion), to_bytes(octets.view()), true});
+  token.binary_properties.push_back({std::string(kVersion), std::move(octets), true});
   if (wants_answer) token.properties.push_back({std::string(kWantsAnswer), "true", true});
+  if (wants_keys) token.properties.push_back({std::string(kWantsKeys), "true", true});
   return token;
 }
 
@@ -55,10 +60,11 @@ void GovernanceTransition::each_joined(F&& f) {
 
 void GovernanceTransition::tick() {
   if (phase_ != Phase::draining) check();
+  each_joined([&](Peer& peer) { send_again(peer); });
   if (phase_ == Phase::none) return send_to_all();
   // The protections are added before the reports are sent, because peers that receive a report send
   // keys for the second protection at once.
-  if (phase_ == Phase::accepting && !add_protections()) return;
+  if (phase_ == Phase::accepting && (is_interrupted() || !add_protections())) return;
   send_to_all();
   const bool is_complete = complete_pairs();
   if (phase_ == Phase::accepting) {
@@ -71,9 +77,10 @@ void GovernanceTransition::tick() {
       const auto* association = one.second.state.association();
       return association != nullptr && association->governance.takes_part &&
              (association->governance.received->state == State::changing ||
-              core_.keyring.second_protections().any_announced_with_second(one.first));
+              core_.keyring.phases().endpoints().any_announced_with_second(one.first));
     });
-    if (!any_is_behind || core_.now >= deadline_) end();
+    const bool is_over = !any_is_behind && admission_.are_announcements_received();
+    if (is_over || core_.now >= deadline_) end();
   }
 }
 
@@ -95,33 +102,54 @@ bool GovernanceTransition::may_begin() {
   return !revision_.is_busy() || core_.now >= *waits_since_ + core_.own->governance_change_time();
 }
 
-// Keys of the second protection are not revised. From now on they are not used to send, and they
-// are accepted no longer than former keys.
-void GovernanceTransition::finish() {
+// Keys of the second protection are not revised, and a peer that loses its trust may have them. In
+// the first phase nothing was sent with them yet: they are dropped, and made anew after the
+// revision. In the second phase they are accepted for no longer than former keys are.
+void GovernanceTransition::note_revision() {
+  if (phase_ == Phase::accepting && core_.now < deadline_) {
+    core_.keyring.phases().remove_second();  // also those of endpoints that were made since
+    has_protections_ = false;
+    return;
+  }
   if (phase_ == Phase::accepting && add_protections()) change();
   if (phase_ == Phase::draining)
     deadline_ = std::min(deadline_, core_.now + 2 * KeyReviser::kTimeout);
 }
 
+bool GovernanceTransition::is_interrupted() const {
+  return !has_protections_ && revision_.is_busy() && core_.now < deadline_;
+}
+
 void GovernanceTransition::begin(const Version& next) {
   target_ = next;
   phase_ = Phase::accepting;
-  has_failed_ = false;
+  has_failed_ = has_protections_ = false;
   has_lost_any_ = false;
+  core_.other_governance = next;
+  auto& other = core_.other_domain;
+  other =
+      core_.own->plugins().access_control.participant_attributes_of(core_.own->permissions(), next);
+  if (other && spi::security_info(*other) == spi::security_info(core_.own->attributes()))
+    other.reset();
   core_.governance_changes = true;
-  waits_since_.reset();
-  deadline_ = core_.now + core_.own->governance_change_time();
-  each_joined([&](Peer& peer) { refresh(peer); });
-  judge_matches();
+  deadline_ = *std::exchange(waits_since_, std::nullopt) + core_.own->governance_change_time();
+  for (auto& [prefix, peer] : core_.peers) refresh(peer);
 }
 
 // Fails if the document was dropped meanwhile, because its CA has left.
 void GovernanceTransition::change() {
   auto& access = core_.own->plugins().access_control;
+  const auto former = access.governance_version(core_.own->permissions());
   if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return end();
+  core_.other_governance = former;
   report_behind();
-  core_.sender.flush();
-  core_.keyring.second_protections().swap();
+  core_.sender.flush_now();  // what waits was begun with the former protection
+  core_.keyring.phases().swap();
+  if (core_.other_domain) {
+    core_.other_domain = core_.own->set_attributes(*core_.other_domain);
+    has_changed_domain_ = true;
+    note_all_former();
+  }
   core_.governance_has_changed = true;
   phase_ = Phase::draining;
   // A peer that has the document sends with the new protection before its own time is over.
@@ -132,8 +160,13 @@ void GovernanceTransition::change() {
 }
 
 void GovernanceTransition::end() {
-  core_.keyring.second_protections().remove_all();
+  const auto former = peers_of_former();
+  core_.keyring.phases().remove_second();
   core_.governance_changes = core_.governance_waits = false;
+  admission_.end_former_announcements();
+  if (phase_ == Phase::draining) core_.former_domain = core_.other_domain;
+  core_.other_domain.reset();
+  core_.other_governance.reset();
   phase_ = Phase::none;
   deadline_ = kNever;
   each_joined([&](Peer& peer) { refresh(peer); });
@@ -141,17 +174,67 @@ void GovernanceTransition::end() {
   judge_matches();
   if (std::exchange(has_lost_any_, false))
     revision_.request(KeyReviser::RevisionReason::right_lost);
+  for (const auto& prefix : former) core_.host.on_ended(prefix);
 }
 
 bool GovernanceTransition::add_protections() {
-  for (const auto& [id, topic] : admission_.own_topics()) {
-    const auto status = admission_.add_other_protection(id, topic);
-    if (status) continue;
-    if (!std::exchange(has_failed_, true))
-      core_.events.raise(Event(status.error().with_document("topic " + topic)));
+  const auto status = add_second_protections();
+  if (!status) {
+    if (!std::exchange(has_failed_, true)) core_.events.raise(Event(status.error()));
     return false;
   }
+  if (!std::exchange(has_protections_, true)) want_keys();
   return true;
+}
+
+// All keys of the next protection are to be exchanged, also with peers that had some before.
+void GovernanceTransition::want_keys() {
+  for (auto& [prefix, peer] : core_.peers)
+    if (auto* association = peer.state.association()) {
+      if (core_.keyring.phases().messages().has_second()) association->governance.message_keys = 0;
+      association->governance.lacks_keys = true;
+    }
+  judge_matches();
+}
+
+Status GovernanceTransition::add_second_protections() {
+  const auto& domain = core_.other_domain;
+  if (domain && domain->rtps != core_.own->attributes().rtps) {
+    const auto status = core_.keyring.phases().messages().add_second(*domain);
+    if (!status) return std::unexpected(status.error().in("messages"));
+  }
+  auto topics = admission_.own_topics();
+  if (domain) std::ranges::copy(admission_.builtin_topics(), std::back_inserter(topics));
+  for (const auto& [id, topic] : topics) {
+    const auto status = admission_.add_other_protection(id, topic);
+    if (!status) return std::unexpected(status.error().in("topic " + topic));
+  }
+  return {};
+}
+
+// ---- peers without the document
+
+void GovernanceTransition::note_all_former() {
+  for (auto& [prefix, peer] : core_.peers)
+    if (auto* association = peer.state.association())
+      association->governance.is_of_former = !has_changed(peer);
+}
+
+std::vector<GuidPrefix> GovernanceTransition::peers_of_former() {
+  std::vector<GuidPrefix> out;
+  for (auto& [prefix, peer] : core_.peers) {
+    auto* association = peer.state.association();
+    if (association == nullptr || !std::exchange(association->governance.is_of_former, false))
+      continue;
+    if (!has_changed(peer)) out.push_back(prefix);
+  }
+  return out;
+}
+
+void GovernanceTransition::send_again(Peer& peer) {
+  auto& governance = peer.state.association()->governance;
+  if (std::exchange(governance.wants_keys, false) && governance.takes_part)
+    exchange_.send_again(peer);
 }
 
 bool GovernanceTransition::complete_pairs() {
@@ -171,20 +254,26 @@ bool GovernanceTransition::has_changed(const Peer& peer) const {
 
 // A peer that has not joined gets its keys later, so nothing waits for it.
 bool GovernanceTransition::is_ready(const Peer& peer) const {
-  if (peer.state.joined() == nullptr || !core_.keyring.second_protections().any_with(peer.prefix()))
-    return true;
+  const bool is_concerned =
+      core_.other_domain || core_.keyring.phases().endpoints().any_with(peer.prefix());
+  if (peer.state.joined() == nullptr || !is_concerned) return true;
   return has_changed(peer) && CryptoTokenExchange::is_up_to_date(peer);
 }
 
 void GovernanceTransition::refresh(Peer& peer) const {
   auto* association = peer.state.association();
   if (association == nullptr) return;
-  association->governance.takes_part = has_changed(peer);
+  auto& governance = association->governance;
+  governance.takes_part = has_changed(peer);
+  core_.keyring.phases().note_sends_next(
+      peer.prefix(), governance.takes_part && governance.received->state != State::changing);
 }
 
 void GovernanceTransition::report_behind() {
   each_joined([&](Peer& peer) {
-    if (!core_.keyring.second_protections().any_with(peer.prefix()) || has_changed(peer)) return;
+    const bool is_concerned =
+        core_.other_domain || core_.keyring.phases().endpoints().any_with(peer.prefix());
+    if (!is_concerned || has_changed(peer)) return;
     const auto& report = peer.state.association()->governance.received;
     const bool is_ahead = report && report->version.revision > target_->revision;
     core_.raise(
@@ -194,8 +283,10 @@ void GovernanceTransition::report_behind() {
              .field = "revision",
              .expected = std::to_string(target_->revision),
              .found = report ? std::to_string(report->version.revision) : "an earlier one or none",
-             .note = "its endpoints no longer match on topics that the two documents protect "
-                     "differently"}),
+             .note = core_.other_domain
+                         ? "the session with it ends when the change is over"
+                         : "its endpoints no longer match on topics that the two documents "
+                           "protect differently"}),
         peer, EventOrigin::its_keys);
   });
 }
@@ -221,9 +312,12 @@ void GovernanceTransition::send_report(Peer& peer, bool wants_answer) {
   if (peer.data.vendor != kVendorDdssec || !exchange_.has_room(peer)) return;
   auto& governance = peer.state.association()->governance;
   const auto report = own();
-  if (governance.sent == report) return;
+  const bool wants_keys = phase_ != Phase::none && governance.lacks_keys;
+  if (governance.sent == report && !wants_keys) return;
   governance.sent = report;
-  exchange_.send_token(peer, message_class::kGovernance, token_of(report, wants_answer));
+  governance.lacks_keys = false;
+  exchange_.send_token(peer, message_class::kGovernance,
+                       token_of(report, wants_answer, wants_keys));
 }
 
 // Without a change, a peer gets a report only if it had one before or asks for one.
@@ -242,6 +336,10 @@ void GovernanceTransition::on_message(Peer& peer, const spi::Token& token) {
   const bool took_part = governance.takes_part;
   governance.received = report;
   refresh(peer);
+  governance.wants_keys |= spi::find_property(token.properties, kWantsKeys) != nullptr;
+  if (governance.wants_keys && governance.repetitions.try_spend(core_.now)) send_again(peer);
+  // Until there are keys for the second protection, the peer must not send its own.
+  if (phase_ == Phase::accepting && !has_protections_) return;
   if (spi::find_property(token.properties, kWantsAnswer) != nullptr &&
       governance.answers.try_spend(core_.now)) {
     governance.sent.reset();

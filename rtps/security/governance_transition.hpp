@@ -1,14 +1,15 @@
-// Puts a governance document that protects topics more into force while participants run, in two
-// phases: first both protections are accepted, then the new one alone.
+// Puts a governance document that protects topics or the domain more into force while participants
+// run, in two phases: first both protections are accepted, then the new one alone.
 //
-// A participant that has accepted the document reports that to its authenticated peers, in their
-// protected channel. Peers that have the document too exchange keys for the new protection. A
-// participant sends with the former protection until all peers with which it shares changed topics
-// have its new keys, or until its time is over. After that it sends with the new one. It accepts
-// the former protection until all peers have reported that they send with the new one, or until
-// that time is over once more. Reports of peers only decide when that happens within this time: the
-// document comes from the participant's own file, and the protection of sent messages never becomes
-// less.
+// A participant that has taken the document says so to its authenticated peers, in their protected
+// channel. Those that have it, too, exchange keys for the new protection. A participant goes on to
+// send with the former one until all peers that it shares changed topics with have its new keys
+// (all peers, if the document changes the domain), or until its time is over; then it sends with
+// the new one. From then on it accepts the former protection only from peers that have not said
+// that they send with the new one, until all have said so, or until that time is over once more.
+// What peers say decides when that happens within this time, and nothing else: the document comes
+// from the own file, and the protection of what is sent never becomes less. Peers without the
+// document part when a change of the domain is over.
 #pragma once
 
 #include "rtps/security/admission.hpp"
@@ -27,8 +28,11 @@ class GovernanceTransition {
 
   /// Must be called once a second.
   void tick();
-  /// Begins the second phase now and shortens it, because keys are to be revised.
-  void finish();
+  /// True if the participant's own attributes have changed since the last call.
+  bool take_changed_domain() { return std::exchange(has_changed_domain_, false); }
+  /// Must be called while keys are revised, or are to be. In the first phase, the change goes on
+  /// after that, but no later than its time demands; the second phase does not last long.
+  void note_revision();
 
  private:
   using Version = spi::AccessControl::GovernanceVersion;
@@ -41,6 +45,7 @@ class GovernanceTransition {
 
   void check();
   bool may_begin();
+  bool is_interrupted() const;
   void begin(const Version& next);
   void change();
   void end();
@@ -48,6 +53,10 @@ class GovernanceTransition {
   /// none; an event reports that once. Nothing changes before this succeeds, so that no endpoint
   /// sends with less.
   bool add_protections();
+  Status add_second_protections();
+  void want_keys();
+  /// Sends keys to the peer that it wants again, if any.
+  void send_again(Peer& peer);
   bool complete_pairs();
   /// True if the peer has all that it needs for the new protection, or shares no changed topic.
   bool is_ready(const Peer& peer) const;
@@ -60,6 +69,9 @@ class GovernanceTransition {
   void on_message(Peer& peer, const spi::Token& report);
   void report_behind();
   void judge_matches();
+  void note_all_former();
+  /// Those that were there when the domain changed, and have not taken the document since.
+  std::vector<GuidPrefix> peers_of_former();
   template <class F>
   void each_joined(F&& f);
 
@@ -73,6 +85,8 @@ class GovernanceTransition {
   std::optional<MonotonicTime> waits_since_;  ///< set while a document waits whose change has not
                                               ///< begun
   MonotonicTime deadline_ = kNever;
+  bool has_changed_domain_ = false;
+  bool has_protections_ = false;  ///< there are keys for all second protections
   bool has_failed_ = false;
   bool has_lost_any_ = false;  ///< an endpoint of a peer that matched lost its right
 };

@@ -54,46 +54,45 @@ Result<std::optional<spi::CipherMask>> Keyring::required_ciphers(const EntityId&
 }
 
 void Keyring::remove_local(const EntityId& id) {
-  second_protections_.remove(id);
+  phases_.endpoints().remove(id);
   keys_.remove(locals_, id);
 }
 
 // ---- remote participants
 
 Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto handle,
-                          factory().register_matched_remote_participant(
-                              own_.crypto(), remote.identity, remote.permissions, *remote.secret));
-  own_.session_ends().expect(prefix, *remote.secret);
-  remotes_[prefix] = {handle, std::move(remote.secret), remote.wraps_plain_builtin, {}};
-  all_remotes_.push_back(handle);
+  RemoteCrypto crypto{remote.identity, remote.permissions, std::move(remote.secret),
+                      remote.wraps_plain_builtin, phases_.has_swapped()};
+  DDSSEC_ASSIGN_OR_RETURN(crypto.crypto, phases_.messages().add_remote(crypto));
+  own_.session_ends().expect(prefix, *crypto.secret);
+  remotes_[prefix] = std::move(crypto);
   return {};
 }
 
 void Keyring::remove_remote(const GuidPrefix& prefix) {
-  second_protections_.unregister_pairs_of(prefix);
+  phases_.endpoints().unregister_pairs_of(prefix);
   keys_.unregister_pairs_of(locals_, prefix);
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return;
   own_.session_ends().forget(prefix);
-  std::erase(all_remotes_, at->second.crypto);
+  phases_.messages().remove_remote(at->second.crypto);
   static_cast<void>(factory().unregister_participant(at->second.crypto));
   remotes_.erase(at);
 }
 
 Result<std::vector<spi::Token>> Keyring::participant_tokens(const GuidPrefix& prefix,
+                                                            ProtectionId protection,
                                                             spi::KeyStage stage) {
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return fail(Code::crypto_not_matched);
-  return exchange().create_local_participant_crypto_tokens(own_.crypto(), at->second.crypto, stage);
+  return phases_.messages().tokens(at->second.crypto, protection, stage);
 }
 
-Status Keyring::set_participant_tokens(const GuidPrefix& prefix,
-                                       std::span<const spi::Token> tokens) {
+Status Keyring::set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens,
+                                       ProtectionId protection) {
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return fail(Code::crypto_not_matched);
-  DDSSEC_RETURN_IF_ERROR(
-      exchange().set_remote_participant_crypto_tokens(own_.crypto(), at->second.crypto, tokens));
+  DDSSEC_RETURN_IF_ERROR(phases_.messages().set_tokens(at->second.crypto, tokens, protection));
   at->second.keys = digest_of(tokens);
   return {};
 }
@@ -117,13 +116,13 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
       DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, local, pair));
       pair.is_suspended = false;
       local.list(id, remote, pair);
-      second_protections_.give_up(id, local.note_idle(remote, pair));
+      phases_.endpoints().give_up(id, local.note_idle(remote, pair));
       return PairRegistration{pair.is_ready, true, std::move(tokens)};
     }
     unregister_pair(id, remote);
   }
   DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, local, remote, is_relay_only));
-  second_protections_.give_up(id, registered.displaced);
+  phases_.endpoints().give_up(id, registered.displaced);
   return registered;
 }
 
@@ -131,9 +130,9 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
 // returns.
 std::optional<Guid> Keyring::unregister_pair(const EntityId& id, const Guid& remote,
                                              AfterMatch after) {
-  second_protections_.unregister_pair(id, remote);
+  phases_.endpoints().unregister_pair(id, remote);
   auto displaced = keys_.unregister_pair(locals_, id, remote, after);
-  second_protections_.give_up(id, displaced);
+  phases_.endpoints().give_up(id, displaced);
   return displaced;
 }
 
@@ -165,11 +164,11 @@ Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) cons
 
 // There is no digest if only payloads are protected: an attacker can change their sequence numbers.
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
-  const auto* local = find(id);
+  const auto* local = phases_.demanded(id, remote);
   const auto peer = remotes_.find(remote.prefix);
   const bool known = local != nullptr && local->pairs.contains(remote) && peer != remotes_.end();
   if (!known) return std::nullopt;
-  const bool by_message = own_.attributes().is_rtps_protected();
+  const bool by_message = phases_.must_protect_messages(remote.prefix);
   const bool by_submessage = local->attributes.is_submessage_protected();
   if (!by_message && !by_submessage) return std::nullopt;
   const Sha256Digest none{};
@@ -183,7 +182,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   const auto at = locals_.find(id);
   const bool is_first =
       at != locals_.end() && (protection == 0 || at->second.protection == protection);
-  auto* local = is_first ? &at->second : second_protections_.find(id, protection);
+  auto* local = is_first ? &at->second : phases_.endpoints().find(id, protection);
   if (local == nullptr) return fail(Code::crypto_not_matched);
   const auto pair = local->pairs.find(remote);
   if (pair == local->pairs.end() || pair->second.handle == 0)
@@ -197,17 +196,19 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.is_ready, true);
   local->list(id, remote, pair->second);
-  second_protections_.give_up(id, local->note_idle(remote, pair->second));
+  phases_.endpoints().give_up(id, local->note_idle(remote, pair->second));
   return is_first && !was_ready && !pair->second.is_suspended;
 }
 
 // ---- key revision
 
 Result<spi::KeyRevision> Keyring::revise() {
+  DDSSEC_RETURN_IF_ERROR(phases_.messages().revise());
   return factory().revise_local_entity_keys(own_.crypto());
 }
 
 Status Keyring::activate(spi::KeyRevision revision) {
+  DDSSEC_RETURN_IF_ERROR(phases_.messages().activate());
   return factory().activate_key_revision(own_.crypto(), revision);
 }
 

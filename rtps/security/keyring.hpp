@@ -8,6 +8,7 @@
 #include "rtps/security/endpoint_keys.hpp"
 #include "rtps/security/peer_event.hpp"
 #include "rtps/security/pre_shared_messages.hpp"
+#include "rtps/security/protection_phases.hpp"
 #include "wire/entity_ids.hpp"
 
 namespace ddssec::rtps {
@@ -40,8 +41,9 @@ class Keyring final : public SendProtection {
   Result<std::optional<spi::CipherMask>> required_ciphers(const EntityId& id);
   /// Returns nullptr if the endpoint was never added.
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
-  SecondProtections& second_protections() { return second_protections_; }
-  const SecondProtections& second_protections() const { return second_protections_; }
+  /// The second protections, while the governance changes.
+  ProtectionPhases& phases() { return phases_; }
+  const ProtectionPhases& phases() const { return phases_; }
 
   // Remote participants:
   struct RemoteParticipant {
@@ -54,9 +56,12 @@ class Keyring final : public SendProtection {
   };
   Status add_remote(const GuidPrefix& prefix, RemoteParticipant remote);
   void remove_remote(const GuidPrefix& prefix);
+  /// `protection`: see MessageKeys::tokens.
   Result<std::vector<spi::Token>> participant_tokens(const GuidPrefix& prefix,
+                                                     ProtectionId protection = 0,
                                                      spi::KeyStage stage = spi::KeyStage::in_use);
-  Status set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens);
+  Status set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens,
+                                ProtectionId protection = 0);
 
   // Pairs of a local and a remote endpoint:
   /// Registers a pair, or finds it.
@@ -95,7 +100,7 @@ class Keyring final : public SendProtection {
   /// Drops former keys whose time is over. True if the present ones are to be revised.
   bool end_former_keys() {
     factory().forget_former_keys();
-    return factory().is_key_revision_due(own_.crypto());
+    return factory().is_key_revision_due(own_.crypto()) || phases_.messages().is_revision_due();
   }
   /// Returns the pairs of local endpoints with endpoints of that peer that have keys of their own,
   /// without suspended ones.
@@ -160,8 +165,7 @@ class Keyring final : public SendProtection {
   Remotes remotes_;
   EndpointKeys keys_{own_, remotes_};
   Locals locals_;
-  SecondProtections second_protections_{locals_, keys_};
-  std::vector<spi::ParticipantCryptoHandle> all_remotes_;
+  ProtectionPhases phases_{own_, remotes_, locals_, keys_};
   ProtectionCounters counters_;
   PreSharedMessages pre_shared_{own_, events_, counters_};
 };

@@ -33,8 +33,7 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
   }
   const auto remote = remotes_.find(header.prefix);
   if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), header.prefix);
-  const auto size =
-      transform().decode_rtps_message(own_.crypto(), remote->second.crypto, message, scratch);
+  const auto size = phases_.messages().open(remote->second.crypto, message, scratch);
   if (!size) return undecodable(size.error(), header.prefix);
   return OpenMessage{scratch.first(*size), true};
 }
@@ -42,12 +41,10 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
 Result<std::size_t> Keyring::protect_message(Wrap wrap, const GuidPrefix& receiver, BytesView plain,
                                              MutableBytes out) {
   if (wrap == Wrap::pre_shared_key) return pre_shared_.protect(plain, out);
-  if (receiver.is_zero())
-    return transform().encode_rtps_message(own_.crypto(), all_remotes_, plain, out);
+  if (receiver.is_zero()) return phases_.messages().protect(nullptr, plain, out);
   const auto remote = remotes_.find(receiver);
   if (remote == remotes_.end()) return fail(Code::crypto_not_matched);
-  return transform().encode_rtps_message(own_.crypto(), std::span(&remote->second.crypto, 1), plain,
-                                         out);
+  return phases_.messages().protect(&remote->second.crypto, plain, out);
 }
 
 }  // namespace ddssec::rtps

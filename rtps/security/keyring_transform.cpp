@@ -79,7 +79,7 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
                                         MutableBytes scratch) {
   const auto* local = find(reader);
   if (local == nullptr) return fail(Code::crypto_not_matched);
-  if (const auto* other = second_protections_.of(reader, writer)) [[unlikely]] {
+  if (const auto* other = phases_.endpoints().of(reader, writer)) [[unlikely]] {
     const bool by_key = opened_by.submessage == writer;
     const auto fits = [&](const LocalKeys& one) {
       return by_key ? one.protection == opened_by.protection
@@ -100,18 +100,15 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
 }
 
 bool Keyring::accepts(const EntityId& id, const Guid& remote, const ReceivedProtection& opened_by) {
-  const auto* local = find(id);
+  const auto* local = phases_.demanded(id, remote);
   if (local == nullptr) return false;
   const auto peer = remotes_.find(remote.prefix);
   const bool may_come_bare =
       local->is_volatile ||
       (is_plain_builtin(id) && (peer == remotes_.end() || !peer->second.wraps_plain_builtin));
   const bool message_missing =
-      own_.attributes().is_rtps_protected() && !opened_by.message && !may_come_bare;
-  bool submessage_missing = lacks_submessage_key(*local, remote, opened_by);
-  if (submessage_missing)
-    if (const auto* other = second_protections_.of(id, remote))
-      submessage_missing = lacks_submessage_key(*other, remote, opened_by);
+      phases_.must_protect_messages(remote.prefix) && !opened_by.message && !may_come_bare;
+  const bool submessage_missing = lacks_submessage_key(*local, remote, opened_by);
   if (!message_missing && !submessage_missing) return true;
   ++counters_.unprotected;
   events_.raise(
@@ -131,7 +128,7 @@ bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& 
   if (local == nullptr || opened_by.submessage == Guid{}) return false;
   if (local->is_volatile || !is_builtin(writer)) return true;
   if (local->protection != opened_by.protection)
-    local = keyring.second_protections().of(writer, reader);
+    local = keyring.phases().endpoints().of(writer, reader);
   return local != nullptr && local->protection == opened_by.protection &&
          spi::is_origin_authenticated(local->attributes.submessage);
 }
@@ -139,10 +136,8 @@ bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& 
 bool is_only_payload_proven(const Keyring& keyring, const EntityId& local, const Guid& remote,
                             const ReceivedProtection& opened_by) {
   if (opened_by.message || opened_by.submessage == remote) return false;
-  const auto* attributes = keyring.attributes(local);
-  if (attributes == nullptr || !attributes->is_payload_protected()) return false;
-  const auto* other = keyring.second_protections().of(local, remote);
-  return other == nullptr || other->attributes.is_payload_protected();
+  const auto* demanded = keyring.phases().demanded(local, remote);
+  return demanded != nullptr && demanded->attributes.is_payload_protected();
 }
 
 void Keyring::note_unproven_end(const EntityId& id, const Guid& remote, std::string found) {
@@ -163,10 +158,11 @@ Keyring::Levels Keyring::levels(const EntityId& sender) const {
   // SPDP and the stateless endpoint are not in the keyring, because peers must be able to read them
   // before authentication.
   if (local == nullptr) return {.message = pre_shared_.wrap(), .message_room = kHeaderAndFooter};
-  const auto& participant = own_.attributes();
-  const bool is_by_participant = participant.is_rtps_protected() && !local->is_volatile;
-  const bool has_message_macs = is_by_participant && spi::is_origin_authenticated(participant.rtps);
-  const auto macs = has_message_macs ? kReceiverMac * (all_remotes_.size() + kMorePeers) : 0;
+  const auto kind = phases_.messages().kind();
+  const bool is_by_participant = is_protected(kind) && !local->is_volatile;
+  const bool has_message_macs = is_by_participant && spi::is_origin_authenticated(kind);
+  const auto macs =
+      has_message_macs ? kReceiverMac * (phases_.messages().receivers() + kMorePeers) : 0;
   return {.payload = local->attributes.is_payload_protected(),
           .submessage = local->attributes.is_submessage_protected(),
           .message = is_by_participant ? Wrap::participant_key : pre_shared_.wrap(),

@@ -49,6 +49,12 @@ class OwnSecurity {
   const spi::Token& identity_token() const { return identity_token_; }
   const spi::Token& permissions_token() const { return permissions_token_; }
 
+  /// Sets the attributes that the governance demands from now on. Returns the former ones.
+  spi::ParticipantSecurityAttributes set_attributes(
+      const spi::ParticipantSecurityAttributes& attributes) {
+    return std::exchange(attributes_, attributes);
+  }
+
   /// Makes handshakes present permissions that access control has renewed, from now on. An event
   /// reports a refusal. Returns true if there are any.
   bool present_renewed_permissions();

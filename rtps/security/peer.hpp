@@ -59,6 +59,16 @@ struct GovernanceOfPeer {
   /// True if the peer has accepted the document that is in force here or comes into force. The peer
   /// is then told which protection keys are for, and its endpoints match with either.
   bool takes_part = false;
+  /// The protection of messages whose keys were sent to the peer last; see MessageKeys.
+  std::uint64_t message_keys = 0;
+  /// We have new keys for the protection that is to come, and have not said so to the peer.
+  bool lacks_keys = false;
+  /// The peer has said so of itself. Keys are sent again at once for a few such reports, and for
+  /// more of them once a second.
+  bool wants_keys = false;
+  WorkBudget repetitions{3, std::chrono::seconds(5), {}};
+  /// It was associated when another governance came into force here, which it did not have.
+  bool is_of_former = false;
   WorkBudget answers{3, std::chrono::seconds(5), {}};
 };
 

@@ -49,6 +49,8 @@ Status Security::start() {
         core_.keyring.add_local(endpoint.writer, attributes, endpoint.writer_name));
     DDSSEC_RETURN_IF_ERROR(
         core_.keyring.add_local(endpoint.reader, attributes, endpoint.reader_name));
+    admission_.note_builtin(endpoint.writer, endpoint.topic);
+    admission_.note_builtin(endpoint.reader, endpoint.topic);
   }
   core_.sender.protect_with(core_.keyring);
   const auto& shared = core_.own->shared_memory();
@@ -178,7 +180,7 @@ void Security::tick(MonotonicTime now) {
   exchange_.tick();
   // This comes before expire(). A revision that expire() requests begins in the next tick, when the
   // peers that have ended are removed.
-  if (revision_.is_busy()) change_.finish();
+  if (revision_.is_busy()) change_.note_revision();
   revision_.tick();
   if (memory_) memory_->serve(now);
   if (now >= next_expiry_) expire();
@@ -234,6 +236,7 @@ void Security::expire() {
   }
   renewal_.offer();
   change_.tick();
+  if (change_.take_changed_domain()) handshakes_.try_all_again();
 }
 
 }  // namespace ddssec::rtps

@@ -61,14 +61,26 @@ struct SecurityCore {
     const auto at = peers.find(prefix);
     return at == peers.end() ? nullptr : &at->second;
   }
+  /// True if the peer has the governance document that is in force here, or comes into force.
+  bool takes_part(const GuidPrefix& prefix) const {
+    const auto* peer = find(prefix);
+    const auto* association = peer == nullptr ? nullptr : peer->state.association();
+    return association != nullptr && association->governance.takes_part;
+  }
+  /// True if the participant's liveliness counts only if it is asserted by the secure topic.
+  bool must_protect_liveliness(const GuidPrefix& prefix) const {
+    const bool is_former = other_domain && keyring.phases().may_send_by_former(prefix);
+    return (is_former ? *other_domain : own->attributes()).is_liveliness_protected();
+  }
   /// Returns the possible senders of a message that a local endpoint accepts as one of the remote
   /// endpoint.
   EventOrigin origin(const EntityId& local, const Guid& remote) const {
-    const auto* attributes = keyring.attributes(local);
-    if (attributes == nullptr) return EventOrigin::anyone;
-    if (attributes->is_submessage_protected()) return EventOrigin::its_keys;
+    const auto* demanded = keyring.phases().demanded(local, remote);
+    if (demanded == nullptr) return EventOrigin::anyone;
+    if (demanded->attributes.is_submessage_protected()) return EventOrigin::its_keys;
     const auto* peer = find(remote.prefix);
-    const bool is_wrapped = own->attributes().is_rtps_protected() && peer != nullptr &&
+    const bool is_wrapped = keyring.phases().must_protect_messages(remote.prefix) &&
+                            peer != nullptr &&
                             (!is_plain_builtin(local) || peer->data.vendor != kVendorCyclone);
     return is_wrapped ? EventOrigin::its_keys : EventOrigin::anyone;
   }
@@ -114,6 +126,13 @@ struct SecurityCore {
   std::shared_ptr<const Bytes> own_data;
   MonotonicTime now{};              ///< time of the current call
   bool governance_changes = false;  ///< endpoints have two protections (GovernanceTransition)
+  /// While the governance changes: the document that is to come or, once that is in force, the
+  /// former one.
+  std::optional<spi::AccessControl::GovernanceVersion> other_governance;
+  /// The participant's attributes under that document, if it protects the whole domain otherwise.
+  std::optional<spi::ParticipantSecurityAttributes> other_domain;
+  /// A change is over: the attributes before it, until discovery has taken them.
+  std::optional<spi::ParticipantSecurityAttributes> former_domain;
   bool governance_has_changed = false;
   bool governance_waits = false;     ///< endpoints have two protections, or will as soon as no keys
                                      ///< are being revised

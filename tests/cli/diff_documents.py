@@ -3,24 +3,25 @@
 from transcript import Transcript
 
 
-def topic(expression, data="ENCRYPT", metadata="NONE", discovery="true"):
+def topic(expression, data="ENCRYPT", metadata="NONE", discovery="true", liveliness="true", read="true", write="true"):
     return (f"<topic_rule><topic_expression>{expression}</topic_expression>\n"
             f"<enable_discovery_protection>{discovery}</enable_discovery_protection>\n"
-            "<enable_liveliness_protection>true</enable_liveliness_protection>\n"
-            "<enable_read_access_control>true</enable_read_access_control>\n"
-            "<enable_write_access_control>true</enable_write_access_control>\n"
+            f"<enable_liveliness_protection>{liveliness}</enable_liveliness_protection>\n"
+            f"<enable_read_access_control>{read}</enable_read_access_control>\n"
+            f"<enable_write_access_control>{write}</enable_write_access_control>\n"
             f"<metadata_protection_kind>{metadata}</metadata_protection_kind>\n"
             f"<data_protection_kind>{data}</data_protection_kind></topic_rule>\n")
 
 
-def governance(*topics, domain="<id>0</id>", rtps="SIGN", unauthenticated="false"):
+def governance(*topics, domain="<id>0</id>", rtps="SIGN", unauthenticated="false", discovery="ENCRYPT",
+               liveliness="ENCRYPT"):
     return ('<?xml version="1.0" encoding="UTF-8"?>\n<dds><domain_access_rules><domain_rule>\n'
             f"<domains>{domain}</domains>\n"
             f"<allow_unauthenticated_participants>{unauthenticated}"
             "</allow_unauthenticated_participants>\n"
             "<enable_join_access_control>true</enable_join_access_control>\n"
-            "<discovery_protection_kind>ENCRYPT</discovery_protection_kind>\n"
-            "<liveliness_protection_kind>ENCRYPT</liveliness_protection_kind>\n"
+            f"<discovery_protection_kind>{discovery}</discovery_protection_kind>\n"
+            f"<liveliness_protection_kind>{liveliness}</liveliness_protection_kind>\n"
             f"<rtps_protection_kind>{rtps}</rtps_protection_kind>\n"
             f"<topic_access_rules>\n{''.join(topics)}</topic_access_rules>\n"
             "</domain_rule></domain_access_rules></dds>\n")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """governance diff: what a change of a document changes, and for whom."""
 
+import itertools
 import re
 
 from diff_documents import Differences, governance, topic
@@ -101,6 +102,51 @@ class GovernanceDifferences(Differences):
         self.assertEqual(live(numbered(one, 2), numbered(one, 1))[3], "revision 1 does not follow 2")
         self.assertEqual(live(numbered(one, 1), numbered(one, 2))[0], "same")
         self.assertEqual(live(numbered(one, 1), more)[0], "two phases", "signing it writes the next revision")
+
+    def test_stronger_kinds_of_the_domain_are_taken_in_two_phases(self):
+        """As GovernancePhases.StrongerKindOfTheDomain_Waits has it of participants, and the table of
+        renew-without-restart.md."""
+        origin = "_WITH_ORIGIN_AUTHENTICATION"
+        kinds = ("NONE", "SIGN", "ENCRYPT", "SIGN" + origin, "ENCRYPT" + origin)
+        rise = {("NONE", "SIGN"), ("NONE", "ENCRYPT"), ("SIGN", "ENCRYPT"), ("SIGN" + origin, "ENCRYPT" + origin)}
+        for element in ("rtps", "discovery", "liveliness"):
+            for before, after in itertools.permutations(kinds, 2):
+                self.write(*(governance(topic("*", "SIGN"), **{element: kind}) for kind in (before, after)))
+                live = self.diff()["live"]
+                embedded = "two phases" if (before, after) in rise else "restart"
+                self.assertEqual((live["embedded"], live["cyclonedds"], live["stock"]), (embedded, "restart", "restart"))
+                self.assertEqual(live["reason"], f"{element}_protection_kind: {before} became {after}")
+        self.write(*(governance(topic("*", "SIGN"), rtps=kind) for kind in ("SIGN", "ENCRYPT")))
+        text = " ".join(self.text().split())
+        self.assertIn("embedded participants of ddssec: taken while they run, in two phases", text)
+        self.assertIn("Cyclone DDS on ddssec's plugins: restart", text)
+        self.assertIn("a participant that stays with the old file does not talk to those that have changed", text)
+        self.assertIn("start all others again at that time", text)
+        self.assertNotIn("second domain", text)
+
+    def test_protection_of_messages_begins_only_without_unauthenticated_participants(self):
+        for unauthenticated, embedded in (("true", "restart"), ("false", "two phases")):
+            self.write(*(governance(topic("*", "SIGN"), rtps=kind, unauthenticated=unauthenticated) for kind in ("NONE", "SIGN")))
+            self.assertEqual(self.diff()["live"]["embedded"], embedded)
+
+    def test_a_layer_that_falls_while_another_one_rises_needs_a_restart(self):
+        """Each document demands one of the two. A message that lacks both must never pass."""
+        self.write(governance(topic("*", "NONE"), rtps="SIGN"), governance(topic("*", "NONE", "SIGN"), rtps="NONE"))
+        self.assertEqual(self.diff()["live"]["embedded"], "restart")
+        self.write(governance(topic("*", "NONE", "SIGN"), rtps="NONE"), governance(topic("*", "NONE"), rtps="SIGN"))
+        self.assertEqual(self.diff()["live"]["embedded"], "restart")
+
+    def test_flags_of_topics_that_begin_are_taken_in_two_phases(self):
+        for flag in ("discovery", "liveliness", "read", "write"):
+            for before, after in itertools.permutations(("true", "false")):
+                self.write(*(governance(topic("rt/x", **{flag: value}), topic("rt/open", discovery="false"))
+                             for value in (before, after)))
+                live = self.diff()["live"]
+                if after == "true":
+                    self.assertEqual((live["embedded"], live["cyclonedds"]), ("two phases", "live unless in use"))
+                    self.assertEqual(live["reason"], 'more protection for "rt/x"')
+                else:
+                    self.assertEqual((live["embedded"], live["cyclonedds"]), ("restart", "restart"))
 
     def test_a_rule_before_others_that_protects_its_topics_more_is_taken_in_two_phases(self):
         def live(old, new):

@@ -18,16 +18,21 @@ constexpr auto kSign = ProtectionKind::sign, kEncrypt = ProtectionKind::encrypt;
 
 class GovernancePhases : public AccessControlTest {
  protected:
-  explicit GovernancePhases(bool changes_protection = true) {
-    make({.host_changes_protection = changes_protection});
+  explicit GovernancePhases(bool changes_protection = true)
+      : changes_protection_(changes_protection) {
     topic().metadata_protection_kind = topic().data_protection_kind = kSign;
-    put(1);
+    start();
+    EXPECT_EQ(data_of("t"), kSign);
+  }
+  /// A participant with the document as it is now.
+  void start(std::uint32_t first = 1) {
+    make({.host_changes_protection = changes_protection_});
+    put(first);
     auto all = properties("", open_permissions(kTalker));
     for (auto& one : all)
       if (one.name == spi::property::kGovernance) one.value = "file:" + path_;
     own_ = plugin->validate_local_permissions(kLocalIdentity, 0, all);
     EXPECT_TRUE(own_) << own_.error().to_sentence();
-    EXPECT_EQ(data_of("t"), kSign);
     log.all.clear();
   }
   governance::TopicRule& topic() { return governance_document.domain_rules[0].topic_rules[0]; }
@@ -66,6 +71,7 @@ class GovernancePhases : public AccessControlTest {
   }
   bool waits() { return plugin->pending_governance(*own_).has_value(); }
 
+  const bool changes_protection_;
   const test::TemporaryFolder folder_;
   const std::string path_ = folder_.path() + "/governance.p7s";
   Result<spi::PermissionsHandle> own_ = fail(Code::unknown_permissions_handle);
@@ -87,12 +93,16 @@ TEST_F(GovernancePhases, MoreProtection_WaitsUntilTheHostHasChangedItsEndpoints)
   EXPECT_EQ(shown["waiting"]["subject"], "revision 2");
   EXPECT_EQ(shown["waiting"]["sha256"], to_hex(sha256(as_bytes(text))));
   EXPECT_EQ(plugin->pending_governance(*own_)->revision, 2u);
-  EXPECT_EQ(plugin->other_attributes(*own_, "t")->payload, kEncrypt);
   EXPECT_THAT(codes_after_looking(), IsEmpty()) << "begins once";
-  const auto digest = plugin->pending_governance(*own_)->digest;
+  const auto former = *plugin->governance_version(*own_);
+  const auto next = *plugin->pending_governance(*own_);
+  EXPECT_EQ(plugin->endpoint_attributes_of(*own_, next, "t")->payload, kEncrypt);
+  EXPECT_FALSE(plugin->endpoint_attributes_of(*own_, former, "t"));
+  const auto digest = next.digest;
   EXPECT_TRUE(apply());
   EXPECT_EQ(data_of("t"), kEncrypt);
-  EXPECT_EQ(plugin->other_attributes(*own_, "t")->payload, kSign) << "for the second phase";
+  EXPECT_EQ(plugin->endpoint_attributes_of(*own_, former, "t")->payload, kSign)
+      << "for the second phase";
   EXPECT_FALSE(waits());
   EXPECT_EQ(plugin->governance_version(*own_)->digest, digest);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
@@ -239,6 +249,121 @@ TEST_F(GovernancePhases, RuleBeforeTheOneInUse_ThatProtectsLess_IsRefused) {
   expect_refused("data_protection_kind", "\"t\": restart it");
 }
 
+using Kind = ProtectionKind governance::DomainRule::*;
+constexpr std::array<std::pair<std::string_view, Kind>, 3> kDomainKinds = {
+    {{"discovery_protection_kind", &governance::DomainRule::discovery_protection_kind},
+     {"liveliness_protection_kind", &governance::DomainRule::liveliness_protection_kind},
+     {"rtps_protection_kind", &governance::DomainRule::rtps_protection_kind}}};
+constexpr auto kNone = ProtectionKind::none;
+
+// As `governance diff` predicts: tests/cli/governance_diff_test.py.
+TEST_F(GovernancePhases, StrongerKindOfTheDomain_Waits) {
+  for (const auto& [element, kind] : kDomainKinds) {
+    auto& rule = governance_document.domain_rules[0];
+    rule.*kind = kNone;
+    start();
+    std::uint32_t next = 1;
+    for (const auto value : {kSign, kEncrypt}) {
+      const auto before = *plugin->participant_sec_attributes(*own_);
+      const auto former = *plugin->governance_version(*own_);
+      rule.*kind = value;
+      put(++next);
+      EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing)) << element;
+      EXPECT_EQ(*plugin->participant_sec_attributes(*own_), before);
+      ASSERT_TRUE(waits());
+      const auto other =
+          plugin->participant_attributes_of(*own_, *plugin->pending_governance(*own_));
+      ASSERT_TRUE(other);
+      EXPECT_NE(*other, before);
+      EXPECT_FALSE(plugin->participant_attributes_of(*own_, former));
+      EXPECT_TRUE(apply());
+      EXPECT_EQ(*plugin->participant_sec_attributes(*own_), *other);
+      EXPECT_EQ(*plugin->participant_attributes_of(*own_, former), before)
+          << "for the second phase";
+      EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+    }
+  }
+}
+
+TEST_F(GovernancePhases, WeakerKindOfTheDomain_IsRefused) {
+  for (const auto& [element, kind] : kDomainKinds) {
+    auto& rule = governance_document.domain_rules[0];
+    rule.*kind = kEncrypt;
+    start();
+    std::uint32_t next = 1;
+    for (const auto value : {kSign, kNone}) {
+      rule.*kind = value;
+      put(++next);
+      expect_refused(element, to_string(value));
+      EXPECT_FALSE(waits());
+    }
+  }
+}
+
+TEST_F(GovernancePhases, StrongerKindOfTheDomainWithoutARevision_IsRefused) {
+  governance_document.domain_rules[0].rtps_protection_kind = kNone;
+  start(0);
+  governance_document.domain_rules[0].rtps_protection_kind = kSign;
+  put(0);
+  expect_refused("revision", "rtps_protection_kind");
+}
+
+TEST_F(GovernancePhases, FlagsOfATopicInUse_MayOnlyBegin) {
+  for (const auto& [element, flag] :
+       {std::pair("enable_discovery_protection",
+                  &governance::TopicRule::enable_discovery_protection),
+        std::pair("enable_liveliness_protection",
+                  &governance::TopicRule::enable_liveliness_protection),
+        std::pair("enable_read_access_control", &governance::TopicRule::enable_read_access_control),
+        std::pair("enable_write_access_control",
+                  &governance::TopicRule::enable_write_access_control)}) {
+    topic().*flag = false;
+    start();
+    ASSERT_EQ(data_of("t"), kSign);  // in use from here on
+    topic().*flag = true;
+    put(2);
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing)) << element;
+    EXPECT_TRUE(apply());
+    EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+    topic().*flag = false;
+    put(3);
+    expect_refused(element, "false");
+    topic().*flag = true;
+  }
+}
+
+TEST_F(GovernancePhases, AttributesOfBuiltinTopics_AreThoseOfTheOtherDocumentToo) {
+  governance_document.domain_rules[0].discovery_protection_kind = kSign;
+  start();
+  governance_document.domain_rules[0].discovery_protection_kind = kEncrypt;
+  put(2);
+  codes_after_looking();
+  ASSERT_TRUE(waits());
+  const auto now =
+      plugin->datawriter_sec_attributes(*own_, {.topic_name = "DCPSPublicationsSecure"});
+  const auto other = plugin->endpoint_attributes_of(*own_, *plugin->pending_governance(*own_),
+                                                    "DCPSPublicationsSecure");
+  ASSERT_TRUE(now && other);
+  EXPECT_EQ(now->submessage, kSign);
+  EXPECT_EQ(other->submessage, kEncrypt);
+  EXPECT_TRUE(other->is_builtin);
+}
+
+// Endpoints that are made in the second phase still get the former protection as their second one.
+TEST_F(GovernancePhases, AFurtherDocumentInTheSecondPhase_LeavesTheFormerOneKnown) {
+  const auto former = *plugin->governance_version(*own_);
+  topic().metadata_protection_kind = kEncrypt;
+  put(2);
+  codes_after_looking();
+  EXPECT_TRUE(apply());
+  codes_after_looking();
+  topic().data_protection_kind = kEncrypt;
+  put(3);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing));
+  ASSERT_TRUE(waits());
+  EXPECT_EQ(plugin->endpoint_attributes_of(*own_, former, "t")->submessage, kSign);
+}
+
 // Endpoints keep the protection that they were made with, as those of Cyclone DDS do.
 class GovernanceOfAFixedHost : public GovernancePhases {
  protected:
@@ -251,6 +376,17 @@ TEST_F(GovernanceOfAFixedHost, MoreProtectionOfATopicInUse_IsRefusedAndNamesWhat
   expect_refused("topic_rule", "restart the participant");
   EXPECT_FALSE(waits());
   EXPECT_EQ(data_of("t"), kSign);
+}
+
+TEST_F(GovernanceOfAFixedHost, StrongerKindOfTheDomain_IsRefusedAndNamesWhatMustRestart) {
+  for (const auto& [element, kind] : kDomainKinds) {
+    auto& rule = governance_document.domain_rules[0];
+    rule.*kind = kSign;
+    start();
+    rule.*kind = kEncrypt;
+    put(2);
+    expect_refused(element, "restart the participant");
+  }
 }
 
 TEST_F(GovernanceOfAFixedHost, MoreProtectionOfATopicThatItDoesNotUse_IsTaken) {

@@ -1,5 +1,8 @@
 #include "governance/live_change.hpp"
 
+#include <array>
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/expect_code.hpp"
@@ -16,7 +19,7 @@ TEST(LiveChange, SameDocument_AddsNothing) {
   const auto former = domain({rule_for("a"), rule_for("*")});
   const auto added = live_change(former, former);
   ASSERT_TRUE(added);
-  EXPECT_TRUE(added->rules.empty());
+  EXPECT_TRUE(added->is_empty());
 }
 
 TEST(LiveChange, RuleAtTheEnd_IsLast) {
@@ -172,24 +175,114 @@ TEST(LiveChange, EncryptedMessages_HideKeyHashesToo) {
   EXPECT_TRUE(live_change(of(kinds(kNone, kSign), kEncrypt), of(kinds(kNone, kEncrypt), kEncrypt)));
 }
 
-TEST(LiveChange, AccessControl_MayOnlyBeginToCount) {
-  auto open = kinds(kSign, kSign), closed = open;
-  open.enable_read_access_control = open.enable_write_access_control = false;
-  EXPECT_EQ(live_change(of(open), of(closed))->raised.size(), 1u);
-  EXPECT_CODE(live_change(of(closed), of(open)), governance_renewal_refused);
-}
-
-TEST(LiveChange, DiscoveryAndLivelinessOfATopic_Stay) {
-  auto rule = kinds(kSign, kSign);
-  rule.enable_discovery_protection = rule.enable_liveliness_protection = false;
-  for (const auto element :
-       {&TopicRule::enable_discovery_protection, &TopicRule::enable_liveliness_protection}) {
-    auto next = rule;
-    next.*element = true;
-    EXPECT_CODE(live_change(of(rule), of(next)), governance_renewal_refused);
-    EXPECT_CODE(check_topic_change(rule, of(next), next), governance_renewal_refused);
+TEST(LiveChange, FlagsOfATopic_MayOnlyBeginToCount) {
+  for (const auto& [element, flag] :
+       {std::pair("enable_discovery_protection", &TopicRule::enable_discovery_protection),
+        std::pair("enable_liveliness_protection", &TopicRule::enable_liveliness_protection),
+        std::pair("enable_read_access_control", &TopicRule::enable_read_access_control),
+        std::pair("enable_write_access_control", &TopicRule::enable_write_access_control)}) {
+    const auto more = kinds(kSign, kSign);
+    auto less = more;
+    less.*flag = false;
+    const auto raised = live_change(of(less), of(more));
+    ASSERT_TRUE(raised) << element;
+    EXPECT_EQ(raised->raised.size(), 1u) << element;
+    const auto lowered = live_change(of(more), of(less));
+    EXPECT_CODE(lowered, governance_renewal_refused);
+    EXPECT_EQ(lowered.error().details().field, element);
+    EXPECT_CODE(check_topic_change(more, of(less), less), governance_renewal_refused);
   }
 }
+
+// The topics that it takes from the later rule may be in use.
+TEST(LiveChange, FlagThatIsMissingInAnAddedRule_DoesNotFitInUse) {
+  for (const auto flag :
+       {&TopicRule::enable_discovery_protection, &TopicRule::enable_liveliness_protection,
+        &TopicRule::enable_read_access_control, &TopicRule::enable_write_access_control}) {
+    auto added = rule_for("a"), later = rule_for("*");
+    EXPECT_TRUE(live_change(domain({later}), domain({added, later}))->fit_in_use);
+    added.*flag = false;
+    auto other = later;
+    other.topic_expression = "z";
+    other.enable_discovery_protection = false;  // so that a rule without it may be added
+    EXPECT_FALSE(live_change(domain({later, other}), domain({added, later, other}))->fit_in_use);
+  }
+}
+
+// ---- kinds of the domain
+
+struct KindOfTheDomain {
+  std::string_view element;
+  ProtectionKind DomainRule::*kind;
+};
+constexpr std::array kKindsOfTheDomain = {
+    KindOfTheDomain{"discovery_protection_kind", &DomainRule::discovery_protection_kind},
+    KindOfTheDomain{"liveliness_protection_kind", &DomainRule::liveliness_protection_kind},
+    KindOfTheDomain{"rtps_protection_kind", &DomainRule::rtps_protection_kind}};
+constexpr std::array kAllKinds = {kNone, kSign, kEncrypt, kSignOrigin, kEncryptOrigin};
+
+TEST(LiveChange, KindsOfTheDomain_MayOnlyRise) {
+  const std::set<std::pair<ProtectionKind, ProtectionKind>> rise = {
+      {kNone, kSign}, {kNone, kEncrypt}, {kSign, kEncrypt}, {kSignOrigin, kEncryptOrigin}};
+  for (const auto& [element, kind] : kKindsOfTheDomain)
+    for (const auto before : kAllKinds)
+      for (const auto after : kAllKinds) {
+        if (before == after) continue;
+        auto former = domain({rule_for("a")}), next = former;
+        former.*kind = before;
+        next.*kind = after;
+        next.line = 5;
+        const auto change = live_change(former, next);
+        ASSERT_EQ(change.has_value(), rise.contains({before, after}))
+            << element << to_string(before) << to_string(after);
+        if (!change) {
+          EXPECT_EQ(change.error().details().field, element);
+          EXPECT_EQ(change.error().details().expected, to_string(before));
+          EXPECT_EQ(change.error().details().found, to_string(after));
+          EXPECT_EQ(change.error().details().line, 5);
+          continue;
+        }
+        EXPECT_FALSE(change->is_empty());
+        ASSERT_EQ(change->domain.size(), 1u);
+        EXPECT_EQ(change->domain.front().element, element);
+        EXPECT_EQ(change->domain.front().former, to_string(before));
+        EXPECT_EQ(change->domain.front().next, to_string(after));
+        EXPECT_EQ(change->domain.front().line, 5);
+      }
+}
+
+// Receivers take messages by either document for a while. If one layer fell while another one
+// rose, a message could lack both.
+TEST(LiveChange, LayersThatChangePlaces_AreRefused) {
+  const auto refused_field = [](const DomainRule& former, const DomainRule& next) {
+    const auto change = live_change(former, next);
+    return change ? std::string("none") : change.error().details().field;
+  };
+  EXPECT_EQ(refused_field(of(kinds(kNone, kNone), kSign), of(kinds(kSign, kNone), kNone)),
+            "rtps_protection_kind");
+  EXPECT_EQ(refused_field(of(kinds(kSign, kNone), kNone), of(kinds(kNone, kNone), kSign)),
+            "metadata_protection_kind");
+  for (const auto& [element, kind] : kKindsOfTheDomain) {
+    auto former = of(kinds(kNone, kNone), kSign), next = of(kinds(kNone, kNone), kNone);
+    if (kind == &DomainRule::rtps_protection_kind) continue;
+    former.*kind = kNone;
+    next.*kind = kSign;
+    EXPECT_EQ(refused_field(former, next), "rtps_protection_kind") << element;
+    EXPECT_EQ(refused_field(next, former), element);
+  }
+}
+
+TEST(LiveChange, ProtectionOfMessages_DoesNotBeginWhereUnauthenticatedParticipantsAreAllowed) {
+  auto open = of(kinds(kNone, kNone), kNone), closed = of(kinds(kNone, kNone), kSign);
+  EXPECT_TRUE(live_change(open, closed));
+  open.allow_unauthenticated_participants = closed.allow_unauthenticated_participants = true;
+  EXPECT_CODE(live_change(open, closed), governance_renewal_refused);
+  auto encrypted = closed;
+  encrypted.rtps_protection_kind = kEncrypt;
+  EXPECT_TRUE(live_change(closed, encrypted));
+}
+
+// ---- rules that were added and rules that protect more
 
 TEST(LiveChange, RaisedBesideAdded_AreToldApart) {
   const auto former = domain({kinds(kSign, kSign), rule_for("*")});

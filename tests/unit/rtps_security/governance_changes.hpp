@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/document_files.hpp"
 #include "tests/unit/rtps_security/segments.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
@@ -64,9 +65,8 @@ struct Fleet {
     reading.history.kind = HistoryKind::keep_all;
     writer = a.node->create_writer(square(qos), a.node.listener, world.now).value();
     for (auto* node : world.nodes)
-      if (node != &a.node) {
-        EXPECT_TRUE((*node)->create_reader(square(reading), node->listener, world.now));
-      }
+      if (node != &a.node)
+        readers[node] = (*node)->create_reader(square(reading), node->listener, world.now).value();
     const auto count = static_cast<int>(world.nodes.size()) - 1;
     EXPECT_TRUE(world.run_until([&] {
       return a.node.listener.matched == count && std::ranges::all_of(world.nodes, [&](Node* node) {
@@ -127,11 +127,61 @@ struct Fleet {
   Member a, b, c;
   World world;
   Guid writer;
+  std::map<const Node*, Guid> readers;
   std::size_t written = 0, more = 0;  ///< more: octets of each sample after the text
   bool watches = false, is_lossy = false;
   unsigned loss = 20;  ///< of 100
   std::vector<Bytes> sent;
   std::minstd_rand random{7};
 };
+
+/// In the second phase of alice and bob. Carol has the document, but nothing is heard of her any
+/// more, so the others still accept her former protection.
+struct SecondPhase : Fleet {
+  SecondPhase(const Rules& former, const Rules& next) : Fleet(former, "4") {
+    of_carol = c.node->create_writer(square(default_writer_qos()), silent, world.now).value();
+    run(1);
+    put({&a, &b, &c}, next, 2);
+    world.filter = [this](const Node& from, Bytes datagram) {
+      if (&from == &c.node && c.node.events.has(Code::governance_changing) && world.now > mute_from)
+        return std::vector<Bytes>{};
+      return one(std::move(datagram));
+    };
+    for (int i = 0; i < 10 && !is_reached(); ++i) {
+      run(1);
+      if (c.node.events.has(Code::governance_changing) && mute_from == kNever)
+        mute_from = world.now;
+    }
+    EXPECT_TRUE(is_reached()) << text();
+    world.run(20);
+  }
+  bool is_reached() const {
+    return a.node.events.has(Code::governance_renewed) &&
+           b.node.events.has(Code::governance_renewed);
+  }
+  MonotonicTime mute_from = kNever;
+  Listener silent;
+  Guid of_carol;
+};
+
+/// A sample without any protection, the next one that the writer would send.
+inline Bytes clear_sample(const Fleet& fleet, const Guid& writer, std::size_t written) {
+  const auto payload = fleet.marked();
+  return testing::forged(writer.prefix, Data{kEntityIdUnknown,
+                                             writer.entity,
+                                             {static_cast<std::int64_t>(written) + 1},
+                                             {},
+                                             PayloadKind::data,
+                                             payload});
+}
+
+/// True if bob takes it.
+inline bool takes_clear_sample(Fleet& fleet, const Guid& writer, std::size_t written) {
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  const auto before = fleet.b.node.listener.changes.size();
+  fleet.b.node->receive(clear_sample(fleet, writer, written), fleet.world.now,
+                        *Locator::parse("127.0.0.1", 0));
+  return fleet.b.node.listener.changes.size() > before;
+}
 
 }  // namespace ddssec::rtps::governance_changes

@@ -79,7 +79,10 @@ struct Rules {
   /// An expression: which partitions the permissions allow. nullptr: only the default partition.
   const char* partitions = nullptr;
   bool clear_topics = false;  ///< discovery is protected, but not that of the topics
-  bool only_aes = false;      ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
+  /// The topics ask for protected discovery, whether any protects it or not.
+  bool secure_topics = false;
+  bool open_topics = false;  ///< without access control of topics, whatever the domain has
+  bool only_aes = false;     ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
 
   governance::Governance document() const {
     governance::DomainRule rule;
@@ -92,9 +95,10 @@ struct Rules {
     rule.discovery_protection_kind = discovery;
     rule.liveliness_protection_kind = liveliness;
     governance::TopicRule topic{.topic_expression = "*"};
-    topic.enable_discovery_protection = is_protected(discovery) && !clear_topics;
+    topic.enable_discovery_protection = (is_protected(discovery) || secure_topics) && !clear_topics;
     topic.enable_liveliness_protection = is_protected(liveliness);
-    topic.enable_read_access_control = topic.enable_write_access_control = access_control;
+    topic.enable_read_access_control = topic.enable_write_access_control =
+        access_control && !open_topics;
     topic.metadata_protection_kind = metadata;
     topic.data_protection_kind = data;
     rule.topic_rules.push_back(topic);

@@ -1,0 +1,61 @@
+#include "rtps/participant/proven_readings.hpp"
+
+#include <utility>
+
+namespace ddssec::rtps {
+namespace {
+
+constexpr MonotonicTime kPeriod = std::chrono::seconds(1);
+
+bool are_proven(const spi::ParticipantSecurityAttributes& attributes, bool secure) {
+  return attributes.is_rtps_protected() || (secure && attributes.is_discovery_protected());
+}
+
+}  // namespace
+
+void ProvenReadings::begin(const spi::ParticipantSecurityAttributes& former) {
+  for (const bool secure : {false, true}) {
+    if (are_proven(former, secure) || !are_proven(core_.attributes(), secure)) continue;
+    for (const auto& [prefix, known] : remotes_.all())
+      if (core_.is_authenticated(prefix)) begin(*remotes_.find(prefix), secure);
+    next_ = core_.now + kPeriod;
+  }
+}
+
+void ProvenReadings::begin(RemoteParticipant& remote, bool secure) {
+  for (const auto& [id, endpoint] : remote.endpoints)
+    if (endpoint.data.by_secure_discovery == secure) remote.unconfirmed.insert(id);
+  builtin_.refresh_announcements(remote, secure);
+}
+
+void ProvenReadings::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {
+  const auto id = endpoint.guid.entity;
+  if (remote.unconfirmed.erase(id) == 0) return;
+  const auto known = remote.endpoints.find(id);
+  if (known == remote.endpoints.end()) return;
+  const auto &before = known->second.data.qos, &after = endpoint.qos;
+  if (before.reliability.kind != after.reliability.kind || before.durability != after.durability)
+    matcher_.remove(remote, id);
+}
+
+bool ProvenReadings::has_read(const RemoteParticipant& remote) const {
+  return builtin_.has_read(remote, false) && builtin_.has_read(remote, true);
+}
+
+// A participant that does not answer is not matched for longer than its lease.
+void ProvenReadings::tick() {
+  if (!core_.security) return;
+  if (const auto former = std::exchange(core_.security->core().former_domain, std::nullopt))
+    begin(*former);
+  if (core_.now < next_) return;
+  next_ = kNever;
+  for (const auto& [prefix, known] : remotes_.all()) {
+    if (known.unconfirmed.empty()) continue;
+    auto& remote = *remotes_.find(prefix);
+    if (has_read(remote))
+      for (const auto& id : std::exchange(remote.unconfirmed, {})) matcher_.remove(remote, id);
+    if (!remote.unconfirmed.empty()) next_ = core_.now + kPeriod;
+  }
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,36 @@
+// What happens to announcements that anyone can have sent, when the governance protects discovery
+// from then on.
+#pragma once
+
+#include "rtps/participant/builtin_matcher.hpp"
+#include "rtps/participant/endpoint_matcher.hpp"
+
+namespace ddssec::rtps {
+
+/// Reads again what authenticated participants announce, and forgets what they do not confirm. A
+/// forged announcement from before must not count as one under their keys.
+class ProvenReadings {
+ public:
+  ProvenReadings(ParticipantCore& core, RemoteParticipants& remotes, EndpointMatcher& matcher,
+                 BuiltinMatcher& builtin)
+      : core_(core), remotes_(remotes), matcher_(matcher), builtin_(builtin) {}
+
+  /// Must be called once a second: begins when SecurityCore::former_domain says so.
+  void tick();
+  /// The endpoint is announced. If it was known with other policies that a match keeps, its matches
+  /// end first: those policies were forged.
+  void note_announced(RemoteParticipant& remote, const EndpointData& endpoint);
+
+ private:
+  void begin(const spi::ParticipantSecurityAttributes& former);
+  void begin(RemoteParticipant& remote, bool secure);
+  bool has_read(const RemoteParticipant& remote) const;
+
+  ParticipantCore& core_;
+  RemoteParticipants& remotes_;
+  EndpointMatcher& matcher_;
+  BuiltinMatcher& builtin_;
+  MonotonicTime next_ = kNever;  ///< when it is looked whether they have confirmed everything
+};
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,158 @@
+#include "rtps/security/message_keys.hpp"
+
+#include <algorithm>
+
+namespace ddssec::rtps {
+namespace {
+
+// The message was not for this key: its sender may have used that of the other protection.
+bool is_of_other_key(Code code) {
+  return code == Code::not_protected || code == Code::key_material_not_received ||
+         code == Code::encrypted_where_signature_is_due ||
+         code == Code::signed_where_encryption_is_due || code == Code::transform_kind_mismatch ||
+         code == Code::transform_key_id_mismatch || code == Code::receiver_specific_mac_missing ||
+         code == Code::key_revision_unknown;
+}
+
+}  // namespace
+
+MessageKeys::MessageKeys(OwnSecurity& own, const Remotes& remotes)
+    : own_(own), remotes_(remotes), first_{own.crypto(), own.attributes().rtps} {}
+
+MessageKeys::~MessageKeys() {
+  remove_second();
+  release(first_);
+}
+
+// The participant's own handle stays, because its endpoints belong to it.
+void MessageKeys::release(const Protection& protection) {
+  if (protection.handle != own_.crypto())
+    static_cast<void>(factory().unregister_participant(protection.handle));
+}
+
+ProtectionId MessageKeys::id_of(ProtectionKind kind) {
+  spi::ParticipantSecurityAttributes attributes;
+  attributes.rtps = kind;
+  const auto info = spi::security_info(attributes);
+  return ProtectionId{info.mask} << 32 | info.plugin_mask;
+}
+
+// ---- remote participants
+
+Result<spi::ParticipantCryptoHandle> MessageKeys::add_remote(Protection& to,
+                                                             const RemoteCrypto& remote) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto handle,
+                          factory().register_matched_remote_participant(
+                              to.handle, remote.identity, remote.permissions, *remote.secret));
+  if (std::ranges::find(to.remotes, handle) == to.remotes.end()) to.remotes.push_back(handle);
+  return handle;
+}
+
+// The keys of endpoints need it to be registered for the participant's own handle, too.
+Result<spi::ParticipantCryptoHandle> MessageKeys::add_remote(const RemoteCrypto& remote) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto handle,
+                          factory().register_matched_remote_participant(
+                              own_.crypto(), remote.identity, remote.permissions, *remote.secret));
+  if (const auto added = add_remote(first_, remote); !added) {
+    static_cast<void>(factory().unregister_participant(handle));
+    return added;
+  }
+  if (second_) static_cast<void>(add_remote(*second_, remote));
+  return handle;
+}
+
+void MessageKeys::remove_remote(spi::ParticipantCryptoHandle remote) {
+  std::erase(first_.remotes, remote);
+  if (second_) std::erase(second_->remotes, remote);
+}
+
+// ---- two protections
+
+Status MessageKeys::add_second(const spi::ParticipantSecurityAttributes& attributes) {
+  if (second_) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto handle,
+                          factory().register_local_participant(own_.identity(), own_.permissions(),
+                                                               own_.properties(), attributes));
+  second_ = Protection{handle, attributes.rtps};
+  has_swapped_ = false;
+  for (const auto& [prefix, remote] : remotes_) static_cast<void>(add_remote(*second_, remote));
+  return {};
+}
+
+void MessageKeys::swap() noexcept {
+  if (!second_) return;
+  std::swap(first_, *second_);
+  has_swapped_ = true;
+  revision_.reset();
+}
+
+void MessageKeys::remove_second() {
+  if (second_) release(*second_);
+  second_.reset();
+  has_swapped_ = false;
+}
+
+// ---- tokens
+
+Result<std::vector<spi::Token>> MessageKeys::tokens(spi::ParticipantCryptoHandle remote,
+                                                    ProtectionId of, spi::KeyStage stage) {
+  const bool is_of_second = of != 0 && of != id() && second_ && id_of(second_->kind) == of;
+  const auto& protection = is_of_second ? *second_ : first_;
+  return own_.plugins().cryptography.key_exchange().create_local_participant_crypto_tokens(
+      protection.handle, remote, stage);
+}
+
+Status MessageKeys::set_tokens(spi::ParticipantCryptoHandle remote,
+                               std::span<const spi::Token> tokens, ProtectionId of) {
+  auto& exchange = own_.plugins().cryptography.key_exchange();
+  const auto set = [&](const Protection& protection) {
+    return exchange.set_remote_participant_crypto_tokens(protection.handle, remote, tokens);
+  };
+  const bool fits_first = of == 0 || of == id();
+  const bool fits_second = second_ && (of == 0 || of == id_of(second_->kind));
+  if (!fits_first) return fits_second ? set(*second_) : fail(Code::crypto_tokens_not_expected);
+  const auto first = set(first_);
+  if (!fits_second) return first;
+  const auto second = set(*second_);
+  return first || second ? Status() : first;
+}
+
+// ---- key revision
+
+// The keys of the participant's own handle are revised with those of its endpoints.
+Status MessageKeys::revise() {
+  if (first_.handle == own_.crypto() || revision_) return {};
+  DDSSEC_ASSIGN_OR_RETURN(revision_, factory().revise_local_entity_keys(first_.handle));
+  return {};
+}
+
+Status MessageKeys::activate() {
+  const auto revision = std::exchange(revision_, std::nullopt);
+  return revision ? factory().activate_key_revision(first_.handle, *revision) : Status();
+}
+
+bool MessageKeys::is_revision_due() {
+  return first_.handle != own_.crypto() && factory().is_key_revision_due(first_.handle);
+}
+
+// ---- messages
+
+Result<std::size_t> MessageKeys::protect(const spi::ParticipantCryptoHandle* receiver,
+                                         BytesView plain, MutableBytes out) {
+  const auto receivers =
+      receiver == nullptr ? std::span(std::as_const(first_.remotes)) : std::span(receiver, 1);
+  return own_.plugins().cryptography.transform().encode_rtps_message(first_.handle, receivers,
+                                                                     plain, out);
+}
+
+Result<std::size_t> MessageKeys::open(spi::ParticipantCryptoHandle sender, BytesView message,
+                                      MutableBytes scratch) {
+  auto& transform = own_.plugins().cryptography.transform();
+  auto opened = transform.decode_rtps_message(first_.handle, sender, message, scratch);
+  if (opened || !second_) [[likely]]
+    return opened;
+  if (!is_of_other_key(opened.error().code())) return opened;
+  return transform.decode_rtps_message(second_->handle, sender, message, scratch);
+}
+
+}  // namespace ddssec::rtps

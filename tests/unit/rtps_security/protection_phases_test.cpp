@@ -1,0 +1,101 @@
+// By which of two protections a peer may send. What it means on the network:
+// message_keys_test.cpp, protection_change_test.cpp.
+#include "rtps/security/protection_phases.hpp"
+
+#include "tests/unit/rtps_security/security_fixture.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kNone = ProtectionKind::none, kSign = ProtectionKind::sign,
+               kEncrypt = ProtectionKind::encrypt;
+
+struct Phases {
+  Phases(ProtectionKind first, ProtectionKind second)
+      : properties(properties_of("CN=alice,O=Example", Rules{.rtps = first})),
+        host(1, properties),
+        own(*OwnSecurity::create(
+            {{*host.authentication, *host.access_control, *host.cryptography}, properties}, 0,
+            Node::candidate(2))),
+        keys(*own, remotes),
+        phases(*own, remotes, locals, keys) {
+    auto attributes = own->attributes();
+    attributes.rtps = second;
+    EXPECT_TRUE(phases.messages().add_second(attributes));
+    remotes[peer] = {};
+  }
+  bool must_protect() const { return phases.must_protect_messages(peer); }
+  /// A reader with a pair, under both.
+  void add_endpoint(ProtectionKind first, ProtectionKind second) {
+    spi::EndpointSecurityAttributes attributes;
+    attributes.submessage = first;
+    EXPECT_TRUE(keys.add(locals, reader, LocalKeys{attributes}));
+    locals.at(reader).pairs[writer] = {};
+    attributes.submessage = second;
+    EXPECT_TRUE(phases.endpoints().add(reader, attributes));
+    phases.endpoints().permit(reader, writer, true);
+    phases.endpoints().find(reader, protection_id(attributes))->pairs[writer] = {};
+  }
+  ProtectionKind demanded() const { return phases.demanded(reader, writer)->attributes.submessage; }
+
+  const spi::PropertyList properties;
+  const GuidPrefix peer = Node::candidate(9);
+  const EntityId reader{{0, 0, 1, 7}};
+  const Guid writer{peer, EntityId{{0, 0, 1, 2}}};
+  Node host;
+  std::unique_ptr<OwnSecurity> own;
+  Remotes remotes;
+  Locals locals;
+  EndpointKeys keys;
+  ProtectionPhases phases;
+};
+
+TEST(ProtectionPhases, NextProtection_IsDemandedOfAPeerThatSaysThatItSendsByIt) {
+  Phases of(kNone, kSign);
+  EXPECT_FALSE(of.must_protect());
+  of.phases.note_sends_next(of.peer, true);
+  EXPECT_FALSE(of.must_protect()) << "what it sent before may come later";
+  of.phases.note_sends_next(of.peer, false);
+  of.phases.swap();
+  EXPECT_FALSE(of.must_protect()) << "it has not changed yet";
+  EXPECT_TRUE(of.phases.must_protect_messages(Node::candidate(8))) << "one that is not known";
+  of.phases.note_sends_next(of.peer, true);
+  EXPECT_TRUE(of.must_protect());
+  of.phases.note_sends_next(of.peer, false);
+  EXPECT_TRUE(of.must_protect()) << "it has a later document";
+  of.phases.remove_second();
+  EXPECT_TRUE(of.must_protect());
+  EXPECT_FALSE(of.phases.messages().has_second());
+}
+
+TEST(ProtectionPhases, TwoProtectedKinds_NeverTakeABareMessage) {
+  Phases of(kSign, kEncrypt);
+  EXPECT_TRUE(of.must_protect());
+  of.phases.swap();
+  for (const bool sends_next : {true, false}) {
+    of.phases.note_sends_next(of.peer, sends_next);
+    EXPECT_TRUE(of.must_protect());
+  }
+  EXPECT_EQ(of.phases.messages().kind(), kEncrypt);
+  EXPECT_EQ(of.phases.messages().second_kind(), kSign);
+}
+
+// Messages and submessages are judged by the same document.
+TEST(ProtectionPhases, OneDocument_CountsForAllLayersOfAMessage) {
+  Phases of(kNone, kSign);
+  of.add_endpoint(kSign, kEncrypt);
+  EXPECT_EQ(of.demanded(), kSign);
+  EXPECT_FALSE(of.must_protect());
+  of.phases.swap();
+  EXPECT_EQ(of.demanded(), kSign);
+  EXPECT_FALSE(of.must_protect());
+  of.phases.note_sends_next(of.peer, true);
+  EXPECT_EQ(of.demanded(), kEncrypt);
+  EXPECT_TRUE(of.must_protect());
+  EXPECT_EQ(of.phases.demanded(EntityId{{0, 0, 9, 7}}, of.writer), nullptr);
+}
+
+}  // namespace
+}  // namespace ddssec::rtps

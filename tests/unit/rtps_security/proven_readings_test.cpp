@@ -1,0 +1,58 @@
+// What is left of forged announcements when discovery becomes protected.
+#include "rtps/participant/proven_readings.hpp"
+
+#include "rtps/discovery/serialized.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+#include "tests/unit/rtps_security/governance_changes.hpp"
+
+namespace ddssec::rtps::governance_changes {
+namespace {
+
+using namespace testing;
+
+struct Case {
+  Rules before, after;
+  bool secure;  // the forged announcement is one of secure discovery
+};
+
+bool knows_forged(Fleet& fleet) {
+  const auto& known =
+      fleet.a.node->remote_participants().all().at(fleet.b.node->prefix()).endpoints;
+  return known.contains(EntityId{{0x40, 0, 1, 7}});
+}
+
+TEST(ProvenReadings, ForgedAnnouncementsFromBefore_AreForgotten) {
+  const Rules bare{.secure_topics = true};
+  for (const auto& [before, after, secure] :
+       {Case{bare, {.discovery = kSign, .secure_topics = true}, true},
+        Case{bare, {.rtps = kSign, .secure_topics = true}, true},
+        Case{{}, {.rtps = kSign}, false}}) {
+    Fleet fleet(before);
+    fleet.run(1);
+    // The number of the first announcement that a did not get yet.
+    for (std::int64_t number = 2; number < 6 && !knows_forged(fleet); ++number) {
+      auto data = *fleet.b.node->local_endpoints().find(fleet.readers.at(&fleet.b.node).entity);
+      data.guid.entity.octets = {0x40, 0, 1, 7};
+      const auto payload = serialized(data);
+      fleet.a.node->receive(forged(fleet.b.node->prefix(),
+                                   Data{secure ? kSubscriptionsSecureReader : kSubscriptionsReader,
+                                        secure ? kSubscriptionsSecureWriter : kSubscriptionsWriter,
+                                        {number},
+                                        {},
+                                        PayloadKind::data,
+                                        payload}),
+                            fleet.world.now, *Locator::parse("127.0.0.1", 0));
+    }
+    ASSERT_TRUE(knows_forged(fleet)) << fleet.text();
+    fleet.put({&fleet.a, &fleet.b, &fleet.c}, after, 2);
+    fleet.run(14);
+    EXPECT_EQ(fleet.a.node.events.count(Code::governance_renewed), 1) << fleet.text();
+    EXPECT_FALSE(knows_forged(fleet)) << fleet.text();
+    EXPECT_TRUE(fleet.has_all(fleet.b.node));
+    EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0) << fleet.text();
+    EXPECT_EQ(fleet.a.node.listener.matched, 2) << fleet.text();
+  }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps::governance_changes
