@@ -92,7 +92,7 @@ detail::ServiceHolder::ServiceHolder(const EngineServices& services,
                                      const DomainParticipantOptions& options)
     : service_(std::make_unique<ParticipantService>(
           services, options.own_thread,
-          options.deliver_in_process ? ProcessPeers::of(options.domain_id, options.domain_tag)
+          options.delivers_in_process ? ProcessPeers::of(options.domain_id, options.domain_tag)
                                      : std::make_shared<ProcessPeers>())) {}
 
 detail::ServiceHolder::~ServiceHolder() = default;

@@ -70,7 +70,7 @@ struct DomainParticipantOptions {
   bool own_thread = true;  ///< if false, the application calls poll()
   /// Delivers samples to participants of the same process directly, in the writer's thread, unless
   /// the topic is protected. If false, samples always go over the network.
-  bool deliver_in_process = true;
+  bool delivers_in_process = true;
   bool enabled = true;  ///< if false, it sends nothing until enable()
   /// Path of the file that stores the samples of writers with DURABILITY PERSISTENT. It is created
   /// if it does not exist. Only one participant at a time can use it, and no other user may be able

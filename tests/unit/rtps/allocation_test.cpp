@@ -17,7 +17,7 @@ struct Allocations : ::testing::Test {
 
   std::unique_ptr<DomainParticipant> participant() {
     auto options = testing::undisturbed();
-    options.deliver_in_process = is_in_process;
+    options.delivers_in_process = is_in_process;
     return *DomainParticipant::create(std::move(options), EngineServices{clock, random, events});
   }
   template <DdsType T>

@@ -93,7 +93,7 @@ struct Polled : ::testing::TestWithParam<Way> {
             .interfaces = {"127.0.0.1"},
             .multicast = false,
             .own_thread = false,
-            .deliver_in_process = GetParam() == Way::in_process};
+            .delivers_in_process = GetParam() == Way::in_process};
   }
   End a{services, options()}, b{services, options()};
 

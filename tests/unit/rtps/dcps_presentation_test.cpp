@@ -246,7 +246,7 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
           .domain_tag = "sets" + std::to_string(::getpid()),
           .interfaces = {"127.0.0.1"},
           .multicast = false,
-          .deliver_in_process = is_in_process};
+          .delivers_in_process = is_in_process};
       testing::End a(services, options), b(services, options);
       const Presentation access{scope, true, false};
       auto& pub = **a.participant->create_publisher({.presentation = access});

@@ -22,7 +22,7 @@ struct DcpsParticipants : ::testing::TestWithParam<testing::Way> {
             .domain_tag = std::to_string(::getpid()),
             .interfaces = {"127.0.0.1"},
             .multicast = false,
-            .deliver_in_process = GetParam() == testing::Way::in_process};
+            .delivers_in_process = GetParam() == testing::Way::in_process};
   }
   testing::End a{services, options()}, b{services, options()};
 

@@ -193,7 +193,7 @@ struct ServingParticipants : ::testing::Test {
             .interfaces = {"127.0.0.1"},
             .multicast = false,
             .busy_wait = busy,
-            .deliver_in_process = is_in_process};
+            .delivers_in_process = is_in_process};
   }
   struct Side {
     Side(const EngineServices& services, bool is_in_process, std::chrono::nanoseconds busy)
