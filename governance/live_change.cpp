@@ -90,7 +90,7 @@ Status add_kind(std::string_view element, const DomainRule& former, const Domain
                 ProtectionKind DomainRule::*kind, LiveChange& out) {
   DDSSEC_RETURN_IF_ERROR(check_kind(element, former, next, kind));
   if (former.*kind != next.*kind)
-    out.domain.push_back({element, shown(former.*kind), shown(next.*kind), next.line});
+    out.domain.push_back({element, value_text(former.*kind), value_text(next.*kind), next.line});
   return {};
 }
 
@@ -102,8 +102,8 @@ Status check_messages(const DomainRule& former, const DomainRule& next) {
   return fail(Code::governance_renewal_refused,
               {.line = next.line,
                .field = "rtps_protection_kind",
-               .expected = shown(before),
-               .found = shown(after),
+               .expected = value_text(before),
+               .found = value_text(after),
                .note = "unauthenticated participants are allowed, and take part only where "
                        "messages are not protected"});
 }
