@@ -10,7 +10,7 @@
 namespace ddssec::cryptography::testing {
 namespace {
 
-// The limit for each certificate in SECURITY.md.
+// docs/threat-model.md: for each certificate.
 constexpr std::int64_t kMaxOctets = 16'000'000;
 constexpr auto kOriginAuthenticated = ProtectionKind::encrypt_with_origin_authentication;
 
