@@ -4,7 +4,7 @@ that does not keep to the rules (insider/insider.cpp). A subscriber and a publis
 the insider comes. It may read nothing and forge nothing, the two go on, and one event names it.
 
 Each story is told three times: with all of our plugins, with only our cryptography beside stock ones, and
-with only our access control. What a single plugin cannot prevent is not asserted there; docs/plugins-in-cyclone-dds.md
+with only our access control. What a single plugin cannot prevent is not asserted there; docs/defences-in-cyclone-dds.md
 says what that is.
 
 Usage: insider_test.py BUILD [FILTER]
