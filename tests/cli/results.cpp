@@ -1,4 +1,4 @@
-// Prints what results_test.py compares with the schema and the README: the field list of each
+// Prints what results_test.py compares with the schema and cli/results.md: the field list of each
 // command.
 #include <cstdio>
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds cli/schema and the tables of cli/README.md to the field lists of the results.
+"""Holds cli/schema and the lists of cli/results.md to the field lists of the results.
 
 With --write as the last word, brings both up to date: tests/cli/results_test.py DDSSEC RESULTS --write
 """
@@ -11,9 +11,11 @@ import subprocess
 import sys
 import unittest
 
+from member_lists import page_of
+
 CLI = pathlib.Path(__file__).resolve().parent.parent.parent / "cli"
 SCHEMA = CLI / "schema/ddssec-1.schema.json"
-PAGE = CLI / "README.md"
+PAGE = CLI / "results.md"
 WIDTH = 110
 
 
@@ -58,22 +60,21 @@ def with_definition(text, name, value):
     return entry.sub(lambda _: f"  {json.dumps(name)}: {packed(value, 2)}", text)
 
 
-def cells(shapes_of):
-    """What the first cell of a row of the README has -> the second cell."""
+def sections(shapes_of):
+    """What a heading of the page names -> the lists below it."""
     out = {}
     for command, shape in shapes_of.items():
-        out[command] = shape["members"]
-        out.update({f"{command}, each of `{name}`": members for name, members in shape["rows"].items()})
+        out[command] = page_of(shape["members"])
+        out.update({f"{command}, each of `{name}`": page_of(members) for name, members in shape["rows"].items()})
     return out
 
 
-def row_of(page, about):
-    """The row of the tables that is about the command, or a member: (line, second cell); None: none or several."""
-    def is_about(cell):
-        return about in ([cell] if "`" in cell else cell.split(", "))
-    rows = [line for line in page.split("\n")
-            if re.match(r"\| [a-z]", line) and is_about(line.split(" | ")[0].removeprefix("| "))]
-    return (rows[0], rows[0].split(" | ", 1)[1].removesuffix(" |")) if len(rows) == 1 else None
+def section_of(page, about):
+    """The section of the page about the command, or a member: (heading, text below it); None: none or several."""
+    def is_about(heading):
+        return about in ([heading] if "`" in heading else heading.split(", "))
+    found = [(heading, text) for heading, text in re.findall(r"^### (.*)\n\n((?:(?!#).*\n)*)", page, re.M) if is_about(heading)]
+    return (found[0][0], found[0][1].rstrip("\n") + "\n") if len(found) == 1 else None
 
 
 def write(shapes_of):
@@ -84,12 +85,12 @@ def write(shapes_of):
             text = text.replace(' "$defs": {\n', f' "$defs": {{\n  {json.dumps(name)}: {packed(value, 2)},\n', 1)
         elif plain(present[name]) != plain(value):
             text = with_definition(text, name, value)
-    for about, members in cells(shapes_of).items():
-        row = row_of(page, about)
-        if row:
-            page = page.replace(row[0], f"{row[0].split(' | ')[0]} | {members} |")
+    for about, lists in sections(shapes_of).items():
+        section = section_of(page, about)
+        if section:
+            page = page.replace(f"### {section[0]}\n\n{section[1]}", f"### {section[0]}\n\n{lists}")
         else:
-            print(f"{about} needs one row of its own: | {about} | {members} |")
+            print(f"{about} needs one section of its own:\n\n### {about}\n\n{lists}")
     SCHEMA.write_text(text)
     PAGE.write_text(page)
 
@@ -103,13 +104,13 @@ class Results(unittest.TestCase):
             with self.subTest(name):
                 self.assertEqual(plain(present.get(name)), plain(value))
 
-    def test_the_readme_is_that_of_the_field_lists(self):
+    def test_the_page_is_that_of_the_field_lists(self):
         page = PAGE.read_text()
-        for about, members in cells(SHAPES).items():
+        for about, lists in sections(SHAPES).items():
             with self.subTest(about):
-                row = row_of(page, about)
-                self.assertIsNotNone(row, "one row of the tables of cli/README.md")
-                self.assertEqual(row[1], members)
+                section = section_of(page, about)
+                self.assertIsNotNone(section, "one section of cli/results.md")
+                self.assertEqual(section[1], lists)
 
 
 if __name__ == "__main__":
