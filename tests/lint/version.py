@@ -2,7 +2,10 @@
 """Holds the version of CMakeLists.txt to CHANGELOG.md, and to what the documents and examples ask for.
 
 - It is the newest released version of CHANGELOG.md, and that file's headings have the form of Keep a Changelog, the newest
-  first, after [Unreleased]. A released version has at most 90 lines, so that users read it.
+  first, after [Unreleased].
+- The section of a version with a tag is what it was in the tag. SHORTENED has those that were shortened after their
+  release: they are what they were on 2026-11-30. The section of a version that has no tag yet has at most 90 lines, so
+  that users read it. In a clone without tags neither is looked at, and the last line says so.
 - README.md names it, and each find_package(ddssec ...) asks for its minor version.
 - plugins/README.md shows it in the line by which a process says that our plugins are in use.
 
@@ -10,13 +13,18 @@ Exit 1 and a line for each fault.
 """
 
 import datetime
+import hashlib
 import pathlib
 import re
 import subprocess
 import sys
 
 HEADING = re.compile(r"\[(\d+)\.(\d+)\.(\d+)\] - (\d{4}-\d{2}-\d{2})")
-MAX_LINES = 90  # of a released version
+MAX_LINES = 90  # of a version that is about to be released
+SHORTENED = {  # the SHA-256 of their sections
+    "0.3.0": "2dd79ec8547be36a37f0db3505c84347bbd32afcdfcd4718435d429c5bbdcbbc",
+    "0.2.0": "085b18899ef7bb460d66d7b68bd5b0e3274e35f4d27dbef0c25d8cece8dcbcb6",
+}
 PARTS = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
 
 
@@ -41,12 +49,33 @@ def changelog_faults(text, version):
     newest = ".".join(map(str, numbers[0])) if numbers else "none"
     if newest != version:
         yield f"the newest released version is {newest}, and that of CMakeLists.txt is {version}"
-    for section in re.split(r"^## ", text, flags=re.M)[2:]:
-        if section.count("\n") > MAX_LINES:
-            yield f"{section.splitlines()[0]} has {section.count(chr(10))} lines, {MAX_LINES} are allowed"
     for part in re.findall(r"^### (.*)$", text, re.M):
         if part not in PARTS:
             yield f'"{part}" is none of {", ".join(sorted(PARTS))}'
+
+
+def git(root, *words):
+    """What git prints; nothing if it fails."""
+    return subprocess.run(["git", "-C", root, *words], capture_output=True, text=True, check=False).stdout
+
+
+def sections(text):
+    """{version: its section, with the heading and without empty lines at the end}"""
+    found = re.findall(r"^(## \[(\d[\d.]*)\].*?)(?=^## |\Z)", text, re.M | re.S)
+    return {version: section.rstrip() for section, version in found}
+
+
+def released_faults(root, text, tags):
+    """Faults of the sections of released versions, compared with their tags."""
+    for version, section in sections(text).items():
+        if version in SHORTENED:
+            if hashlib.sha256(section.encode()).hexdigest() != SHORTENED[version]:
+                yield f"[{version}] is released: its section is not edited any more"
+        elif f"v{version}" in tags:
+            if section != sections(git(root, "show", f"v{version}:CHANGELOG.md")).get(version):
+                yield f"[{version}] is not what it was in the tag v{version}: a released section is not edited any more"
+        elif tags and len(section.splitlines()) > MAX_LINES:
+            yield f"[{version}] has {len(section.splitlines())} lines, {MAX_LINES} are allowed at a release"
 
 
 def asked_for(root):
@@ -71,6 +100,9 @@ def main():
     minor = version.rpartition(".")[0]
     found = [f"CHANGELOG.md: {fault}"
              for fault in changelog_faults((root / "CHANGELOG.md").read_text(encoding="utf-8"), version)]
+    tags = git(root, "tag", "--list", "v*").split()
+    found += [f"CHANGELOG.md: {fault}"
+              for fault in released_faults(root, (root / "CHANGELOG.md").read_text(encoding="utf-8"), tags)]
     if not re.search(rf"^Version {re.escape(version)}\.(\s|$)", (root / "README.md").read_text(encoding="utf-8"), re.M):
         found.append(f'README.md: no line begins with "Version {version}."')
     found += [f"plugins/README.md: {fault}"
@@ -80,6 +112,8 @@ def main():
     if not asking:
         found.append("no find_package(ddssec VERSION) was found: this test looks at nothing")
     print("\n".join(found) if found else f"{version} everywhere")
+    if not tags:
+        print("this clone has no tags: released sections of CHANGELOG.md that were never shortened are not compared with them")
     return 1 if found else 0
 
 
