@@ -24,10 +24,7 @@ constexpr KeyRevision next_revision(KeyRevision revision) {
 /// any given one.
 bool is_later(KeyRevision revision, KeyRevision than);
 
-/// For how long a remote entity's former keys stay valid after its new ones arrive. The sender may
-/// use the former keys until all receivers have the new ones (a host's timeout is shorter), and
-/// messages take time.
-inline constexpr auto kFormerKeyLife = std::chrono::seconds(10);
+using spi::kFormerKeyLife;
 /// The largest number of valid revisions besides the newest.
 inline constexpr std::size_t kMaxFormerRevisions = 4;
 

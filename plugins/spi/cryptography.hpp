@@ -6,6 +6,7 @@
 // crypto_handle_unknown (never given out, or unregistered) or crypto_handle_wrong_kind.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -25,6 +26,11 @@ namespace ddssec::spi {
 /// transformation_key_revision (DDS-Security 1.2, clause 7.3.17): 0 for the first keys, then 1 to
 /// 2^24 - 1, then 1 again.
 using KeyRevision = std::uint32_t;
+
+/// For how long a remote entity's former keys stay valid at the most after its new ones arrive. The
+/// sender may use the former keys until all receivers have the new ones (a host's timeout is
+/// shorter), and messages take time.
+inline constexpr std::chrono::seconds kFormerKeyLife{10};
 
 /// Selects a local entity's keys: those it encodes with now, or those that will replace them.
 enum class KeyStage : std::uint8_t { in_use, revised };

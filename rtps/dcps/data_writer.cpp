@@ -118,7 +118,7 @@ void AnyDataWriter::conclude() {
   if (!enabled() || !qos_.autodispose_unregistered_instances || matched_none() || outlived) return;
   const auto moment = context_.moment();
   for (const auto& [key, octets] : instances_->keys()) {
-    if (!protocol().has_room(octets.size(), key)) break;
+    if (!protocol().history().has_room(octets.size(), key)) break;
     Change change;
     change.source_time = source_timestamps_.not_before_last(moment.wall);
     change.status = {.disposed = true, .unregistered = true};
@@ -165,7 +165,7 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
   const auto may_go_on = [&] { return !protocol().is_ahead(context_.now()); };
   if (!may_go_on()) context_.wait(lock, std::min(timeout, kBrake), may_go_on);
   // Room is checked last, because other threads write while this one waits.
-  const auto room = [&] { return protocol().has_room(change.payload.size(), key); };
+  const auto room = [&] { return protocol().history().has_room(change.payload.size(), key); };
   if (context_.wait(lock, timeout, room)) return {};
   return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
 }

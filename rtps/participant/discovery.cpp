@@ -138,7 +138,16 @@ Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
 void Discovery::add(ParticipantData data, std::size_t octets) {
   auto& remotes = parts_.remotes;
   auto metatraffic = usable(core_, data.metatraffic_unicast);
-  if (metatraffic.empty() || !make_room(octets)) {
+  const auto has_room = [&] {
+    while (remotes.is_full(octets)) {
+      const auto prefix = remotes.next_to_evict();
+      if (!prefix) return false;
+      ++core_.counters.refused_discovery;
+      remove(*prefix);
+    }
+    return true;
+  };
+  if (metatraffic.empty() || !has_room()) {
     ++core_.counters.refused_discovery;
     return;
   }
@@ -156,16 +165,6 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
                          {remote.metatraffic, remote.metatraffic_sources, core_.source}, core_.now);
   remotes.renew_lease(remote, remote.data);
   if (decision == Security::AdmissionDecision::admit_unauthenticated) accept(remote);
-}
-
-bool Discovery::make_room(std::size_t octets) {
-  while (parts_.remotes.is_full(octets)) {
-    const auto prefix = parts_.remotes.next_to_evict();
-    if (!prefix) return false;
-    ++core_.counters.refused_discovery;
-    remove(*prefix);
-  }
-  return true;
 }
 
 // An announcement changes nothing of an authenticated participant and does not renew its lease: an

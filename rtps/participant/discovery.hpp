@@ -56,6 +56,9 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_replaced(const GuidPrefix& peer) override;
   void on_keys(const EntityId& local, const Guid& remote) override;
   void on_early_keys(const EntityId& local, const Guid& remote) override;
+  void on_former_keys_ended(const GuidPrefix& peer) override {
+    parts_.local.distrust_former_keys(peer);
+  }
   bool on_rights_changed(const GuidPrefix& peer) override;
   void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }
 
@@ -64,7 +67,6 @@ class Discovery final : public MessageListener, public SecurityHost {
   void add(ParticipantData data, std::size_t octets);
   void on_announced_again(RemoteParticipant& remote, ParticipantData data, std::size_t octets);
   void on_dispose(const GuidPrefix& prefix);
-  bool make_room(std::size_t octets);
   /// Accepts a participant that authenticated, or is admitted without authentication. From now on
   /// its builtin endpoints may match.
   void accept(RemoteParticipant& remote);

@@ -167,6 +167,15 @@ const EndpointData* LocalEndpoints::find(const EntityId& id) const {
   return at == readers_.end() ? nullptr : &at->second.data;
 }
 
+void LocalEndpoints::distrust_former_keys(const GuidPrefix& peer) {
+  for (auto& [id, writer] : writers_) writer.protocol->distrust_former_keys(peer);
+  for (auto& [id, reader] : readers_) reader.protocol->distrust_former_keys(peer, core_.now);
+  builtin_.each([&](const BuiltinTopicInfo&, StatefulWriter& writer, StatefulReader& reader) {
+    writer.distrust_former_keys(peer);
+    reader.distrust_former_keys(peer, core_.now);
+  });
+}
+
 std::vector<Guid> LocalEndpoints::matched(const Guid& endpoint) const {
   if (const auto at = writers_.find(endpoint.entity); at != writers_.end())
     return at->second.matched.guids();

@@ -66,6 +66,14 @@ void StatefulReader::readdress(const Guid& writer, const LocatorList& locators) 
   proxy->set_locators(locators);
 }
 
+void StatefulReader::distrust_former_keys(const GuidPrefix& writers, MonotonicTime now) {
+  for (auto& [guid, proxy] : writers_) {
+    if (guid.prefix != writers || proxy.writer().is_in_process) continue;
+    proxy.distrust_former_keys();
+    if (proxy.is_reliable()) send_query(proxy, now);
+  }
+}
+
 void StatefulReader::unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
@@ -142,21 +150,20 @@ bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
 // The limits are for each identity, so that an attacker that spreads its data over many writers
 // displaces no data of another identity.
 void StatefulReader::trim(const WriterProxy& proxy) {
+  const auto give_up_largest = [this](const GuidPrefix& identity) {
+    WriterProxy* largest = nullptr;
+    for (auto& [guid, one] : writers_)
+      if (one.held().identity() == identity &&
+          (!largest || one.held().octets() > largest->held().octets()))
+        largest = &one;
+    largest->forget_latest();
+  };
   if (shares_held_) {
     while (proxy.held().octets() > 0 && common_.held->exceeds_share(proxy.held().identity()))
       give_up_largest(proxy.held().identity());
     return;
   }
   while (const auto identity = common_.held->over_limit()) give_up_largest(*identity);
-}
-
-void StatefulReader::give_up_largest(const GuidPrefix& identity) {
-  WriterProxy* largest = nullptr;
-  for (auto& [guid, proxy] : writers_)
-    if (proxy.held().identity() == identity &&
-        (!largest || proxy.held().octets() > largest->held().octets()))
-      largest = &proxy;
-  largest->forget_latest();
 }
 
 bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat,

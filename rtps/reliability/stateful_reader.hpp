@@ -75,6 +75,9 @@ class StatefulReader final : private Timed {
   /// Removes the writer. It is remembered with `keys`; if they are empty, it is not.
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
+  /// To be called when former keys of a participant have ended, with which others may have sent in
+  /// its name: see WriterProxy::distrust_former_keys. Reliable writers are asked for a HEARTBEAT.
+  void distrust_former_keys(const GuidPrefix& writers, MonotonicTime now);
   /// Sets the locators to which messages for a matched writer of another process are sent.
   void readdress(const Guid& writer, const LocatorList& locators);
 
@@ -137,11 +140,9 @@ class StatefulReader final : private Timed {
   bool accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
   /// Begins a sample if needed. Returns false if the fragment belongs to a sample that has no room.
   bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
-  /// Both give up the latest changes of the identity that holds the most, from its writer that
-  /// holds the most. They are requested again. trim is called after a change of this writer was
-  /// held.
+  /// Gives up the latest changes of identities that hold too much, from the writer that holds the
+  /// most. They are requested again. To be called after a change of this writer was held.
   void trim(const WriterProxy& proxy);
-  void give_up_largest(const GuidPrefix& identity);
   /// Asks the writer what it holds, and schedules the next query.
   void send_query(WriterProxy& proxy, MonotonicTime now);
   /// Acknowledges the changes that have arrived, and requests those that are missing up to `last`.

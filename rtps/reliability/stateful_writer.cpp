@@ -247,6 +247,14 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   return !pre_emptive;
 }
 
+void StatefulWriter::distrust_former_keys(const GuidPrefix& readers) {
+  for (auto& [guid, proxy] : readers_.all()) {
+    if (guid.prefix != readers) continue;
+    proxy.acknacks = {};
+    proxy.nack_frags = {};
+  }
+}
+
 bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
                                   bool is_protected) {
   auto* proxy = readers_.find({from, nack.reader});

@@ -51,10 +51,8 @@ class StatefulWriter final : private Timed {
   /// reader that is gone, slow or hostile does not delay the writer. Never true for TRANSIENT_LOCAL
   /// writers, which also keep what is acknowledged.
   bool is_ahead(MonotonicTime now);
-  bool has_room(std::size_t payload_size, const KeyHash& instance = {}) const {
-    return history_.has_room(payload_size, instance);
-  }
-  /// Stores the change and sends it to all matched readers. The caller must have checked has_room.
+  /// Stores the change and sends it to all matched readers. The caller must have checked that
+  /// history() has room.
   /// Small samples may wait for more (see WritePace), if the sender allows it.
   SequenceNumber write(Change change, MonotonicTime now);
   /// Applies LATENCY_BUDGET and TRANSPORT_PRIORITY; a priority of 0 to 63 is the DSCP of messages.
@@ -73,6 +71,9 @@ class StatefulWriter final : private Timed {
   /// Asserts the writer's liveliness to all readers without a sample (LIVELINESS MANUAL_BY_TOPIC).
   void assert_liveliness();
 
+  /// To be called when former keys of a participant have ended, with which others may have sent in
+  /// its name: the counts of its readers begin anew.
+  void distrust_former_keys(const GuidPrefix& readers);
   /// Both return false if the message was received before, or contains nothing yet (a pre-emptive
   /// one). `is_protected` means that keys of its sender protect it.
   bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,

@@ -18,7 +18,9 @@ void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) 
   heartbeats_.resume(past.last_heartbeat);
   former_ = past.next;
   waits_for_heartbeat_ = is_reliable_ && wants_history;
-  if (!waits_for_heartbeat_) next_ = past.next;
+  if (waits_for_heartbeat_) return;
+  next_ = past.next;
+  delivered_ = next_.previous();
 }
 
 bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
@@ -27,11 +29,11 @@ bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
     note_lost(number);
     next_ = number.next();  // with best effort, older changes are lost
     partial_.erase({0}, number);
-    if (change) common_.deliver(*change);
+    if (change) deliver(number, *change);
     return true;
   }
   if (!waits_for_heartbeat_ && number == next_ && early_.empty() &&
-      (!change || common_.deliver(*change))) {
+      (!change || deliver(number, *change))) {
     next_ = number.next();
     return true;
   }
@@ -42,10 +44,32 @@ bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
   return is_new;
 }
 
+bool WriterProxy::deliver(SequenceNumber number, Change& change) {
+  if (!common_.deliver(change)) return false;
+  delivered_ = number;
+  return true;
+}
+
+void WriterProxy::distrust_former_keys() {
+  heartbeats_ = {};
+  is_doubted_ = is_reliable_;
+  while (!early_.empty()) early_.erase_last();
+  if (!partial_.empty()) partial_.erase({0}, partial_.last());
+  if (!is_reliable_) next_ = {1};
+}
+
+void WriterProxy::correct(SequenceNumber last) {
+  history_end_ = std::min(history_end_, last);
+  if (next_ <= last.next()) return;
+  // What was delivered above `last` was never written, and hides what the writer has written since.
+  next_ = delivered_ <= last ? delivered_.next() : last.next();
+  lost_until_ = std::min(lost_until_, next_);
+}
+
 void WriterProxy::advance() {
   if (waits_for_heartbeat_) return;
   while (!early_.empty() && early_.first() == next_) {
-    if (auto& change = early_.front(); change && !common_.deliver(*change)) return;
+    if (auto& change = early_.front(); change && !deliver(next_, *change)) return;
     next_ = next_.next();
     early_.erase_first();
   }
@@ -84,6 +108,7 @@ bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
   if (!is_reliable_) return true;
   query.stop();
   announced_ = heartbeat.last;
+  if (std::exchange(is_doubted_, false)) correct(heartbeat.last);
   if (std::exchange(waits_for_heartbeat_, false))
     start_at(is_later_one ? heartbeat.first : former_);
   advance();
@@ -102,7 +127,7 @@ void WriterProxy::start_at(SequenceNumber number) {
 void WriterProxy::skip_to(SequenceNumber number) {
   if (number <= next_) return;
   for (; !early_.empty() && early_.first() < number; early_.erase_first()) {
-    if (auto& change = early_.front(); change && !common_.deliver(*change)) return;
+    if (auto& change = early_.front(); change && !deliver(early_.first(), *change)) return;
     next_ = early_.first().next();
   }
   partial_.erase({0}, number.previous());

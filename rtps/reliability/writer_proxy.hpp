@@ -95,6 +95,10 @@ class WriterProxy {
   /// Returns false if the HEARTBEAT was received before. `is_protected` means that keys of the
   /// writer's participant protect it.
   bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected = true);
+  /// To be called when former keys of the writer have ended, with which others may have sent in its
+  /// name: gives up what is held, and lets the next HEARTBEAT, or with best effort the next change,
+  /// decide again where the writer is.
+  void distrust_former_keys();
   /// True while the next HEARTBEAT determines where the writer starts.
   bool waits_for_heartbeat() const { return waits_for_heartbeat_; }
   /// Delivers what is held below `number`, and gives up what is missing there.
@@ -140,6 +144,9 @@ class WriterProxy {
   /// Ends the wait for a HEARTBEAT: nothing below `number` is delivered.
   void start_at(SequenceNumber number);
   void note_lost(SequenceNumber until);
+  bool deliver(SequenceNumber number, Change& change);
+  /// Goes back if the writer has not come as far as messages under former keys said.
+  void correct(SequenceNumber last);
 
   MatchedWriter writer_;
   Common& common_;
@@ -150,6 +157,8 @@ class WriterProxy {
   bool waits_for_heartbeat_ = false;
   SequenceNumber former_;      ///< position before the wait
   SequenceNumber lost_until_;  ///< missing changes below were counted as lost
+  SequenceNumber delivered_;   ///< the last change that was delivered; 0 if there is none
+  bool is_doubted_ = false;    ///< true from distrust_former_keys() to the next HEARTBEAT
   RecentMessages<Heartbeat> heartbeats_;
   SequenceNumber next_{1};
   SequenceNumber announced_;

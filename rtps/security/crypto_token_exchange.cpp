@@ -337,8 +337,10 @@ bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& cha
 void CryptoTokenExchange::on_participant_tokens(Peer& peer, const GenericMessage& message) {
   const auto protection = protection_in(message);
   if (protection != 0 && !core_.keyring.phases().messages().has(protection)) return;
-  const auto status = core_.keyring.set_participant_tokens(peer.prefix(), message.data, protection);
-  if (!status) return core_.raise(status.error(), peer, EventOrigin::its_keys);
+  const auto are_revised =
+      core_.keyring.set_participant_tokens(peer.prefix(), message.data, protection);
+  if (!are_revised) return core_.raise(are_revised.error(), peer, EventOrigin::its_keys);
+  if (*are_revised) note_revised(peer);
   // The peer can read the local messages now. Messages that it could not read before are offered
   // again at once.
   if (auto* association = peer.state.association(); association->volatile_writer)
@@ -381,12 +383,21 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   return true;
 }
 
+void CryptoTokenExchange::note_revised(Peer& peer) {
+  constexpr auto kMargin = std::chrono::seconds(1);
+  peer.state.association()->former_keys_end = core_.now + spi::kFormerKeyLife + kMargin;
+}
+
 // The peer may find a pair first that lacks a protection. The pair then gets it here.
 bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
   const auto protection = protection_in(message);
   if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
-  const auto is_ready = core_.keyring.set_endpoint_tokens(
-      message.destination_endpoint.entity, message.source_endpoint, message.data, protection);
+  const auto& local = message.destination_endpoint.entity;
+  const auto& remote = message.source_endpoint;
+  const bool had_keys = core_.keyring.keys_for(local, remote).have_come;
+  const auto former = core_.keyring.keys_of(local, remote);
+  const auto is_ready = core_.keyring.set_endpoint_tokens(local, remote, message.data, protection);
+  if (had_keys && core_.keyring.keys_of(local, remote) != former) note_revised(peer);
   if (!is_ready) core_.raise(is_ready.error(), peer, EventOrigin::its_keys);
   return is_ready && *is_ready;
 }

@@ -102,6 +102,8 @@ class CryptoTokenExchange {
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
   void on_tokens_wanted(Peer& peer, const GenericMessage& message);
   bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
+  /// Notes that the peer has revised keys, so that its former ones end.
+  void note_revised(Peer& peer);
   /// Returns true if the pair has become ready.
   bool apply_tokens(Peer& peer, const GenericMessage& message);
 

@@ -88,13 +88,14 @@ Result<std::vector<spi::Token>> Keyring::participant_tokens(const GuidPrefix& pr
   return phases_.messages().tokens(at->second.crypto, protection, stage);
 }
 
-Status Keyring::set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens,
-                                       ProtectionId protection) {
+Result<bool> Keyring::set_participant_tokens(const GuidPrefix& prefix,
+                                             std::span<const spi::Token> tokens,
+                                             ProtectionId protection) {
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return fail(Code::crypto_not_matched);
   DDSSEC_RETURN_IF_ERROR(phases_.messages().set_tokens(at->second.crypto, tokens, protection));
-  at->second.keys = digest_of(tokens);
-  return {};
+  const auto former = std::exchange(at->second.keys, digest_of(tokens));
+  return former != Sha256Digest{} && former != at->second.keys;
 }
 
 // ---- pairs

@@ -60,8 +60,9 @@ class Keyring final : public SendProtection {
   Result<std::vector<spi::Token>> participant_tokens(const GuidPrefix& prefix,
                                                      ProtectionId protection = 0,
                                                      spi::KeyStage stage = spi::KeyStage::in_use);
-  Status set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens,
-                                ProtectionId protection = 0);
+  /// Returns true if the tokens replace other ones.
+  Result<bool> set_participant_tokens(const GuidPrefix& prefix, std::span<const spi::Token> tokens,
+                                      ProtectionId protection = 0);
 
   // Pairs of a local and a remote endpoint:
   /// Registers a pair, or finds it.

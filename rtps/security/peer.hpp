@@ -87,6 +87,7 @@ struct Association {
   };
   Renewal renewal = {};  ///< see DocumentRenewal
   GovernanceOfPeer governance = {};
+  MonotonicTime former_keys_end = kNever;  ///< of the keys that it has revised
   EarlyTokens early = {};
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};

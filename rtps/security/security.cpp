@@ -7,6 +7,16 @@
 namespace ddssec::rtps {
 namespace {
 
+// Lets the endpoints of peers whose former keys have ended begin anew.
+void end_former_keys(SecurityCore& core) {
+  for (auto& [prefix, peer] : core.peers) {
+    auto* association = peer.state.association();
+    if (association == nullptr || core.now < association->former_keys_end) continue;
+    association->former_keys_end = kNever;
+    core.host.on_former_keys_ended(prefix);
+  }
+}
+
 struct BuiltinEndpoint {
   EntityId writer, reader;
   std::string_view topic;
@@ -208,6 +218,7 @@ std::vector<GuidPrefix> Security::peers_if(F&& ended) const {
 // The plugins have the calendar and raise the events.
 void Security::expire() {
   next_expiry_ = core_.now + kExpiryPeriod;
+  end_former_keys(core_);
   auto& own = *core_.own;
   const auto identities = own.plugins().authentication.expire(own.identity());
   const auto permissions = own.plugins().access_control.expire(own.permissions());

@@ -266,7 +266,7 @@ void Node::write(Endpoint& endpoint) {
   if (writer == nullptr || !endpoint.end().writes || endpoint.end().durable) return;
   const SequenceNumber number{around_.ledger.count(guid) + 1};
   const auto octets = payload_of(guid, number);
-  if (!writer->has_room(octets.size())) return;
+  if (!writer->history().has_room(octets.size())) return;
   const auto time = Time::from(clock_.wall());
   StatusInfo status;
   status.disposed = dice_.chance(100);

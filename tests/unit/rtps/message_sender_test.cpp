@@ -194,7 +194,7 @@ class SmallHistory : public Packing {
 
 TEST_F(SmallHistory, FillingUp_AsksBeforeAndWhenItIsFull) {
   write_quickly(8);
-  EXPECT_FALSE(writer.has_room(64));
+  EXPECT_FALSE(writer.history().has_room(64));
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 8u);
   EXPECT_EQ(questions(transport.sent), 4u);
   EXPECT_EQ(questions({transport.sent.back()}), 1u);

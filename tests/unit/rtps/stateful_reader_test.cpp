@@ -21,7 +21,7 @@ TEST(Reliability, AFullReader_IsAWriterThatWaits) {
   for (std::uint8_t i = 0; i < 5; ++i) pair.write({i});
   pair.run(50);
   EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3));
-  EXPECT_TRUE(pair.writer.has_room(1));
+  EXPECT_TRUE(pair.writer.history().has_room(1));
   EXPECT_FALSE(pair.writer.all_acknowledged());
   pair.most = 100;
   pair.run(500);

@@ -58,13 +58,13 @@ TEST(Reliability, KeepAll_RefusesWhenItsLimitIsReached) {
   pair.run(3);
   pair.net.loss_percent = 100;
   for (std::uint8_t i = 0; i < 3; ++i) {
-    EXPECT_TRUE(pair.writer.has_room(1));
+    EXPECT_TRUE(pair.writer.history().has_room(1));
     pair.write({i});
   }
-  EXPECT_FALSE(pair.writer.has_room(1));
+  EXPECT_FALSE(pair.writer.history().has_room(1));
   pair.net.loss_percent = 0;
   pair.run(50);
-  EXPECT_TRUE(pair.writer.has_room(1));
+  EXPECT_TRUE(pair.writer.history().has_room(1));
 }
 
 TEST(Reliability, KeepAll_RefusesWhenAnInstanceIsFull) {
@@ -76,11 +76,11 @@ TEST(Reliability, KeepAll_RefusesWhenAnInstanceIsFull) {
   pair.net.loss_percent = 100;
   const KeyHash one{1}, other{2};
   for (std::uint8_t i = 0; i < 2; ++i) pair.write({i}, one);
-  EXPECT_FALSE(pair.writer.has_room(1, one));
-  EXPECT_TRUE(pair.writer.has_room(1, other));
+  EXPECT_FALSE(pair.writer.history().has_room(1, one));
+  EXPECT_TRUE(pair.writer.history().has_room(1, other));
   pair.net.loss_percent = 0;
   pair.run(50);
-  EXPECT_TRUE(pair.writer.has_room(1, one));
+  EXPECT_TRUE(pair.writer.history().has_room(1, one));
 }
 
 TEST(Reliability, WhatIsDiscarded_IsNeverSentAgain) {

@@ -230,5 +230,54 @@ TEST(QueryTimer, EachQuestion_WaitsTwiceAsLong) {
   EXPECT_EQ(timer.due(), kNever);
 }
 
+// Others have sent in the writer's name, with its former keys, that everything below 2^40 is gone.
+struct FormerKeysTest : WriterProxyTest {
+  static constexpr std::int64_t kFar = std::int64_t{1} << 40;
+  FormerKeysTest() {
+    for (const std::int64_t number : {1, 2, 3}) add(reliable, number), add(best_effort, number);
+    reliable.on_heartbeat(heartbeat(kFar, kFar, 0xfffff));
+    best_effort.skip_to({kFar});
+  }
+};
+
+TEST_F(FormerKeysTest, NextHeartbeat_DecidesWhereTheWriterIs) {
+  add(reliable, 4);
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 5, 2))) << "before, its count is an old one";
+  delivered.clear();
+  reliable.distrust_former_keys();
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
+  EXPECT_EQ(reliable.next(), SequenceNumber{4});
+  EXPECT_THAT(missing(reliable, 5), ElementsAre(4, 5));
+  add(reliable, 5), add(reliable, 4);
+  EXPECT_THAT(delivered, ElementsAre(4, 5));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 3)));
+  EXPECT_EQ(reliable.next(), SequenceNumber{6}) << "once";
+}
+
+TEST_F(FormerKeysTest, AForgedChangeThatWasDelivered_HidesNoLaterOne) {
+  add(reliable, kFar);
+  reliable.distrust_former_keys();
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
+  EXPECT_EQ(reliable.next(), SequenceNumber{6}) << "what is before it may have been delivered";
+}
+
+TEST_F(FormerKeysTest, ChangesThatWereHeld_AreRequestedAgain) {
+  WriterProxy proxy{{.guid = kGuid, .is_reliable = true}, true, common};
+  add(proxy, 1), add(proxy, 3);
+  proxy.distrust_former_keys();
+  EXPECT_EQ(proxy.early(), 0u);
+  EXPECT_TRUE(proxy.on_heartbeat(heartbeat(1, 3, 1)));
+  EXPECT_THAT(missing(proxy, 3), ElementsAre(2, 3));
+}
+
+TEST_F(FormerKeysTest, BestEffort_TakesTheNextChange) {
+  delivered.clear();
+  best_effort.distrust_former_keys();
+  EXPECT_EQ(best_effort.next(), SequenceNumber{1});
+  add(best_effort, 4);
+  EXPECT_THAT(delivered, ElementsAre(4));
+  EXPECT_EQ(best_effort.next(), SequenceNumber{5});
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

@@ -113,6 +113,31 @@ TEST(KeyRevision, RequestOfTheApplication_CausesOne) {
   }
 }
 
+// Carol could send in alice's name to bob as long as she had alice's key: here, that everything
+// below 2^40 is gone, and one early change.
+TEST(KeyRevision, WhatAFormerReaderForged_EndsWithTheFormerKeys) {
+  Trio trio(revising({.metadata = kEncrypt}));
+  ASSERT_TRUE(trio.match()) << trio.text();
+  trio.write();
+  ASSERT_TRUE(trio.bob_has_all());
+  const auto readers = trio.a->local_endpoints().matched(trio.writer);
+  const auto of_bob = std::ranges::find(readers, trio.b->prefix(), &Guid::prefix);
+  ASSERT_NE(of_bob, readers.end());
+  auto& reader = *trio.b->local_endpoints().reader(*of_bob);
+  constexpr std::int64_t kFar = std::int64_t{1} << 40;
+  const auto& from = trio.writer.prefix;
+  ASSERT_TRUE(reader.on_heartbeat(
+      from, {reader.guid().entity, trio.writer.entity, {kFar}, {kFar}, 0xfffff}));
+  trio.write();
+  trio.world.run(100);
+  EXPECT_LT(trio.b.listener.changes.size(), trio.written) << "what was forged had an effect";
+  trio.revoke_carol();
+  ASSERT_TRUE(trio.revised(1)) << trio.text();
+  trio.world.run(1300);
+  trio.write();
+  EXPECT_TRUE(trio.bob_has_all()) << trio.text();
+}
+
 TEST(KeyRevision, GovernanceWithoutIt_RefusesOne) {
   Trio trio(everything(kEncrypt));
   ASSERT_TRUE(trio.match());
