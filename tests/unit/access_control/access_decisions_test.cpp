@@ -160,7 +160,7 @@ TEST_F(Decisions, AMatch_IsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThat
   EXPECT_TRUE(may(p));
   for (const auto& ours : {q, both, all, Partitions{}})
     EXPECT_REFUSED(may(ours), match_not_permitted);
-  // the plugin remembers no such announcement
+  // The plugin does not remember such an announcement.
   EXPECT_REFUSED(announce(both), announced_writer_not_allowed);
   EXPECT_REFUSED(may(both), match_not_permitted);
   EXPECT_TRUE(announce(p));

@@ -56,7 +56,7 @@ TEST(ParticipantData, UnicastAddressesOfDiscovery_AreFound) {
   for (const auto& bad : {locator(kDefaultUnicast, 1, 7410, {10, 0, 0, 1}),
                           locator(kMetatrafficUnicast, 4, 7410, {10, 0, 0, 1}),  // TCP
                           locator(kMetatrafficUnicast, 1, 0, {10, 0, 0, 1}),     // no port
-                          // no port either
+                          // This one has no port either.
                           locator(kMetatrafficUnicast, 1, 0x11cf2, {10, 0, 0, 1}),
                           locator(kMetatrafficUnicast, 1, 7410, {0, 0, 0, 0}),      // no address
                           locator(kMetatrafficUnicast, 1, 7410, {239, 255, 0, 1}),  // multicast

@@ -62,7 +62,7 @@ TEST_F(LineFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
   const FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   LineFile file(path_.c_str());
   ASSERT_TRUE(file.is_open());
-  // with its line end, the most that is written at once or not at all
+  // With its line end, this is the most that is written at once or not at all.
   const std::string line(4095, 'x');
   int written = 0;
   while (file.append(line)) ASSERT_LT(++written, 1000);

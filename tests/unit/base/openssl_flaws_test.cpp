@@ -92,7 +92,7 @@ TEST(OpensslAdvice, Warning_TellsWhatIsGuardedFromWhatIsNot) {
 
 TEST(OpensslAdvice, VersionThatProvesNothing_GetsNoWarning) {
   EXPECT_TRUE(
-      // the newest version in Debian 12 has every fix
+      // The newest version in Debian 12 has every fix.
       check_openssl_flaws("OpenSSL 3.0.22 25 Aug 2026"));
   EXPECT_TRUE(check_openssl_flaws("3.0.23"));
   EXPECT_TRUE(check_openssl_flaws("no version at all"));

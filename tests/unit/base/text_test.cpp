@@ -31,7 +31,7 @@ TEST(Text, WhatATerminalWouldObeyOrReorder_IsEscaped) {
             "a\\u202eb\\u2066");  // RLO, LRI
   EXPECT_EQ(printable("\xe2\x80\x8e\xe2\x80\x8f"), "\\u200e\\u200f");
   EXPECT_EQ(printable("\xe2\x80\xa8\xef\xbb\xbf"), "\\u2028\\ufeff");
-  // these have no glyph
+  // These characters have no glyph.
   EXPECT_EQ(printable("\xc2\xad\xe2\x81\xa0\xe1\xa0\x8e"), "\\u00ad\\u2060\\u180e");
   EXPECT_EQ(printable("a\xf3\xa0\x81\x81\xf3\xa0\x81\xbf"), "a\\U000e0041\\U000e007f");  // tags
   EXPECT_EQ(printable("\xf0\x9f\xa4\x96 \xd7\xa9"), "\xf0\x9f\xa4\x96 \xd7\xa9");  // letters stay

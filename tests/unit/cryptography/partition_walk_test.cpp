@@ -55,7 +55,7 @@ TEST(PartitionWalk, NamesInBothByteOrdersAndPiecesOfEachSize_AreCounted) {
 
 TEST(PartitionWalk, EveryTruncation_IsRefused) {
   const auto value = value_of({"abc", "de"}, true);
-  // the value is complete even without its padding
+  // The value is complete even without its padding.
   for (std::size_t size = 1; size < value.size() - 1; ++size) {
     const Bytes part(value.begin(), value.begin() + static_cast<std::ptrdiff_t>(size));
     EXPECT_EQ(code(walked(part)), Code::builtin_source_unreadable) << size;

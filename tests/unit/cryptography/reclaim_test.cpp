@@ -23,7 +23,7 @@ struct LateReader {
 
 TEST(Reclaim, ReaderAfterItsThreadsLeaseEnded_OtherThreadReads_ObjectStays) {
   std::thread late([] {
-    // constructed before the lease, so destroyed after it
+    // It is constructed before the lease, so it is destroyed after it.
     static thread_local const LateReader reader;
     static_cast<void>(&reader);
     const ReadGuard guard;

@@ -16,7 +16,7 @@ namespace {
 
 using namespace testing;
 
-// a participant of the same subject
+// A participant of the same subject.
 constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};
 using Token = DataMessage;
 constexpr EntityId kOtherWriter{{0x00, 0x00, 0x01, 0x03}};
@@ -36,7 +36,7 @@ TEST(TokenSource, OwnSourceInEachByteOrderAndEncapsulation_IsTaken) {
       EXPECT_EQ(code_of(token.check_token()), Code::token_source_mismatch);
     }
   }
-  // the token of a participant
+  // The token of a participant names no endpoint.
   EXPECT_TRUE((Token{.payload = generic_message(kPeer, {}, 1)}.check_token()));
 }
 
@@ -112,7 +112,7 @@ TEST(TokenSource, LyingLengths_AreRefused) {
   EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 6)}));
   EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 60000)}));
   EXPECT_TRUE(refused({.flags = 0x06, .inline_qos = qos(true, 8, false)}));
-  // encoded as a parameter list
+  // This payload is encoded as a parameter list.
   EXPECT_TRUE(refused({.payload = generic_message(kPeer, kPeer, 2)}));
   EXPECT_TRUE(refused({.payload = generic_message(kPeer, kPeer, 9)}));
   EXPECT_TRUE(refused({.flags = 0, .fragment = Fragment{.first = 0}}));

@@ -39,7 +39,7 @@ TEST_F(AccessControlAdapterTest, PermissionsOfBothSides_ReachTheEngine) {
   EXPECT_EQ(refusal.reason(), Code::malformed);
 }
 
-// A stranger can leave it out of a forged announcement; the host is not to blame.
+// A stranger can leave the token out of a forged announcement, so this is no fault of the host.
 TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnotherKind) {
   const DDS_Security_Token none{};
   for (const auto* announced : {static_cast<const DDS_Security_Token*>(nullptr), &none}) {
@@ -73,7 +73,7 @@ TEST_F(AccessControlAdapterTest, EachCheck_PassesTheQuestionAndTheAnswer) {
   EXPECT_EQ(c->check_remote_topic(c, 9, 5, &topic_data, nullptr), 1);
 }
 
-// closed_readers.hpp
+// closed_readers.hpp says which readers are closed.
 TEST_F(AccessControlAdapterTest, ClearDiscovery_ClosesItsReadersAndNoWriter) {
   ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle) {
     return spi::ParticipantSecurityAttributes{.is_all_discovery_protected = true};

@@ -11,7 +11,7 @@ namespace ddssec::cyclonedds::access_control_adapters {
 
 using testing::Field;
 
-/// What make_scope makes of a reader of "Square".
+/// Returns the scope that make_scope makes for a reader of "Square".
 inline spi::PropertyList scope_of(std::uint64_t adapter) {
   DDS_Security_PropertySeq properties{};
   const std::vector<std::string_view> partitions = {"p", "q"};

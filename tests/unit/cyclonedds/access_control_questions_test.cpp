@@ -1,4 +1,4 @@
-// What the other two libraries in the process ask access control.
+// Questions of the other two libraries in the process to access control.
 #include <stdexcept>
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
@@ -16,7 +16,7 @@ using testing::Return;
 
 using Handle = spi::PermissionsHandle;
 
-// Our authentication asks, in another library.
+// Our authentication, which is in another library, asks this.
 TEST_F(AccessControlAdapterTest, OtherLibrary_IsToldWhatTheGovernanceAllows) {
   constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
   ON_CALL(engine, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
@@ -70,7 +70,7 @@ TEST_F(AccessControlAdapterTest, EachAdapter_IsAskedAboutItsOwnAndNoneThatIsGone
   EXPECT_EQ(code_of(MatchGate(broken, AccessControlAdapter::judge).check({})),
             Code::access_control_missing);
   EXPECT_EQ(AccessControlAdapter::judge(nullptr), MatchVerdict::unknown_access_control);
-  // No library of this process exports it.
+  // No library of this process exports the function.
   EXPECT_EQ(code_of(MatchGate(scope_of(harness.adapter.id())).check({})),
             Code::access_control_missing);
 }

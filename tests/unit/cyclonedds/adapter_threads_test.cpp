@@ -1,5 +1,5 @@
-// Identities end while other threads are in the middle of a handshake, and the host returns what is
-// revoked from within the revocation, as Cyclone's core does.
+// Identities end while other threads are in the middle of a handshake. The host returns a revoked
+// identity from within the revocation, as Cyclone's core does.
 #include <atomic>
 #include <thread>
 
@@ -9,7 +9,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-// Every identity ends as soon as anybody looks; handshakes succeed at once.
+// An engine whose identities all end at the next look, and whose handshakes succeed at once.
 struct Mortal : MockAuthentication {
   std::atomic<std::int64_t> last_identity = 0, last_handshake = 0;
   std::shared_ptr<spi::SharedSecret> secret = std::make_shared<spi::SharedSecret>();
@@ -65,7 +65,7 @@ TEST(AdapterThreads, IdentitiesThatEndDuringHandshakes_AreRevoked) {
             c->begin_handshake_request(c, &handshake, &message, 1, remote, &data.sequence, nullptr),
             DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_MESSAGE);
         free_token(message);
-        // Nil if the identity has ended meanwhile.
+        // The result is nil if the identity has ended in the meantime.
         c->get_shared_secret(c, handshake, nullptr);
         c->return_identity_handle(c, remote, nullptr);
       }

@@ -25,7 +25,7 @@ Guid guid_of(std::uint8_t octet) {
   return guid;
 }
 
-// A token of the host, freed at the end.
+// A token of the host. It is freed at the end.
 struct HostToken : DDS_Security_DataHolder {
   HostToken() : DDS_Security_DataHolder{} {}
   explicit HostToken(const spi::Token& token) { EXPECT_TRUE(copy_token(token, *this)); }
@@ -72,7 +72,7 @@ TEST_F(AuthenticationAdapterTest, LocalIdentity_ReachesTheEngine) {
   EXPECT_EQ(guid_from(adjusted), guid_of(2));
 }
 
-// A participant's properties from the host and from the file that the process names.
+// Properties of a participant, from the host and from the file that the process names.
 struct ProcessProperties : AuthenticationAdapterTest {
   ~ProcessProperties() override { unsetenv(spi::kPropertiesVariable); }
 
@@ -99,7 +99,7 @@ struct ProcessProperties : AuthenticationAdapterTest {
   const std::string crl{spi::property::kCrl}, password{spi::property::kPassword};
 };
 
-// Cyclone's configuration file has no place for properties that are not its own.
+// Cyclone's configuration file has no place for properties that Cyclone does not define.
 TEST_F(ProcessProperties, PropertiesThatTheHostDoesNotName_AreAdded) {
   expect_engine_gets({{crl, "v", false}, {password, "w", false}});
   EXPECT_EQ(validate(crl, "v", crl + " = other\n" + password + " = w\n"),
@@ -109,8 +109,8 @@ TEST_F(ProcessProperties, PropertiesThatTheHostDoesNotName_AreAdded) {
   EXPECT_EQ(refusal.reason(), Code::file_not_found);
 }
 
-// Cyclone 0.10.2 passes an empty value for each element that its configuration leaves out: a list
-// of revoked certificates that the file names would not count.
+// Cyclone 0.10.2 passes an empty value for each element that its configuration leaves out. If these
+// counted, a revocation list that the file names would be ignored.
 TEST_F(ProcessProperties, EmptyPropertiesOfTheHost_AreReplaced) {
   expect_engine_gets({{crl, "file:/the/list", false}});
   EXPECT_EQ(validate(crl, "", crl + " = file:/the/list\n"), DDS_SECURITY_VALIDATION_OK);
@@ -211,7 +211,7 @@ TEST_F(AuthenticationAdapterTest, PeersAuthRequest_NeverReachesTheEngine) {
   EXPECT_EQ(handle, 2);
   EXPECT_FALSE(is_nil(&request));
 
-  // Not even one that cannot be read: it proves nothing, so it refuses nothing.
+  // Even a token that cannot be read refuses nothing, because it proves nothing.
   DDS_Security_DataHolder unreadable{};
   unreadable.binary_properties._length = 7;
   EXPECT_CALL(engine, validate_remote_identity(_, testing::Eq(std::nullopt), _, _))
@@ -229,7 +229,8 @@ TEST_F(AuthenticationAdapterTest, PeersAuthRequest_NeverReachesTheEngine) {
   EXPECT_STREQ(none.class_id, "");
 }
 
-// Cyclone 0.10.2's handshake takes strlen of it when it sends again, whatever we answered.
+// Cyclone 0.10.2's handshake calls strlen on the class id when it sends the request again, whatever
+// the answer was.
 TEST_F(AuthenticationAdapterTest, ARefusedPeer_LeavesAnEmptyClassIdAndNotNull) {
   const HostToken token(sample_token());
   HostToken request;
@@ -245,7 +246,7 @@ TEST_F(AuthenticationAdapterTest, ARefusedPeer_LeavesAnEmptyClassIdAndNotNull) {
   EXPECT_STREQ(request.class_id, "");
 }
 
-// Anybody can announce anything in a peer's name. The core would not begin with that peer again.
+// Anyone can announce anything in a peer's name, and the core would not begin with that peer again.
 TEST_F(AuthenticationAdapterTest, RefusedAnnouncement_IsLookedAtAgainAndThenDiscoveredAnew) {
   const HostToken good(sample_token());
   DDS_Security_DataHolder unreadable{};
@@ -306,7 +307,7 @@ TEST_F(AuthenticationAdapterTest, SharedSecret_IsCyclonesLayoutUntilTheRemoteGoe
   ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
   ON_CALL(engine, return_identity_handle).WillByDefault(Return(Status{}));
   EXPECT_EQ(c->get_shared_secret(c, 10, &refusal), DDS_SECURITY_HANDLE_NIL);
-  EXPECT_EQ(refusal.reason(), Code::foreign_shared_secret);  // no such handshake
+  EXPECT_EQ(refusal.reason(), Code::foreign_shared_secret);  // no handshake has this handle
 
   HostToken request;
   DDS_Security_HandshakeHandle handle = 0;
@@ -322,7 +323,7 @@ TEST_F(AuthenticationAdapterTest, SharedSecret_IsCyclonesLayoutUntilTheRemoteGoe
   EXPECT_EQ(layout->challenge1[0], 1);
   EXPECT_EQ(layout->challenge2[31], 2);
 
-  EXPECT_EQ(c->return_identity_handle(c, 3, nullptr), 1);  // somebody else
+  EXPECT_EQ(c->return_identity_handle(c, 3, nullptr), 1);  // the handle is not known
   EXPECT_EQ(layout->shared_secret[0], 9);
   EXPECT_EQ(c->return_identity_handle(c, 2, nullptr), 1);
   Refusal gone;
@@ -344,7 +345,7 @@ TEST_F(AuthenticationAdapterTest, PeerCredential_IsText) {
 
 TEST_F(AuthenticationAdapterTest, SessionFacts_GoThroughTheHost) {
   spi::Token token{.class_id = "DDS:Auth:PKI-DH:1.0", .binary_properties = {{"c.perm", {'p'}}}};
-  // Its octets would be no text.
+  // The octets of the digest alone would be no text that the host can pass on.
   const spi::SessionFacts facts{.presented_permissions = Sha256Digest{},
                                 .peer_keeps_session = true};
   spi::add_session_facts(token, facts);
@@ -390,7 +391,7 @@ TEST_F(AuthenticationAdapterTest, ExpiredIdentity_IsRevokedThroughTheListener) {
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
 
-// A stranger's message that had to be refused leaves the core waiting for ever.
+// A stranger's message that had to be refused would leave the core waiting for ever.
 TEST_F(AuthenticationAdapterTest, HandshakeThatAStrangerDisturbed_IsBegunAgain) {
   ON_CALL(engine, validate_remote_identity).WillByDefault([](spi::IdentityHandle local, auto&&...) {
     return spi::Authentication::RemoteIdentity{
@@ -419,7 +420,7 @@ TEST_F(AuthenticationAdapterTest, HandshakeThatAStrangerDisturbed_IsBegunAgain) 
                                        nullptr),
               DDS_SECURITY_VALIDATION_FAILED);
   };
-  // One that authenticates in spite of it.
+  // This peer authenticates in spite of the forged message.
   const auto finished = meet(2, 2);
   forged(finished, 2);
   DDS_Security_HandshakeHandle handshake = 0;

@@ -26,7 +26,7 @@ TEST_F(Boundary, Failure_IsACodeAndOneEventWithTheSentence) {
   EXPECT_EQ(events[0].error.to_sentence(), refuse().error().to_sentence());
   EXPECT_EQ(events[0].error.code(), Code::malformed);
 
-  // The same again within the interval says nothing new.
+  // The same refusal within the interval raises no further event.
   Refusal again;
   allowed_at_c_boundary(host, &again, refuse);
   EXPECT_EQ(again.reason(), Code::malformed);

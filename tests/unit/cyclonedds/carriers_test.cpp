@@ -1,4 +1,4 @@
-// What access control says of the readers that carry ends (own_readers.hpp).
+// The answers of access control about the readers that carry ends (own_readers.hpp).
 #include <atomic>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace ddssec::cyclonedds {
 namespace {
 
 struct Carriers : testing::Test {
-  // Under governance that protects discovery, or does not; documents allow nothing.
+  // Access control with this protection of discovery. The documents allow nothing.
   void use(ProtectionKind discovery) {
     ON_CALL(engine, participant_sec_attributes).WillByDefault([discovery](auto) {
       return spi::ParticipantSecurityAttributes{.discovery = discovery};
@@ -57,8 +57,8 @@ TEST_F(Carriers, UnprotectedAnnouncements_AreOrdinaryReaders) {
   EXPECT_FALSE(may_create(topic));
 }
 
-// Before, an insider without any right matched them, and the listeners of the application's
-// participant got its samples.
+// An insider without any right must not match them, or the listeners of the application's
+// participant would get its samples.
 TEST_F(Carriers, AnyGovernance_ClosesThemAndProtectsTheirAnnouncements) {
   use(ProtectionKind::sign);
   ON_CALL(engine, datareader_sec_attributes)
@@ -77,7 +77,7 @@ TEST_F(Carriers, AnyGovernance_ClosesThemAndProtectsTheirAnnouncements) {
   EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);
 }
 
-// The host does so when a reader is gone.
+// The host returns the attributes when a reader is gone.
 TEST_F(Carriers, ReturnedReaderAttributes_StartALookForThem) {
   const int before = looks_for_ended_readers;
   DDS_Security_EndpointSecurityAttributes attributes{};
@@ -90,5 +90,5 @@ TEST_F(Carriers, ReturnedReaderAttributes_StartALookForThem) {
 }  // namespace
 }  // namespace ddssec::cyclonedds
 
-// What our cryptography in the same process exports.
+// Our cryptography exports this function in the same process.
 DDSSEC_EXPORT void ddssec_look_for_ended_readers() { ++looks_for_ended_readers; }

@@ -36,7 +36,7 @@ TEST(ClosedReader, OtherTopics_AreNotClosed) {
     EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::closed)) << topic;
 }
 
-// What an application reads of the core's own topics comes from no other process.
+// An application that reads the core's own topics gets no samples from other processes.
 TEST(ClosedReader, ApplicationsOwnReader_IsNotClosed) {
   const std::string_view partitions[] = {"__BUILT-IN PARTITION__"};
   EXPECT_FALSE(cyclonedds::is_closed({.topic_name = "DCPSPublication", .partitions = partitions},

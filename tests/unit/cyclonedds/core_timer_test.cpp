@@ -71,7 +71,7 @@ TEST_F(CoreTimerTest, OtherLayout_NothingIsCalled) {
   EXPECT_TRUE(stop());
 }
 
-// Another core may pass the address of something that has nothing in front of it.
+// Another core may pass the address of an object that has nothing before it in memory.
 TEST_F(CoreTimerTest, NothingBeforeTheArgument_NothingIsReadOrCalled) {
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
   void* const pages =
@@ -93,7 +93,7 @@ TEST_F(CoreTimerTest, MachineThatCannotBeRead_NothingIsCalled) {
 
 TEST_F(CoreTimerTest, HostWithoutTheFunction_NothingIsRead) {
   EXPECT_FALSE(CoreTimer(nullptr).stop({nullptr, nullptr, nullptr}));
-  // This program is no Cyclone DDS.
+  // This program is not Cyclone DDS.
   EXPECT_FALSE(CoreTimer::of_host(nullptr).stop({nullptr, nullptr, nullptr}));
 }
 

@@ -1,5 +1,6 @@
-// A local participant whose certificate or permissions have ended: the host is not told, since it
-// would delete the participant beneath the application's entities. Our plugins refuse it.
+// A local participant whose certificate or permissions have ended. The host does not hear of it,
+// because it would delete the participant beneath the application's entities. Our plugins refuse
+// the participant instead.
 #include <algorithm>
 #include <atomic>
 #include <thread>
@@ -50,7 +51,8 @@ TEST(CutOff, OwnIdentityEnded_IsNotToldToTheHost) {
   EXPECT_EQ(cut_off_in_access_control, kOwn.value);
 }
 
-// What peers say when they give up a participant that is still announced, the host takes for all.
+// When peers give up a participant that is still announced, the host applies their messages to all
+// local participants.
 TEST(CutOff, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
@@ -70,7 +72,7 @@ TEST(CutOff, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
 
-// The other one's permissions have ended: it is not valid any more.
+// The other participant's permissions have ended, so it does not count as valid any more.
 TEST(CutOff, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
@@ -174,8 +176,8 @@ TEST_F(CutOffPermissions, OwnEndBesideOthersInTheDomain_IsRevoked) {
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
 
-// Two participants whose permissions end in one look, besides those of a peer, and perhaps a third
-// that stays valid.
+// Two participants whose permissions end in one look, together with those of a peer. A third
+// participant may stay valid.
 struct CutOffTogether : CutOffPermissions {
   CutOffTogether() {
     ended().clear();
@@ -190,7 +192,7 @@ struct CutOffTogether : CutOffPermissions {
     });
     EXPECT_EQ(c->validate_local_permissions(c, nullptr, local, 5, &qos, nullptr), permissions);
   }
-  // What the host is told of in the first look.
+  // Returns the handles that the host is told about in the first look.
   std::vector<std::int64_t> told_of() {
     const dds_security_access_control_listener listener{
         [](const dds_security_access_control*,
@@ -233,7 +235,7 @@ TEST_F(CutOffTogether, Authentication_HearsWhoIsCutOff) {
 }  // namespace
 }  // namespace ddssec::cyclonedds
 
-// What our other plugins in the same process export.
+// Our other plugins export these functions in the same process.
 DDSSEC_EXPORT void ddssec_cut_off_cryptography(DDS_Security_IdentityHandle local) {
   cut_off_in_cryptography = local;
 }

@@ -29,7 +29,7 @@ TEST(SendDatagram, GivenAddress_ReceivesIt) {
   ::close(socket);
 }
 
-// As Linux 6.1 prints them on a little-endian machine.
+// The format of Linux 6.1 on a little-endian machine.
 constexpr std::string_view kIgmp =
     "Idx\tDevice    : Count Querier\tGroup    Users Timer\tReporter\n"
     "1\tlo        :     2      V3\n"
@@ -71,7 +71,7 @@ TEST(JoinedGroups, Nonsense_GivesNone) {
               ::testing::IsEmpty());
 }
 
-// Bound to a port of the system's choice.
+// A socket that is bound to a port of the system's choice.
 class Socket {
  public:
   explicit Socket(bool is_shared) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -104,7 +104,7 @@ TEST(BoundUdp, SocketWithAPort_IsFound) {
   ::close(tcp);
 }
 
-// As Linux 6.1 prints them.
+// The format of Linux 6.1.
 TEST(LinkLocalInterfaces, AddressOfThatScope_ListsItsInterface) {
   constexpr std::string_view kAddresses =
       "00000000000000000000000000000001 01 80 10 80       lo\n"

@@ -1,4 +1,4 @@
-// What a local endpoint is about, passed from one plugin to another through the host.
+// The scope of a local endpoint, which one plugin passes to another through the host.
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-// Properties as the host keeps them.
+// Properties in the host's form.
 struct Properties {
   ~Properties() { free_properties(value); }
   DDS_Security_PropertySeq value{};

@@ -16,7 +16,7 @@ struct Timer : testing::Test {
   std::atomic<int> rounds = 0;
   std::promise<std::int64_t> revoked;
 
-  // Something ends in the third round.
+  // Returns tasks of which something ends in the third round.
   ExpiryTimer::Tasks tasks() {
     return {.revoke_ended =
                 [this](const std::stop_token&) {
@@ -42,7 +42,7 @@ TEST_F(Timer, AfterStop_NothingIsCalled) {
   const int at_stop = rounds;
   std::this_thread::sleep_for(30ms);
   EXPECT_EQ(rounds, at_stop);
-  timer.stop();  // again
+  timer.stop();  // a second time
 }
 
 // Three identities end in one round.

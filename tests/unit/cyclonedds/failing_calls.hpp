@@ -20,25 +20,27 @@ using cyclonedds::Exception;
 using memory::Extent;
 using memory::Source;
 
-/// Which allocations fail; no plan, none.
+/// The allocations that fail. Without a plan none fails.
 struct Plan {
   Source source;
   Extent extent;
 };
 
-/// Makes each call with its first allocation failing, then with its second, until it needs no more.
+/// Repeats each call, with its first allocation failing, then with its second, and so on, until no
+/// allocation is left to fail.
 class Caller {
  public:
-  /// A call of the C ABI; true = success.
+  /// A call of the C ABI. It returns true for success.
   using Call = std::function<bool(Exception*)>;
   using Undo = std::function<void()>;
 
   explicit Caller(std::optional<Plan> plan) : plan_(plan) {}
 
-  /// A call that succeeds although its notice (an informational event) found no memory.
+  /// An allocation that belongs to a notice (an informational event) may fail although the call
+  /// succeeds.
   static constexpr long kMaxAllocationsOfNotices = 32;
 
-  /// OpenSSL can do without some of its allocations: `undo` takes such a success back.
+  /// OpenSSL can do without some of its allocations. `undo` takes such a success back.
   void operator()(const std::string& name, const Call& call, const Undo& undo) {
     SCOPED_TRACE(name);
     long done_without = 0;
@@ -67,14 +69,15 @@ class Caller {
     }
   }
 
-  /// How many calls wanted memory that was not there.
+  /// Returns how many calls failed for lack of memory.
   long failed() const { return failed_; }
 
  private:
   bool is_a_reason(Code code) const {
     return code == Code::out_of_memory || (plan_->source == Source::c && code != Code{});
   }
-  /// Reading documents takes thousands of allocations that are much alike.
+  /// The numbers grow faster and faster, because reading documents takes thousands of similar
+  /// allocations.
   static long stride(long number) { return 1 + number / 64; }
 
   std::optional<Plan> plan_;

@@ -16,7 +16,7 @@ Guid guid_of(std::uint32_t number) {
 }
 
 struct HandshakeWatchTest : testing::Test {
-  // Those given up within so long, looked for every 100 ms.
+  // Looks every 100 ms for that long, and returns the peers that are given up.
   std::vector<HandshakeWatch::Stuck> after(std::chrono::nanoseconds time) {
     std::vector<HandshakeWatch::Stuck> out;
     for (; time > 0ns; time -= 100ms) {
@@ -44,10 +44,10 @@ TEST_F(HandshakeWatchTest, AfterARefusal_GivesUpSoon) {
   EXPECT_TRUE(stuck[0].was_disturbed);
   EXPECT_TRUE(stuck[0].is_first);
   EXPECT_EQ(stuck[0].waited, 2500ms);
-  EXPECT_TRUE(after(1000s).empty());  // once
+  EXPECT_TRUE(after(1000s).empty());  // only once
 }
 
-// The host asks once a second.
+// The host asks about the refused announcement once a second.
 TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncement_DoesNotProlongTheWait) {
   watch.not_admitted({local, remote}, guid_of(1));
   EXPECT_TRUE(after(1s).empty());
@@ -62,7 +62,7 @@ TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncement_DoesNotProlongTh
 TEST_F(HandshakeWatchTest, WithoutARefusal_IsPatient) {
   watch.note_met({local, remote}, guid_of(1));
   EXPECT_TRUE(after(19s).empty());
-  watch.progressed({local, remote}, handshake);  // counted from here
+  watch.progressed({local, remote}, handshake);  // the wait begins here
   EXPECT_TRUE(after(19900ms).empty());
   const auto stuck = after(200ms);
   ASSERT_EQ(stuck.size(), 1u);
@@ -74,13 +74,14 @@ TEST_F(HandshakeWatchTest, Progress_StartsTheWaitAnew) {
   watch.refused(remote);
   EXPECT_TRUE(after(2s).empty());
   watch.progressed({local, remote}, handshake);
-  // The peer may have answered, and would not notice that we begin again: no hurry now.
+  // The peer may have answered, and would not notice that we begin again, so the longer wait
+  // applies.
   watch.refused(handshake);
   EXPECT_TRUE(after(19900ms).empty());
   EXPECT_EQ(after(200ms).size(), 1u);
 }
 
-// It is settled, and would not notice that we begin again.
+// Such a peer has settled, and would not notice that we begin again.
 TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
   ask.has_keys = [](auto) { return false; };
   HandshakeWatch::Duration heard{};
@@ -110,7 +111,7 @@ TEST_F(HandshakeWatchTest, NoHandshake_LivesAsLongAsTheTimerOfTheCore) {
   EXPECT_EQ(after(200ms).size(), 1u);
 }
 
-// Stock plugins and Fast DDS keep their session, whatever we begin anew.
+// Stock plugins and Fast DDS keep their session, even if we begin a new one.
 TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWasRefused) {
   bool sent = false;
   ask.has_keys = [&](auto) { return sent; };
@@ -141,7 +142,7 @@ TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
   EXPECT_TRUE(after(300s).empty());
 }
 
-// Its side is stuck: it takes us for a peer that it never heard the end from.
+// The peer is stuck, because it never received the end of the handshake.
 TEST_F(HandshakeWatchTest, APeerWithoutKeys_DidNotFinishItsHalf) {
   bool sent = false;
   ask.has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
@@ -149,7 +150,7 @@ TEST_F(HandshakeWatchTest, APeerWithoutKeys_DidNotFinishItsHalf) {
   watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
   watch.finished(handshake);
-  EXPECT_TRUE(after(19900ms).empty());  // patiently
+  EXPECT_TRUE(after(19900ms).empty());  // after the long wait only
   EXPECT_EQ(after(200ms).size(), 1u);
   watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, second);
@@ -157,11 +158,12 @@ TEST_F(HandshakeWatchTest, APeerWithoutKeys_DidNotFinishItsHalf) {
   EXPECT_TRUE(after(30s).empty());
   sent = true;
   EXPECT_TRUE(after(1s).empty());
-  sent = false;  // once is enough
+  sent = false;  // keys that came once are enough
   EXPECT_TRUE(after(300s).empty());
 }
 
-// An announcement was forged: its keys came, and the host never matches what the peer has.
+// An announcement was forged. The peer's keys came, but the host never matches the peer's
+// endpoints.
 TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
   bool matched = false;
   ask.has_keys = [](auto) { return true; };
@@ -176,7 +178,7 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
   const auto stuck = after(200ms);
   ASSERT_EQ(stuck.size(), 1u);
   EXPECT_TRUE(stuck[0].lacks_endpoints);
-  for (const auto wait : {40s, 80s, 80s, 80s}) {  // as long as somebody forges
+  for (const auto wait : {40s, 80s, 80s, 80s}) {  // as long as an attacker forges announcements
     meet();
     EXPECT_TRUE(after(wait - 1s).empty());
     EXPECT_EQ(after(2s).size(), 1u);
@@ -196,13 +198,13 @@ TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatched_IsSettled) {
   matched = true;
   EXPECT_TRUE(after(1s).empty());
   EXPECT_TRUE(after(300s).empty());
-  matched = false;  // endpoints go when the participant does, which takes a moment
+  matched = false;  // endpoints go with their participant, which takes a moment
   EXPECT_TRUE(after(100ms).empty());
   watch.forget(remote);
   EXPECT_TRUE(after(300s).empty());
 }
 
-// A stranger disposed one of them.
+// A stranger disposed one of the peer's endpoints.
 TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
   bool matched = true, sent_keys = true;
   ask.has_keys = [&](auto) { return sent_keys; };
@@ -227,7 +229,7 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
   EXPECT_TRUE(stuck[0].lacks_endpoints);
 }
 
-// Where governance admits unauthenticated participants, the host takes it for one then.
+// Where governance admits unauthenticated participants, the host then treats the peer as one.
 TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
   for (const auto wait : {20s, 40s, 80s}) {
     EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
@@ -240,7 +242,7 @@ TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
   EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
 }
 
-// A forged announcement can do that to a peer that has authenticated itself.
+// A forged announcement can cause this for a peer that has authenticated.
 TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
   ask.is_matched = [](auto) { return false; };
   for (int i = 0; i < 5; ++i) {
@@ -252,9 +254,9 @@ TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
   EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
 }
 
-// The host removes a remote participant for all its local ones.
+// The host removes a remote participant for all local participants at once.
 struct SharedPeerTest : HandshakeWatchTest {
-  // It authenticates the first local participant, and is met by the second one.
+  // The peer authenticates the first local participant, and the second one meets it.
   void meet() {
     watch.note_met({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
@@ -267,7 +269,7 @@ TEST_F(SharedPeerTest, WaitForIt_IsLongerThanForAnother) {
   meet();
   watch.progressed({second_local, remote}, second);
   watch.refused(second);
-  watch.note_met({{3}, remote}, guid_of(1));  // by a third
+  watch.note_met({{3}, remote}, guid_of(1));  // a third participant meets it
   EXPECT_TRUE(after(79s).empty());
   watch.finished(second);
   const auto stuck = after(2s);
@@ -289,7 +291,8 @@ TEST_F(SharedPeerTest, ParticipantWithoutASession_GivesItUpOnce) {
   EXPECT_TRUE(after(24h).empty()) << "the session of the first is left alone";
 }
 
-// The peer refuses the permissions of the second one, say, and tries again and again.
+// For example, the peer refuses the permissions of the second participant, and tries again and
+// again.
 TEST_F(SharedPeerTest, ThatResetsAnUnusedSession_IsFollowedSeldom) {
   meet();
   EXPECT_TRUE(watch.follows_unused_reset(guid_of(1)));
@@ -314,7 +317,7 @@ TEST_F(HandshakeWatchTest, UnusedResetsOfTooManyPeers_CrowdOutTheOldest) {
   EXPECT_TRUE(watch.follows_unused_reset(guid_of(0)));
 }
 
-// Stock plugins and Fast DDS would not begin the session of the first again.
+// Stock plugins and Fast DDS would not begin the session of the first participant again.
 TEST_F(SharedPeerTest, ThatKeepsItsSession_IsNotGivenUpForAnother) {
   meet();
   watch.keeps_its_session(handshake);
@@ -325,7 +328,7 @@ TEST_F(SharedPeerTest, ThatKeepsItsSession_IsNotGivenUpForAnother) {
   EXPECT_TRUE(after(24h).empty()) << "its keys for the second do not come";
 }
 
-// The timer of the core would end the handshake after 100 s, and damage memory.
+// Otherwise the core's timer would end the handshake after 100 s, and damage memory.
 TEST_F(SharedPeerTest, WhereTheCoresTimerRuns_IsGivenUpEachTime) {
   for (int i = 0; i < 3; ++i) {
     watch.note_met({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
@@ -365,7 +368,7 @@ TEST_F(SharedPeerTest, KeysToOneOnly_AreNotEnough) {
   EXPECT_TRUE(stuck[0].is_shared);
 }
 
-// A peer that finishes one handshake at the last moment, and lacks endpoints then.
+// A peer finishes one handshake at the last moment, and then lacks endpoints.
 TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
   ask.is_matched = [](auto) { return false; };
   watch.note_met({local, remote}, guid_of(1));
@@ -378,7 +381,8 @@ TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
   EXPECT_EQ(after(5100ms).size(), 1u);
 }
 
-// The revocation list of the second one is out of date, say. The host asks once a second.
+// For example, the revocation list of the second participant is out of date. The host asks once a
+// second.
 TEST_F(SharedPeerTest, ThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoes) {
   watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
@@ -392,7 +396,7 @@ TEST_F(SharedPeerTest, ThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoe
   EXPECT_EQ(after(2s).size(), 1u);
 }
 
-// A request that came at once made the host wait for another one.
+// A request that came immediately made the host wait for another one.
 TEST_F(SharedPeerTest, ThatTheHostDoesNotAskAboutAgain_IsGivenUpOnce) {
   watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
@@ -420,7 +424,7 @@ TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   }
   EXPECT_EQ(waits,
             (std::vector<std::chrono::nanoseconds>{2500ms, 5s, 10s, 20s, 40s, 80s, 80s, 80s}));
-  // Another peer has its own count, and this one's is forgotten after a while.
+  // Another peer has a count of its own, and the count of this peer is forgotten after a while.
   watch.note_met({local, other}, guid_of(2));
   watch.refused(other);
   EXPECT_EQ(after(3s).size(), 1u);
@@ -442,7 +446,7 @@ TEST_F(HandshakeWatchTest, WhatTheHostReturns_IsForgotten) {
   watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, second);
   watch.forget(second);
-  watch.finished(second);  // no longer its handshake
+  watch.finished(second);  // the handshake is not of this peer any more
   EXPECT_EQ(after(21s).size(), 1u);
 }
 
@@ -464,7 +468,7 @@ TEST_F(HandshakeWatchTest, ManyInventedPeers_OnlyTheLatestAreRemembered) {
   }
   clock.advance(2500ms);
   EXPECT_EQ(watch.give_up().size(), HandshakeWatch::kMaxPeers);
-  EXPECT_TRUE(give_up(1).at(0).is_first);  // crowded out: the worst is a shorter wait
+  EXPECT_TRUE(give_up(1).at(0).is_first);  // it was crowded out, which only makes a wait shorter
 }
 
 TEST_F(HandshakeWatchTest, UnknownPeers_AreIgnored) {

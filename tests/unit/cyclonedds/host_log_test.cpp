@@ -93,7 +93,7 @@ struct EventFifo : HostLog {
       out.append(part, static_cast<std::size_t>(size));
     return out;
   }
-  // Of the events in the lines that were received; "" for a line that was cut.
+  // Returns the names of the events in the received lines; "" for a line that was cut.
   std::vector<std::string> names() const {
     std::vector<std::string> out;
     std::istringstream lines(received());
@@ -123,7 +123,7 @@ TEST_F(EventFifo, WithAReader_TakesLines) {
 TEST_F(EventFifo, WhoseReaderStopsReading_LosesLinesAndHoldsUpNothing) {
   read_it();
   const auto log = make_host_log(record, json_path.c_str());
-  // Longer than what a FIFO takes as a whole or not at all.
+  // This is longer than what a FIFO takes as a whole or not at all.
   const std::string text(1'000, 'x');
   const Event event(
       Error(Code::malformed,
@@ -172,7 +172,7 @@ TEST_F(HostLog, NoSeverity_Aborts) {
   EXPECT_TRUE(logged.empty());
 }
 
-// Cyclone DDS shows errors and warnings only, unless it is asked for more.
+// Cyclone DDS shows errors and warnings only, unless its configuration asks for more.
 TEST_F(HostLog, NoticesThatMustBeSeen_ByDefault_AreShown) {
   const Code shown[] = {Code::plugins_in_use, Code::no_revocation_list, Code::crl_renewed};
   for (const auto code : shown) make_host_log(record, nullptr)->raise(Event(Error(code)));

@@ -1,4 +1,4 @@
-// What a plugin context reports: each refusal once, and nothing lets an exception through.
+// What a plugin context reports: each refusal once. No exception gets through to the host.
 #include "plugins/cyclonedds/host.hpp"
 
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// Key tokens, between the host and the engine.
+// Key tokens that pass between the host and the engine.
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
@@ -52,7 +52,7 @@ TEST_F(CryptographyAdapterTest, CryptoTokens_GoOutAndIn) {
   EXPECT_EQ(exchange->return_crypto_tokens(nullptr, &tokens, nullptr), 0);
 }
 
-// Of a participant's tokens that are refused, Cyclone DDS frees none and logs each.
+// If a participant's tokens are refused, Cyclone DDS does not free them, and logs each refusal.
 TEST_F(CryptographyAdapterTest, RefusedParticipantTokens_AreToldOnceAndTakenFromTheHost) {
   EXPECT_CALL(engine, set_remote_participant_crypto_tokens)
       .WillOnce(Return(fail(Code::keys_already_set)))

@@ -60,7 +60,7 @@ TEST_F(CryptographyAdapterTest, Registration_ReachesTheEngine) {
             31);
 }
 
-// Sets a variable for one test.
+// Sets an environment variable for one test.
 struct Variable {
   Variable(const char* name, const std::string& value) : name(name) {
     setenv(name, value.c_str(), 1);
@@ -127,7 +127,7 @@ TEST_F(CryptographyAdapterTest, NilHandlesOfUnprotectedEndpoints_AreUnregistered
   }
 }
 
-// Cyclone DDS does so when several participants end at once, and logs each refusal.
+// Cyclone DDS returns a handle twice when several participants end at once, and logs each refusal.
 TEST_F(CryptographyAdapterTest, AHandleThatIsReturnedTwice_IsNoError) {
   EXPECT_CALL(engine, unregister_datawriter)
       .WillOnce(Return(Status{}))

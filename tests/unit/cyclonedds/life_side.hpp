@@ -1,4 +1,4 @@
-// One of two participants whose life whole_life.hpp is.
+// One of the two participants whose life whole_life.hpp plays.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ inline const std::string kOurs = DDSSEC_PLUGIN_DIR "/libddssec_";
 inline const Paths kPaths = {kOurs + "authentication.so", kOurs + "access_control.so",
                              kOurs + "cryptography.so"};
 
-/// The properties of a participant, as the host passes them.
+/// The properties of a participant, in the form in which the host passes them.
 struct Properties {
   explicit Properties(const std::string& name)
       : texts{{{"dds.sec.auth.identity_ca", "file:" + kPki + "/idca.pem"},
@@ -39,7 +39,7 @@ inline void clear(DDS_Security_DataHolder& token) {
   token = {};
 }
 
-/// One participant and what it holds of its peer.
+/// One participant, and what it holds of its peer.
 struct Side {
   explicit Side(const char* participant_name) : name(participant_name), properties(name) {}
 

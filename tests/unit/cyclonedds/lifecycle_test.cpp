@@ -11,13 +11,13 @@
 #include "tests/support/cyclone_driver.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
-// Its bookkeeping of loaded libraries' thread-local storage goes wrong with these many libraries,
-// and the leak check then ends in a fault of its own.
+// The sanitizer's bookkeeping of thread-local storage fails with this many libraries, and the leak
+// check then ends in a fault of its own.
 extern "C" __attribute__((visibility("default"))) const char* __asan_default_options() {
   return "intercept_tls_get_addr=0";
 }
-// The stock cryptography forgets the keys of a participant that shared a remote one; ours never
-// allocate by the host's functions.
+// The stock cryptography leaks the keys of a participant that shared a remote one. Our plugins
+// never allocate with the host's functions.
 extern "C" __attribute__((visibility("default"))) const char* __lsan_default_suppressions() {
   return "leak:libddsc.so\n";
 }
@@ -30,7 +30,8 @@ const std::string kPki = DDSSEC_DRIVER_PKI;
 const std::string kOurs = DDSSEC_PLUGIN_DIR "/libddssec_";
 const std::string kStock = DDSSEC_STOCK_PLUGIN_DIR "/libdds_security_";
 
-// Bit 0: authentication is stock, bit 1: access control, bit 2: cryptography.
+// Returns the libraries of a mix. Bit 0: authentication is stock, bit 1: access control, bit 2:
+// cryptography.
 Paths mix(int stock) {
   return {(stock & 1) ? kStock + "auth.so" : kOurs + "authentication.so",
           (stock & 2) ? kStock + "ac.so" : kOurs + "access_control.so",
@@ -51,7 +52,7 @@ Octets numbered(std::size_t size) {
   return octets;
 }
 
-// A DATA submessage, little endian.
+// Returns a little-endian DATA submessage.
 Octets submessage(std::size_t size) {
   auto octets = numbered(size);
   octets[0] = 0x15;
@@ -61,7 +62,7 @@ Octets submessage(std::size_t size) {
   return octets;
 }
 
-// An RTPS message of one DATA.
+// Returns an RTPS message with one DATA.
 Octets message(const std::uint8_t* prefix, std::size_t size) {
   constexpr std::uint8_t kBegin[] = {'R', 'T', 'P', 'S', 2, 1, 1, 0x10};
   const auto body = submessage(size);
@@ -106,7 +107,7 @@ void send_message(const Link& link, const Participant& from, std::size_t size) {
   auto forged = encoded.octets();
   to_machine_order(encoded);
   const auto decoded = link.receiver.decode_message(encoded).octets();
-  // Behind the header comes INFO_SRC, then what was sent.
+  // INFO_SRC follows the header, and then the original submessages.
   ASSERT_EQ(decoded.size(), plain.size() + 24);
   EXPECT_EQ(decoded[20], 0x0c);
   EXPECT_TRUE(std::equal(plain.begin() + 20, plain.end(), decoded.begin() + 44));
@@ -147,8 +148,8 @@ TEST(OurLife, EveryGovernance_TalksBothWays) {
     live(kAllOurs, kAllOurs, governance);
 }
 
-// Two local participants of one domain and a remote one that talks to both. Cyclone's core has one
-// identity and one cryptography handle for the remote, whichever of its own met it.
+// Two local participants of one domain, and a remote one that talks to both. Cyclone's core has one
+// identity and one cryptography handle for the remote, whichever local participant met it.
 struct TwoLocals {
   explicit TwoLocals(int stock, const std::string& governance)
       : domain(mix(stock)),
@@ -167,11 +168,11 @@ struct TwoLocals {
     send_submessage(link, 128);
     send_message(link, from, 256);
   }
-  // The core returns what it has of the remote once.
+  // The core returns the handles of the remote only once, so this link does not return them.
   static void keep_remote(Link& link) {
     link.a_of_b.identity = link.a_of_b.crypto = DDS_SECURITY_HANDLE_NIL;
   }
-  // As the core lets a participant of its own go.
+  // Ends a local participant as the core does.
   static void leave(std::unique_ptr<Link>& link, std::unique_ptr<Participant>& local) {
     keep_remote(*link);
     link.reset();
@@ -185,7 +186,8 @@ struct TwoLocals {
 };
 
 class TwoLocalsLife : public testing::TestWithParam<int> {};
-// Stock access control frees what its local participants share with the first that goes.
+// Stock access control frees shared data of its local participants with the first one that goes, so
+// only mixes without it are tested.
 class OneOfTwoLeaves : public TwoLocalsLife {};
 
 TEST_P(TwoLocalsLife, OneRemoteForTheHost_IsTwoForTheEngine) {
@@ -200,7 +202,7 @@ TEST_P(TwoLocalsLife, OneRemoteForTheHost_IsTwoForTheEngine) {
     TwoLocals::talk(*two.of_first, *two.first);
     TwoLocals::talk(*two.of_second, *two.second);
   }
-  // What the remote encrypted for the one, the other cannot read.
+  // The second participant cannot read what the remote encrypted for the first one.
   const auto encoded = two.of_first->sender.encode_payload(numbered(64));
   EXPECT_TRUE(is_refused([&] { two.of_second->receiver.decode_payload(encoded); }));
 }
@@ -213,15 +215,15 @@ TEST_P(OneOfTwoLeaves, OtherLocal_GoesOn) {
     auto& local = second_leaves ? two.first : two.second;
     TwoLocals::leave(leaving, second_leaves ? two.second : two.first);
     TwoLocals::talk(*staying, *local);
-    // It may authenticate again under the handle that the host has. (Stock authentication sends its
-    // old request again.)
+    // The remote may authenticate again under the handle that the host has. (Stock authentication
+    // sends its old request again.)
     if ((GetParam() & 1) == 0) {
       Peer again, at_remote;
       authenticate(*local, two.remote, again, at_remote);
       EXPECT_EQ(again.identity, staying->a_of_b.identity);
       TwoLocals::talk(*staying, *local);
     }
-    // And a third one may come.
+    // A third local participant may meet the remote, too.
     Participant third(two.domain, kPki, "a", "encrypt", 3);
     Link of_third(third, two.remote, "Square");
     EXPECT_EQ(of_third.a_of_b.identity, staying->a_of_b.identity);
@@ -268,7 +270,7 @@ TEST(OurLife, TwoDomainsOfOneProcess_AreSeparate) {
 }
 
 // Cyclone unloads the plugins with the last secured participant. (Under the address sanitizer
-// mallinfo2 knows nothing; its leak check tells.)
+// mallinfo2 counts nothing, and the leak check takes its place.)
 TEST(OurLife, OneAfterAnother_TakesNoMoreMemory) {
   live(kAllOurs, kAllOurs, "encrypt");
   const auto before = mallinfo2().uordblks;

@@ -24,7 +24,7 @@ constexpr const char* kTwoLinks =
     "ip link set ${l}0 up && ip link set ${l}1 up && ip addr add fe80::1/64 dev ${l}0 nodad || "
     "exit 1; done";
 
-// Everything that comes in by an interface.
+// Receives everything that arrives at an interface.
 class Wire {
  public:
   explicit Wire(const char* interface)
@@ -41,7 +41,7 @@ class Wire {
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
-  // Whether a neighbor solicitation on this link asks for the owner of the address.
+  // True if a neighbor solicitation on this link asks for the owner of the address.
   bool hears_question_for(const std::array<std::uint8_t, 16>& address) const {
     constexpr std::size_t kTargetAt = 48;
     std::array<std::uint8_t, 2000> packet{};

@@ -22,7 +22,7 @@ TEST(LoadedSymbol, LibraryThatDefinesIt_IsFound) {
 }
 
 TEST(LoadedSymbol, OwnFunctionOfALibrary_IsFoundWhereItIsDefined) {
-  // This program uses it, under no name that is longer.
+  // This program uses the function, and no longer name ends in the same way.
   const auto found = find_loaded_symbol("lose");
   ASSERT_TRUE(found);
   EXPECT_THAT(found->name, testing::EndsWith("lose"));

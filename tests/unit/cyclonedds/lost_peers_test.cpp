@@ -29,7 +29,7 @@ constexpr GuidPrefix kLocal{{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}};
 constexpr GuidPrefix kRemote{{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}};
 std::atomic<DDS_Security_IdentityHandle> revoked{0};
 
-// Where a peer receives discovery.
+// The socket on which a peer receives discovery.
 struct Socket {
   Socket() {
     own.sin_family = AF_INET;
@@ -155,7 +155,7 @@ TEST_F(SessionResetTest, ReceivedReset_MakesTheHostBeginAnew) {
   const auto remote = authenticate();
   auto& resets = SessionResets::of_process();
   resets.expect({{70}, {1}}, {remote}, spi::derive_reset_token(*secret(), kRemote));
-  // With the second question the first has had no effect.
+  // When the second question is asked, the first one has had no effect.
   const auto before = questions.load();
   for (int i = 0; i < 1000 && questions < before + 2; ++i) std::this_thread::sleep_for(10ms);
   EXPECT_GE(questions, before + 2);
@@ -170,7 +170,7 @@ TEST_F(SessionResetTest, ReceivedReset_MakesTheHostBeginAnew) {
   resets.forget({70});
 }
 
-// The peer resets its session; the host drops it.
+// The peer resets its session, and the host drops the peer.
 struct EndedByPeer : SessionResetTest {
   void SetUp() override {
     SessionResetTest::SetUp();
@@ -185,7 +185,8 @@ struct EndedByPeer : SessionResetTest {
     EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
   }
   auto reports() {
-    EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);  // no event comes while they are counted
+    // No event is raised while they are counted.
+    EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
     return std::ranges::count(harness.events, Code::session_not_resumed,
                               [](const auto& event) { return event.error.code(); });
   }
@@ -261,7 +262,7 @@ TEST_F(LostRights, SessionWhoseHandshakeWasUnderWay_EndsToo) {
   EXPECT_EQ(revoked, remote);
 }
 
-// It would keep its side of the session, and ignore each new handshake.
+// Such a peer would keep its side of the session, and ignore each new handshake.
 TEST_F(LostRights, SessionWithAPeerOnOtherPlugins_GoesOn) {
   peer_ciphers = spi::kStandardCiphers;
   ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
@@ -280,7 +281,8 @@ DDSSEC_EXPORT std::uint64_t ddssec_rights_lost(DDS_Security_IdentityHandle local
 DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
   return stranded_peer.compare_exchange_strong(remote, 0);
 }
-// In a process with our cryptography that library exports it, and authentication looks it up.
+// In a process with our cryptography, that library exports this function, and authentication looks
+// it up.
 DDSSEC_EXPORT ddssec::cyclonedds::SessionReset ddssec_take_session_reset(
     DDS_Security_IdentityHandle remote) {
   using namespace ddssec::cyclonedds;

@@ -41,7 +41,7 @@ struct LostSessionsTest : testing::Test {
     sessions.established(local, guid, secret_of(1));
     sessions.lost(guid);
   }
-  // As long as none of them is sent.
+  // Returns the sessions that are remembered, none of which is sent.
   std::vector<Guid> remembered() {
     std::vector<Guid> all;
     sessions.due([&](auto, const Guid& guid) {
@@ -58,7 +58,7 @@ struct LostSessionsTest : testing::Test {
 
 TEST_F(LostSessionsTest, PeerMetAgain_GetsThePresentation) {
   sessions.established(local, remote(1), secret_of(1));
-  EXPECT_TRUE(due().empty());  // not lost
+  EXPECT_TRUE(due().empty());  // it is not lost
   sessions.lost(remote(2));
   EXPECT_TRUE(due().empty());
   sessions.lost(remote(1));
@@ -70,7 +70,7 @@ TEST_F(LostSessionsTest, PeerMetAgain_GetsThePresentation) {
   EXPECT_EQ(all[0].to, secret_of(1).peer_addresses);
 }
 
-// The clear farewell of its host is not believed.
+// Peers do not believe the unprotected farewell of the host.
 TEST_F(LostSessionsTest, AParticipantThatEnds_PresentsThemAll) {
   sessions.add_local(second, kOwn);
   sessions.established(local, remote(1), secret_of(1));
@@ -83,7 +83,7 @@ TEST_F(LostSessionsTest, AParticipantThatEnds_PresentsThemAll) {
   EXPECT_TRUE(sessions.remove_local(local).empty());
 }
 
-// A host that believes a forged announcement of the peer does not meet it.
+// A host that believes a forged announcement of the peer does not meet the peer.
 TEST_F(LostSessionsTest, PeerNotMet_GetsThemSeldom) {
   lose(remote(1));
   std::vector<std::chrono::nanoseconds> sent;
@@ -99,7 +99,8 @@ TEST_F(LostSessionsTest, PeerNotMet_GetsThemSeldom) {
   EXPECT_EQ(sent, (std::vector<std::chrono::nanoseconds>{4s, 32s, 64s, 128s, 256s, 512s, 1024s}));
 }
 
-// Two processes of two participants each reset one another every 4 to 8 s without end.
+// Without this rule, two processes with two participants each reset one another every 4 to 8 s for
+// ever.
 TEST_F(LostSessionsTest, OfAPeerThatIsDroppedForAReset_ArePresentedAtOnce) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.established(local, remote(2), secret_of(2));
@@ -117,7 +118,7 @@ TEST_F(LostSessionsTest, OfAPeerThatIsDroppedForAReset_ArePresentedAtOnce) {
   EXPECT_EQ(due(false).size(), 2u);
 }
 
-// A participant notices within a second that its own certificate has ended.
+// The other participant notices within a second that its own certificate has ended.
 TEST_F(LostSessionsTest, OfAPeerThatIsCutOff_ArePresentedAfterTwoSeconds) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.about_to_cut_off(remote(1));
@@ -141,7 +142,7 @@ TEST_F(LostSessionsTest, UnmetPeers_AreBoundedAtOnce) {
   EXPECT_EQ(told.size(), kLost);
 }
 
-// A link may be down while the first ten are sent.
+// The link may be down while the first ten are sent.
 TEST_F(LostSessionsTest, Presentations_RepeatSoonAndThenSlowly) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.lost(remote(1));
@@ -169,7 +170,7 @@ TEST_F(LostSessionsTest, NewAuthenticationOfBoth_EndsThem) {
 }
 
 TEST_F(LostSessionsTest, EndOfTheirLocalParticipant_EndsThem) {
-  sessions.established(second, remote(1), secret_of(1));  // not ours
+  sessions.established(second, remote(1), secret_of(1));  // no session of ours
   sessions.lost(remote(1));
   EXPECT_TRUE(due().empty());
   sessions.add_local(second, kOwn);
@@ -198,7 +199,7 @@ TEST_F(LostSessionsTest, ManyOfOneCertificate_DisplaceItsFirst) {
   EXPECT_EQ(std::ranges::min(kept), remote(kMore));
 }
 
-// One certificate may join and leave as often as it likes, and so may several.
+// Participants of one certificate, or of several, may join and leave as often as they like.
 TEST_F(LostSessionsTest, ManyOfOneCertificate_DoNotDisplaceAnothers) {
   constexpr std::uint16_t kHostile = 8, kJoins = 2 * LostSessions::kMaxOfSubject;
   constexpr std::uint16_t kHonest = 1000;

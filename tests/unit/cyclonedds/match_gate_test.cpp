@@ -1,4 +1,4 @@
-// Cryptography asks access control about a match.
+// Questions of cryptography to access control about a match.
 #include "plugins/cyclonedds/match_gate.hpp"
 
 #include <stdexcept>
@@ -18,7 +18,8 @@ using testing::Return;
 
 using Handle = spi::PermissionsHandle;
 
-// What access control says of an endpoint, and what cryptography asks with it.
+// Access control describes an endpoint, and cryptography passes this description on with its
+// question.
 TEST_F(AccessControlAdapterTest, Cryptography_AsksAboutTheEndpointItself) {
   spi::EndpointSecurityAttributes endpoint;
   endpoint.topic.is_read_protected = true;

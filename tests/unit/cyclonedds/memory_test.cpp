@@ -1,6 +1,6 @@
-// Every allocation of a participant's life through the C ABI fails once, and once together with
-// all after it: the call is refused, leaks nothing, and succeeds when it is asked again. A program
-// of its own: it replaces malloc and operator new.
+// Every allocation of a participant's life through the C ABI fails once, and once together with all
+// later ones. The call is refused, leaks nothing, and succeeds when it is repeated. This is a
+// program of its own because it replaces malloc and operator new.
 #include <atomic>
 #include <cstdlib>
 #include <dlfcn.h>
@@ -16,7 +16,7 @@
 namespace ddssec::driver {
 namespace {
 
-// OpenSSL's blocks among memory::live_blocks(): it allocates through these functions.
+// The blocks of OpenSSL among memory::live_blocks(). OpenSSL allocates through these functions.
 std::atomic<long> live_in_openssl = 0;
 
 void* openssl_malloc(std::size_t size, const char*, int) {
@@ -37,7 +37,7 @@ void* openssl_realloc(void* block, std::size_t size, const char* file, int line)
   if (block == nullptr && moved != nullptr) ++live_in_openssl;
   return moved;
 }
-// Possible before OpenSSL's first allocation only.
+// This is possible only before OpenSSL's first allocation.
 const bool is_counting_openssl =
     CRYPTO_set_mem_functions(openssl_malloc, openssl_realloc, openssl_free) == 1;
 
@@ -47,7 +47,8 @@ struct Left {
   long in_openssl;
 };
 
-// The blocks of OpenSSL's state for this thread do not count.
+// Returns the blocks that a life leaves behind. The blocks of OpenSSL's state for this thread do
+// not count.
 Left left_by_a_life(std::optional<Plan> plan) {
   const long before = memory::live_blocks(), in_openssl_before = live_in_openssl;
   {
@@ -56,7 +57,7 @@ Left left_by_a_life(std::optional<Plan> plan) {
   }
   OPENSSL_thread_stop();
   const long in_openssl = live_in_openssl - in_openssl_before;
-  // A sanitized build counts operator new alone.
+  // A sanitized build counts operator new only.
   const long all = memory::live_blocks() - before;
   return {.ours = memory::counts_malloc() ? all - in_openssl : all, .in_openssl = in_openssl};
 }
@@ -71,7 +72,7 @@ class FailingMemory : public testing::TestWithParam<std::tuple<Source, Extent>> 
 TEST_P(FailingMemory, EachFailure_IsToldLeaksNothingAndTheNextCallWorks) {
   const auto [source, extent] = GetParam();
   const Domain stays_loaded(kPaths);
-  // What OpenSSL makes when it is first needed, on the way of a failure too, it keeps.
+  // OpenSSL keeps what it makes at the first need, also on the way of a failure.
   left_by_a_life({});
   left_by_a_life(Plan{source, extent});
   const auto [ours, in_openssl] = left_by_a_life({});
@@ -102,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(Plans, FailingMemory,
                                           testing::Values(Extent::once, Extent::from_then_on)),
                          plan_name);
 
-// The host's entry points tell by their result alone.
+// The host's entry points report a failure by their result only.
 TEST(FailingMemoryAtInit, EachFailure_IsTold) {
   const Domain stays_loaded(kPaths);
   for (const auto& [path, entry] : {std::pair(kPaths.authentication, "authentication"),

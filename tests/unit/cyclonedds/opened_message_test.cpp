@@ -26,7 +26,7 @@ struct OpenedMessageTest : testing::Test {
           });
   }
 
-  // 0: it was opened; otherwise the host's code.
+  // Returns 0 if the message was opened, otherwise the host's code.
   int decode(int receiver = 1, int sender = 9, Own* domain = nullptr) {
     auto* transform = (domain != nullptr ? *domain : harness).adapter.crypto_transform;
     HostBlock plain;
@@ -37,7 +37,7 @@ struct OpenedMessageTest : testing::Test {
     if (refusal.code == kAskNext) was_silent = refusal.message == nullptr;
     return done ? 0 : refusal.code;
   }
-  // Another receiver asks: is the message opened for it?
+  // True if the message is opened again for another receiver that asks.
   bool opens_again(const std::function<int()>& ask) {
     OpenedMessage::of_this_thread().forget();
     EXPECT_EQ(decode(), 0);
@@ -98,7 +98,8 @@ TEST_F(OpenedMessageTest, AnotherSenderDomainAddressOrLength_IsAnotherMessage) {
 }
 
 TEST_F(OpenedMessageTest, OtherOctetsAtTheSameAddress_AreAnotherMessage) {
-  // RTPS header, SRTPS_PREFIX, the IV's two parts; the tag and the last receiver-specific MAC.
+  // The places are in the RTPS header, SRTPS_PREFIX, the two parts of the IV, the tag, and the last
+  // receiver-specific MAC.
   for (const std::size_t at : {8u, 20u, 32u, 43u, 164u, 184u, 199u})
     EXPECT_TRUE(opens_again([&] {
       message.octets[at] ^= 1;
@@ -110,7 +111,7 @@ TEST_F(OpenedMessageTest, ARefusedMessage_WasNotOpened) {
   code = Code::tag_mismatch;
   EXPECT_EQ(decode(1), static_cast<int>(Code::tag_mismatch));
   EXPECT_EQ(decode(2), static_cast<int>(Code::tag_mismatch));
-  // Of these the host is told to ask for the next one, and that one opens it.
+  // For this code the host asks for the next participant, which opens the message.
   code = Code::receiver_specific_mac_missing;
   EXPECT_EQ(decode(1), kAskNext);
   code = Code{};

@@ -1,5 +1,5 @@
 // Endpoints that renewed permissions no longer allow: what access control counts, and what
-// authentication does then.
+// authentication then does.
 #include "plugins/cyclonedds/own_endpoints.hpp"
 
 #include <future>
@@ -38,7 +38,7 @@ struct OwnEndpointsTest : testing::Test {
   std::string lost;
   Code code_for_readers = Code::subscribe_not_allowed;
   OwnEndpoints endpoints;
-  const int writer = 0, reader = 0;  // their addresses count
+  const int writer = 0, reader = 0;  // only their addresses count
 };
 
 TEST_F(OwnEndpointsTest, WithoutARenewal_NothingIsJudged) {
@@ -65,7 +65,7 @@ TEST_F(OwnEndpointsTest, ALostRight_IsToldOnce) {
   EXPECT_EQ(told->details().document, "permissions.p7s");
   EXPECT_EQ(told->details().expected, "Square");
   EXPECT_EQ(endpoints.losses(kUs), 1u);
-  renewals = 2;  // what was lost before is not lost again
+  renewals = 2;  // a right that was lost before does not count again
   EXPECT_FALSE(endpoints.judge(kUs, engine));
   lost.clear();
   renewals = 3;
@@ -98,7 +98,7 @@ TEST_F(OwnEndpointsTest, AnEndpointThatIsGone_LosesNothing) {
   EXPECT_FALSE(endpoints.judge(kUs, engine));
 }
 
-// Such a participant is cut off altogether.
+// A participant without valid permissions is cut off altogether.
 TEST_F(OwnEndpointsTest, PermissionsThatEnded_AreNoLostRight) {
   renewals = 1;
   lost = "Circle";
@@ -122,7 +122,7 @@ TEST_F(OwnEndpointsTest, PartitionsAndTags_AreJudged) {
 
 using access_control_adapters::AccessControlAdapterTest;
 
-// An adapter with a local participant, whose writer of "Square" it may have.
+// An adapter with a local participant that is allowed its writer of "Square".
 struct LostRightsTest : AccessControlAdapterTest {
   void SetUp() override {
     ON_CALL(engine, validate_local_permissions).WillByDefault(Return(kUs));
@@ -139,7 +139,7 @@ struct LostRightsTest : AccessControlAdapterTest {
               1);
     ON_CALL(engine, renewals(kUs)).WillByDefault(Return(1));
   }
-  // Runs the timer's work.
+  // Runs the work of the timer.
   void expire() {
     const dds_security_access_control_listener listener{
         [](const dds_security_access_control*,

@@ -25,7 +25,7 @@ struct Told {
   Endian endian = Endian::little;
 };
 
-// The parameter list of an announcement.
+// Returns the parameter list of an announcement.
 Bytes list_of(const Told& told) {
   Bytes octets(512 + told.user_data.size());
   rtps::SpanWriter out(octets, told.endian);
@@ -114,7 +114,7 @@ TEST_F(OwnReadersTest, FirstFragment_MakesThemKnown) {
   EXPECT_EQ(own.announced(), std::vector{kReader});
 }
 
-// A fragment of 1,000 octets.
+// Returns a fragment of 1,000 octets.
 Bytes fragment_of(BytesView whole, std::uint32_t number) {
   const std::size_t from = (number - 1) * std::size_t{1000};
   Bytes octets(2048);
@@ -130,7 +130,8 @@ Bytes fragment_of(BytesView whole, std::uint32_t number) {
   return octets;
 }
 
-// Before, readers with much USER_DATA, or of large types, stayed matched after their end.
+// The announcements of readers with much USER_DATA, or of large types, have several fragments.
+// These readers must not stay matched after their end.
 TEST_F(OwnReadersTest, AreKnownByLaterFragments_OfEachSender) {
   const Bytes data(2990, 5);
   const auto one = list_of({.user_data = data}),
@@ -144,7 +145,7 @@ TEST_F(OwnReadersTest, AreKnownByLaterFragments_OfEachSender) {
   EXPECT_TRUE(own.announced().empty());
   own.said(1, fragment_of(one, 4), room);
   EXPECT_EQ(own.announced(), std::vector{kReader});
-  own.said(2, fragment_of(two, 3), room);  // repeated
+  own.said(2, fragment_of(two, 3), room);  // is repeated
   EXPECT_EQ(own.announced(), std::vector{kReader});
   for (const std::uint32_t number : {1U, 2U, 3U, 4U}) own.said(2, fragment_of(two, number), room);
   EXPECT_EQ(own.announced(), (std::vector{kReader, kOther}));
@@ -168,7 +169,7 @@ TEST_F(OwnReadersTest, CarriersAnnouncement_BecomesTheEndOfTheReader) {
   EXPECT_EQ(own.announced(), std::vector{kReader}) << "the carrier is none of them";
 }
 
-// An application can make such a reader: it says nothing of others by that.
+// An application can make such a reader, but it cannot end other readers with it.
 TEST_F(OwnReadersTest, ReadersOfOtherParticipants_DoNotEnd) {
   auto strange = kReader;
   strange.prefix.octets[0] ^= 1;
@@ -182,7 +183,7 @@ TEST_F(OwnReadersTest, EndedReaders_AreNotAnnouncedAgain) {
   said(announcement({}));
   said(announcement({.reader = kOther}));
   own.ended(kReader);
-  said(announcement({}));  // the host tells whoever comes later of it
+  said(announcement({}));  // the host announces it to each participant that joins later
   EXPECT_EQ(own.announced(), std::vector{kOther});
 }
 
@@ -192,7 +193,8 @@ Guid reader_with_key(std::uint32_t key) {
             static_cast<std::uint8_t>(key), 7}}};
 }
 
-// The host keeps their announcements, and repeats them to each participant that joins later.
+// The host keeps the announcements of deleted readers, and repeats them to each participant that
+// joins later.
 TEST_F(OwnReadersTest, OneHundredThousandDeleted_TakeABitEachAndStayEnded) {
   constexpr std::uint32_t kDeleted = 100'000;
   const auto before = ::mallinfo2().uordblks;
@@ -228,7 +230,7 @@ TEST_F(OwnReadersTest, ForgottenParticipant_ForgetsThem) {
   EXPECT_EQ(own.announced(), std::vector{kReader});
 }
 
-// A later version of the host.
+// A later version of the host may announce the end of a reader itself.
 TEST_F(OwnReadersTest, EndSaidByTheHost_EndsThemToo) {
   said(announcement({}));
   Bytes octets(256);

@@ -13,10 +13,10 @@ TEST(PeersWithKeys, PeersWhoseKeysCame_AreContained) {
   EXPECT_FALSE(peers.contains({7}));
   peers.note_met({70}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
-  peers.note_keys_sent({71}, kLocal);  // another, which nobody met
+  peers.note_keys_sent({71}, kLocal);  // another peer, which no participant met
   EXPECT_FALSE(peers.contains({7}));
   peers.note_keys_sent({70}, kLocal);
-  peers.note_met({70}, {7}, kLocal, kAll);  // by a second local participant
+  peers.note_met({70}, {7}, kLocal, kAll);  // a second local participant meets it
   EXPECT_TRUE(peers.contains({7}));
   EXPECT_FALSE(peers.contains({70}));
   peers.note_left({71});
@@ -86,18 +86,18 @@ TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   peers.add_builtin(11, kLocal);
   peers.add_builtin(12, kLocal);
   peers.add_builtin(21, kSecond);
-  EXPECT_TRUE(peers.is_matched({7}));  // nobody met it
+  EXPECT_TRUE(peers.is_matched({7}));  // no participant met it
   peers.note_met({70}, {7}, kLocal, kAll | 0x3f);
   EXPECT_FALSE(peers.is_matched({7}));
   peers.note_matched(700, {70}, 11);
-  peers.note_matched(701, {70}, 99);  // an application's
-  peers.note_matched(702, {71}, 12);  // of another peer
+  peers.note_matched(701, {70}, 99);  // an application's endpoint
+  peers.note_matched(702, {71}, 12);  // an endpoint of another peer
   EXPECT_FALSE(peers.is_matched({7}));
   peers.note_matched(703, {70}, 12);
   EXPECT_TRUE(peers.is_matched({7}));
   peers.note_met({70}, {7}, kSecond, kAll);
   EXPECT_FALSE(peers.is_matched({7}));
-  peers.forget(21);  // the second is gone
+  peers.forget(21);  // the second participant is gone
   EXPECT_TRUE(peers.is_matched({7}));
 }
 
@@ -110,7 +110,7 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
     peers.note_matched(10 * peer, {peer}, 11);
     peers.note_matched(10 * peer + 1, {peer}, 12);
   }
-  peers.note_matched(702, {70}, 99);  // an application's
+  peers.note_matched(702, {70}, 99);  // an application's endpoint
   peers.forget(702);
   EXPECT_TRUE(peers.is_matched({7}));
   peers.forget(700);
@@ -118,7 +118,7 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
   EXPECT_TRUE(peers.is_matched({8}));
   peers.note_matched(703, {70}, 11);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.note_matched(704, {70}, 11);  // anew, before the former one is gone
+  peers.note_matched(704, {70}, 11);  // matched again before the former match is gone
   peers.forget(703);
   EXPECT_TRUE(peers.is_matched({7}));
   peers.forget(704);
@@ -130,7 +130,7 @@ TEST(PeersWithKeys, FewerBuiltinEndpointsThanOurs_AreEnough) {
   peers.add_builtin(11, kLocal);
   peers.note_met({70}, {7}, kLocal, kAll & ~0x00010000u);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.note_met({71}, {8}, kLocal, 0);  // unknown
+  peers.note_met({71}, {8}, kLocal, 0);  // its endpoints are not known
   EXPECT_TRUE(peers.is_matched({8}));
 }
 

@@ -64,13 +64,14 @@ TEST(OpensslWarning, WithoutACertainFlaw_IsNotRaised) {
   EXPECT_FALSE(openssl_warning("OpenSSL 3.0.23 29 Sep 2026"));
 }
 
-// So that `ddssec doctor` can read it from the file, which it does not load.
+// `ddssec doctor` reads the version from the file, which it does not load.
 TEST(PluginsInUse, TheLibrary_SaysItsVersionUnderAName) {
   constexpr std::string_view kName = "ddssec plugin version ";
   EXPECT_EQ(std::string_view(version() - kName.size(), kName.size()), kName);
 }
 
-// True if the first of several participants, of whatever domain, says all and no other does.
+// True if the event is raised for the first of several participants only, whatever their domains
+// are.
 bool is_said_once() {
   struct All final : EventSink {
     explicit All(std::vector<Event>& to) : events(to) {}
@@ -90,7 +91,7 @@ bool is_said_once() {
          events[2].error.code() == Code::openssl_known_unsafe;
 }
 
-// In a process of its own, whatever ran before in this one.
+// This needs a process of its own, because other tests may have raised the event in this one.
 TEST(PluginsInUse, OneProcess_SaysItOnce) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::_Exit(is_said_once() ? 0 : 1), testing::ExitedWithCode(0), "");

@@ -1,4 +1,4 @@
-// Questions to our other libraries in the process, where they are not loaded.
+// Questions to our other libraries in the process when these are not loaded.
 #include "plugins/cyclonedds/process_questions.hpp"
 
 #include <gtest/gtest.h>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr GuidPrefix kOwn{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 
-// Waits for what another thread does.
+// Waits until another thread has made `is_so` true.
 template <class F>
 bool eventually(F&& is_so) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
@@ -24,7 +24,7 @@ bool eventually(F&& is_so) {
 
 Guid reader(std::uint8_t number) { return {kOwn, {{0, 0, number, 7}}}; }
 
-// What lives in the host, shared with the one that looks.
+// The entities of the host, shared with the thread that looks.
 struct World {
   std::mutex mutex;
   bool has_participant = true;
@@ -133,7 +133,7 @@ TEST_F(ReaderEndsTest, Hint_LeadsToALook) {
   ends.stop();
 }
 
-// Of a reader that ended before anybody was there the host tells whoever comes.
+// The host announces a reader that ended earlier to each participant that joins later.
 TEST_F(ReaderEndsTest, ReadersAnnouncedLater_AreFoundToo) {
   ends.look_soon();
   announce(reader(1));

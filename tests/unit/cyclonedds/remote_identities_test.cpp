@@ -16,7 +16,8 @@ Guid guid_of(std::uint8_t octet) {
   return guid;
 }
 
-// The remote that both local participants met: 11 for the first, 12 for the second.
+// Both local participants met the remote: 11 is its handle for the first one, and 12 for the second
+// one.
 struct RemoteIdentitiesTest : testing::Test {
   void SetUp() override {
     ASSERT_EQ(remotes.note(kFirst, guid_of(7), {11}), IdentityHandle{11});
@@ -29,7 +30,7 @@ TEST_F(RemoteIdentitiesTest, SeveralPairs_AreOneToTheHost) {
   EXPECT_EQ(remotes.pair(kFirst, {11}), IdentityHandle{11});
   EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{12});
   EXPECT_EQ(remotes.note(kFirst, guid_of(8), {13}), IdentityHandle{13});
-  EXPECT_EQ(remotes.note(kSecond, guid_of(7), {12}), IdentityHandle{11});  // seen again
+  EXPECT_EQ(remotes.note(kSecond, guid_of(7), {12}), IdentityHandle{11});  // it is seen again
 }
 
 TEST_F(RemoteIdentitiesTest, UnknownHandles_StayWhatTheyAre) {
@@ -74,7 +75,7 @@ TEST_F(RemoteIdentitiesTest, EndedRemotes_AreRevokedOnce) {
   EXPECT_EQ(remotes.to_revoke({}).remotes, Handles{});
 }
 
-// The host would delete the participant beneath the application's entities.
+// The host would delete a local participant beneath the application's entities.
 TEST_F(RemoteIdentitiesTest, OwnEndedIdentities_AreToldApart) {
   const auto ended = remotes.to_revoke(Handles{kFirst, {11}});
   EXPECT_EQ(ended.locals, Handles{kFirst});
@@ -86,7 +87,7 @@ TEST_F(RemoteIdentitiesTest, OwnEndedIdentities_AreToldApart) {
 
 TEST_F(RemoteIdentitiesTest, OneLocalEnds_StayForTheOther) {
   EXPECT_EQ(remotes.to_revoke(Handles{kFirst, {11}}).remotes, Handles{});
-  // The host may not have taken the first one away yet.
+  // The host may not have removed the first participant yet.
   EXPECT_EQ(remotes.to_revoke(Handles{kSecond, {12}}).remotes, Handles{{11}});
 }
 

@@ -28,7 +28,7 @@ TEST(SessionResets, OneReset_IsTakenOnce) {
   resets.expect({{70}, {1}}, {7}, token_of(1));
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
   EXPECT_TRUE(receive(resets, message_of(1)));
-  EXPECT_TRUE(receive(resets, message_of(1)));  // sent again
+  EXPECT_TRUE(receive(resets, message_of(1)));  // it was sent again
   EXPECT_EQ(take(resets, {8}), SessionReset::none);
   EXPECT_EQ(take(resets, {7}), SessionReset::of_session);
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
@@ -39,7 +39,7 @@ TEST(SessionResets, WrongProof_IsRefused) {
   resets.expect({{70}, {1}}, {7}, token_of(1));
   EXPECT_FALSE(receive(resets, message_of(2)));
   auto forged = message_of(1);
-  forged[forged.size() - 25] ^= 1;  // last octet of the proof
+  forged[forged.size() - 25] ^= 1;  // the last octet of the proof
   EXPECT_FALSE(receive(resets, forged));
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
   resets.forget({70});
@@ -47,7 +47,7 @@ TEST(SessionResets, WrongProof_IsRefused) {
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
 }
 
-// Its end is the reason why the peer has lost the session.
+// The peer lost the session because this participant ended.
 TEST(SessionResets, OfALocalParticipantThatEnded_ResetNoOther) {
   SessionResets resets;
   resets.expect({{70}, {1}}, {7}, token_of(1));
@@ -59,7 +59,7 @@ TEST(SessionResets, OfALocalParticipantThatEnded_ResetNoOther) {
   EXPECT_EQ(take(resets, {7}), SessionReset::of_session);
 }
 
-// The peer refused the permissions of the second local participant, say.
+// For example, the peer refused the permissions of the second local participant.
 TEST(SessionResets, OfASessionWithoutKeysBesideOneWithKeys_AreToldApart) {
   SessionResets resets;
   PeersWithKeys peers;
@@ -84,12 +84,12 @@ TEST(SessionResets, OfASessionWithoutKeysBesideOneWithKeys_AreToldApart) {
 TEST(SessionResets, ForgottenPeer_IsNotWaitedFor) {
   SessionResets resets;
   resets.expect({{70}, {1}}, {7}, token_of(1));
-  resets.expect({{70}, {1}}, {7}, token_of(2));  // a second local participant
+  resets.expect({{70}, {1}}, {7}, token_of(2));  // the token of a second local participant
   EXPECT_TRUE(receive(resets, message_of(2)));
   resets.forget({70});
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
   resets.expect({{71}, {1}}, {7},
-                token_of(3));  // the next session is not reset by the former's token
+                token_of(3));  // the token of the former session does not reset the next one
   EXPECT_FALSE(receive(resets, message_of(2)));
   EXPECT_EQ(take(resets, {7}), SessionReset::none);
 }

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 constexpr const char* kAllow = "org.ddssec.access.allow_shared_memory";
 
-// A file of that name, mapped as a segment of shared memory is.
+// A file of that name that is mapped as a segment of shared memory is.
 class Mapping {
  public:
   explicit Mapping(const std::string& file) {
@@ -46,7 +46,7 @@ TEST(IceoryxSegment, NameOfTheMapping_TellsIt) {
       "/dev/shm/iceoryx_mgmt");
   EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /dev/shm/iceoryx_mgmt (deleted)"),
             "/dev/shm/iceoryx_mgmt (deleted)");
-  // Seen from outside its mount namespace a segment has no folder.
+  // In another mount namespace, a segment appears without its folder.
   EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /iceoryx_mgmt"), "/iceoryx_mgmt");
   EXPECT_EQ(iceoryx_segment("7f04-7f05 rw-s 0000 00:19 5  /dev/shm/iox1_0_i_mgmt"),
             "/dev/shm/iox1_0_i_mgmt");
@@ -90,7 +90,7 @@ TEST(SharedMemoryBypass, MappingsThatCannotBeRead_AreRefused) {
 
 TEST(PromiseForSamples, EachProtection_IsNamedIfSharedMemoryWouldBreakIt) {
   spi::ParticipantSecurityAttributes participant;
-  // These say nothing about samples.
+  // These protections promise nothing about samples.
   participant.discovery = participant.liveliness = ProtectionKind::encrypt;
   spi::EndpointSecurityAttributes endpoint;
   endpoint.topic.is_discovery_protected = endpoint.topic.is_liveliness_protected = true;
@@ -141,7 +141,7 @@ TEST(SharedMemoryGuard, TheProperty_IsTrueOrFalse) {
   EXPECT_CODE(allowed({{kAllow, "", false}}), invalid_property);
 }
 
-// The adapter in a process whose samples bypass it, on a topic with encrypted data.
+// The adapter in a process whose samples bypass it, for a topic with encrypted data.
 struct AdapterWithSharedMemory : testing::Test {
   AdapterWithSharedMemory() {
     ON_CALL(*engine, validate_local_permissions).WillByDefault([this](auto&&...) {
@@ -163,7 +163,7 @@ struct AdapterWithSharedMemory : testing::Test {
   }
   ~AdapterWithSharedMemory() override { unsetenv(spi::kPropertiesVariable); }
 
-  // A participant's or an endpoint's QoS with the property.
+  // The QoS of a participant or an endpoint, with the property.
   struct Qos : DDS_Security_Qos {
     explicit Qos(std::string value) : DDS_Security_Qos{}, text(std::move(value)) {
       one.name = name.data();

@@ -33,7 +33,7 @@ TEST(SharedSecrets, OnlyTheIdentitysOwn_Go) {
   SharedSecrets secrets;
   secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
   secrets.note({2}, IdentityHandle{10}, IdentityHandle{21});
-  secrets.note({2}, IdentityHandle{10}, IdentityHandle{20});  // known: stays where it was
+  secrets.note({2}, IdentityHandle{10}, IdentityHandle{20});  // it is known and stays where it was
   secrets.drop(IdentityHandle{20});
   EXPECT_FALSE(secrets.hand_out({1}, secret_of(1)));
   EXPECT_TRUE(secrets.hand_out({2}, secret_of(1)));
@@ -51,7 +51,7 @@ TEST(SharedSecrets, PeersCiphers_ReachOurCryptographyOnly) {
   EXPECT_EQ(shared_secret_from(*handle)->peer_ciphers, spi::kAllCiphers);
   EXPECT_EQ(shared_secret_from(*handle)->peer_prefix, secret.peer_prefix);
   EXPECT_EQ(shared_secret_from(*handle)->secret, secret.secret);
-  // The same octets as Cyclone's plugin lays them out say nothing of ciphers.
+  // The same octets in the layout of Cyclone's plugin say nothing about ciphers.
   auto layout = *reinterpret_cast<SharedSecretLayout*>(*handle);
   Bytes octets(32, 7);
   layout.shared_secret = octets.data();

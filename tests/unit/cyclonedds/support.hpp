@@ -15,13 +15,13 @@
 
 namespace ddssec::cyclonedds {
 
-/// A SecurityException that is freed.
+/// A SecurityException that is freed at its end.
 struct Refusal : Exception {
   Refusal() : Exception{} {}
   ~Refusal() { std::free(message); }
   Refusal(const Refusal&) = delete;
   Refusal& operator=(const Refusal&) = delete;
-  /// Before it is passed to a second call, which would leak the message.
+  /// Frees the message. Call this before a second use, which would leak the message.
   void clear() {
     std::free(message);
     static_cast<Exception&>(*this) = {};
@@ -30,8 +30,8 @@ struct Refusal : Exception {
   Code reason() const { return static_cast<Code>(code); }
 };
 
-/// Keeps the events, but for plugins_in_use and openssl_known_unsafe: the first participant of a
-/// process raises those, in whichever test it is.
+/// Keeps the events except plugins_in_use and openssl_known_unsafe, which the first participant of
+/// a process raises, in whichever test that is.
 class Recorder final : public EventSink {
  public:
   explicit Recorder(std::vector<Event>& events) : events_(events) {}
@@ -45,7 +45,7 @@ class Recorder final : public EventSink {
   std::vector<Event>& events_;
 };
 
-/// An adapter of a mock engine, with the events that came out of it.
+/// An adapter with a mock engine, and the events that the adapter raised.
 template <class Adapter, class Engine, class Spi>
 struct Harness {
   Harness()
@@ -59,7 +59,7 @@ struct Harness {
             },
             domain()) {}
 
-  /// Any address that is not null.
+  /// Returns any address that is not null.
   ddsi_domaingv* domain() { return reinterpret_cast<ddsi_domaingv*>(&events); }
 
   std::vector<Event> events;
@@ -68,7 +68,7 @@ struct Harness {
   Adapter adapter;
 };
 
-/// An owned sequence of octets as the host passes it.
+/// A sequence of octets with their memory, in the form in which the host passes it.
 struct HostOctets {
   explicit HostOctets(Bytes from) : octets(std::move(from)) {
     const auto length = static_cast<DDS_Security_unsigned_long>(octets.size());
@@ -78,7 +78,7 @@ struct HostOctets {
   DDS_Security_OctetSeq sequence{};
 };
 
-/// A result block of a transform call.
+/// The result of a transform call.
 struct HostBlock : DDS_Security_OctetSeq {
   HostBlock() : DDS_Security_OctetSeq{} {}
   ~HostBlock() { std::free(_buffer); }

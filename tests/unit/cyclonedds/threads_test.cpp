@@ -1,6 +1,6 @@
-// Several threads ask one instance of each plugin, as Cyclone's do: participants meet, match, send
-// and leave while others do, and while the listener of the expiry timer comes and goes. What it
-// finds, it finds under the thread sanitizer.
+// Several threads use one instance of each plugin, as Cyclone's do. Participants meet, match, send
+// and leave at the same time, and the listener of the expiry timer is set and unset. Faults show
+// under the thread sanitizer.
 #include <atomic>
 #include <thread>
 
@@ -19,7 +19,8 @@ const Paths kPaths = {kOurs + "authentication.so", kOurs + "access_control.so",
 constexpr int kThreads = 4;
 constexpr int kRounds = 8;
 
-// Sends what a link can; throws Refused if anything is not as it was sent.
+// Sends one message of each kind that a link can carry. Throws Refused if one does not arrive as it
+// was sent.
 void send(const Link& link) {
   const Octets payload(64, 7);
   // DATA of an application's writer, without payload.
@@ -32,7 +33,7 @@ void send(const Link& link) {
   }
 }
 
-// Until `stop`: sets and unsets the listeners, so that the timers start and end all the time.
+// Sets and unsets the listeners until `stop`, so that the timers start and end all the time.
 void toggle_listeners(Domain& domain, const std::atomic<bool>& stop) {
   static const dds_security_authentication_listener identities{
       [](auto*, auto) -> DDS_Security_boolean { return 1; }, nullptr};
@@ -47,7 +48,7 @@ void toggle_listeners(Domain& domain, const std::atomic<bool>& stop) {
   }
 }
 
-// Each thread has a participant of its own at either domain.
+// Each thread has a participant of its own in either domain.
 TEST(Threads, ParticipantsComingAndGoingAtTwoDomains_TalkAllTheSame) {
   Domain left(kPaths), right(kPaths);
   std::vector<std::thread> threads;
@@ -68,7 +69,7 @@ TEST(Threads, ParticipantsComingAndGoingAtTwoDomains_TalkAllTheSame) {
   listener.join();
 }
 
-// All threads share one local participant, and each matches a peer of its own process with it.
+// All threads share one local participant, and each thread matches it with a peer of its own.
 TEST(Threads, PeersComingAndGoingAtOneParticipant_TalkAllTheSame) {
   Domain left(kPaths);
   Participant hub(left, kPki, "a", "origin");

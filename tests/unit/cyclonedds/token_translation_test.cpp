@@ -14,7 +14,7 @@ TEST(TokenTranslation, ThereAndBack_IsTheSame) {
   free_token(copy);
 }
 
-// The host frees each string and buffer by itself: each must be a block of its own. (Under the
+// The host frees each string and buffer separately, so each must be a block of its own. (Under the
 // address sanitizer anything else fails here.)
 TEST(TokenTranslation, EveryPart_IsItsOwnBlock) {
   DDS_Security_DataHolder copy;
@@ -79,10 +79,10 @@ TEST(TokenTranslation, NilAndBrokenTokens_AreRefused) {
   std::string class_id = "class";
   DDS_Security_DataHolder holder{};
   holder.class_id = class_id.data();
-  holder.properties._length = 1;  // and no buffer
+  holder.properties._length = 1;  // has no buffer
   EXPECT_EQ(token_from(&holder).error().code(), Code::null_argument);
 
-  DDS_Security_Property_t property{};  // no name, no value
+  DDS_Security_Property_t property{};  // has no name and no value
   holder.properties._buffer = &property;
   EXPECT_EQ(token_from(&holder).error().code(), Code::null_argument);
 
@@ -128,7 +128,7 @@ TEST(TokenTranslation, Credentials_TravelAsTextInTheirOrder) {
   EXPECT_EQ(refused.error().details().document, "c.perm");
 }
 
-// Found by fuzzing: the host was given more than it may give back.
+// Found by fuzzing: the host was given more properties than a token may have when it is returned.
 TEST(TokenTranslation, TextProperties_AreAsManyAsATokenHolds) {
   spi::Token token{.class_id = "DDS:Auth:PKI-DH:1.0",
                    .properties = spi::PropertyList(spi::kMaxPropertiesPerToken - 1),

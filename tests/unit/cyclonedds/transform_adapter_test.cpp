@@ -1,4 +1,4 @@
-// What the host has encoded and decoded.
+// Calls in which the host has messages encoded and decoded.
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
@@ -106,7 +106,7 @@ TEST_F(CryptographyAdapterTest, AFailedEncode_LeavesNothingAndTheIndexAlone) {
   EXPECT_EQ(message._buffer, nullptr);
   EXPECT_EQ(refusal.reason(), Code::malformed);
 
-  // The later calls of the host's loop would bring no octets; they are never needed.
+  // The later calls of the host's loop would bring no octets, and are not needed.
   const DDS_Security_OctetSeq nothing{};
   EXPECT_EQ(
       transform->encode_rtps_message(transform, &message, &nothing, 4, &list, &index, nullptr), 0);
@@ -115,7 +115,7 @@ TEST_F(CryptographyAdapterTest, AFailedEncode_LeavesNothingAndTheIndexAlone) {
 TEST_F(CryptographyAdapterTest, HeaderPrefix_ReachesTheEngineInWireOrder) {
   Bytes wire(40, 0);
   for (std::uint8_t i = 0; i < 40; ++i) wire[i] = i;
-  auto as_received = wire;  // as Cyclone leaves it: the three words of the prefix in machine order
+  auto as_received = wire;  // Cyclone leaves the three words of the prefix in machine order
   if constexpr (std::endian::native == std::endian::little)
     for (int word = 8; word < 20; word += 4)
       std::reverse(as_received.begin() + word, as_received.begin() + word + 4);
@@ -187,7 +187,7 @@ TEST_F(CryptographyAdapterTest, Preprocess_RoutesOrFails) {
 }
 
 TEST_F(CryptographyAdapterTest, DecodedSubmessage_FitsWhereTheHostCopiesIt) {
-  const HostOctets message(Bytes(100, 1));  // prefix 24, so 76 are left
+  const HostOctets message(Bytes(100, 1));  // the prefix takes 24 octets, so 76 are left
   EXPECT_CALL(engine, decode_datawriter_submessage)
       .WillOnce(write(76))
       .WillOnce(write(80))
@@ -222,7 +222,8 @@ TEST_F(CryptographyAdapterTest, DecodedSubmessage_FitsWhereTheHostCopiesIt) {
   EXPECT_EQ(short_one.reason(), Code::truncated);
 }
 
-// The host reads what is only signed in its own buffer, and there it may hold what was hidden.
+// The host reads a submessage that is only signed from its own buffer. What the engine hid in the
+// plaintext must be hidden there, too.
 TEST_F(CryptographyAdapterTest, WhatIsOnlySigned_IsWrittenWhereTheHostReceivedIt) {
   EXPECT_CALL(engine, decode_datawriter_submessage).Times(3).WillRepeatedly(write(32));
   const auto received_after = [&](std::uint8_t id, std::size_t size) {

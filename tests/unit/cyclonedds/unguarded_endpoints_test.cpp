@@ -1,4 +1,4 @@
-// Local endpoints to which the core would let unauthorized participants.
+// Local endpoints that the core would open to unauthorized participants.
 #include "plugins/cyclonedds/unguarded_endpoints.hpp"
 
 #include <stdexcept>
@@ -52,7 +52,8 @@ TEST_F(AccessControlAdapterTest, EndpointThatUnauthenticatedPeersWouldReach_IsRe
   EXPECT_TRUE(may_read());
 }
 
-// The core takes what such a participant sends without protection, whatever governance protects.
+// The core accepts unprotected messages of such a participant, whatever protection governance
+// demands.
 TEST_F(AccessControlAdapterTest, AReaderThatOnlyMessageProtectionCovers_IsRefusedWithGuests) {
   spi::EndpointSecurityAttributes endpoint;
   spi::ParticipantSecurityAttributes participant{.allow_unauthenticated_participants = true,

@@ -78,7 +78,8 @@ TEST(ValueTranslation, WhatOurPluginsTellEachOther_ComesThrough) {
   EXPECT_FALSE(attributes_from(foreign).is_builtin);
 }
 
-// For the core it is protected, so that it matches only writers whose keys it got; there are none.
+// The core treats the reader as protected, so it matches it only with writers whose keys arrived.
+// No keys ever arrive.
 TEST(ValueTranslation, AClosedReader_IsProtectedForTheHostAndHasNoKeys) {
   const auto closed = closed_reader_attributes();
   EXPECT_TRUE(closed.is_submessage_protected);

@@ -1,4 +1,4 @@
-// Two participants' whole life through the C ABI, each call of which may be told to fail.
+// The whole life of two participants through the C ABI. A test may let each call fail.
 #pragma once
 
 #include <functional>
@@ -31,7 +31,7 @@ class Life {
  private:
   using Transform = std::function<bool(Block&, Exception*)>;
 
-  /// A call that fills `out`; one that is refused leaves it nil.
+  /// Attempts a call that fills `out`. A refused call must leave it nil.
   void attempt_token(const std::string& name, Token& out, const Caller::Call& call) {
     attempt_(
         name,
@@ -42,7 +42,7 @@ class Life {
         },
         [&] { clear(out); });
   }
-  /// The same, for one that begins a handshake.
+  /// The same for a call that begins a handshake.
   void attempt_step(const std::string& name, Side& side, Token& out, const Caller::Call& call) {
     attempt_(
         name,
@@ -56,14 +56,14 @@ class Life {
           side.auth()->return_handshake_handle(side.auth(), side.peer.handshake, nullptr);
         });
   }
-  /// A call that returns a handle, which `give_back` returns.
+  /// Attempts a call that returns a handle. `give_back` returns the handle to the plugin.
   void attempt_handle(const std::string& name, std::int64_t& handle,
                       const std::function<std::int64_t(Exception*)>& call,
                       const std::function<void(std::int64_t)>& give_back) {
     attempt_(
         name, [&](Exception* ex) { return (handle = call(ex)) != 0; }, [&] { give_back(handle); });
   }
-  /// A call that may be repeated.
+  /// Attempts a call that may be repeated.
   void attempt_check(const std::string& name, const Caller::Call& call) {
     attempt_(name, call, [] {});
   }
@@ -137,7 +137,7 @@ inline void Life::create(Side& side) {
         side.factory()->unregister_participant(side.factory(), handle, nullptr);
       });
 
-  // PID_PARTICIPANT_GUID and PID_SENTINEL, big endian
+  // PID_PARTICIPANT_GUID and PID_SENTINEL, big endian.
   side.data = {0x00, 0x50, 0x00, 0x10};
   side.data.insert(side.data.end(), side.guid.prefix, side.guid.prefix + 12);
   for (const std::uint8_t octet : {0x00, 0x00, 0x01, 0xc1, 0x00, 0x01, 0x00, 0x00})
@@ -221,7 +221,7 @@ inline void Life::judge(Side& self, Side& remote) {
       [&](auto handle) { factory->unregister_participant(factory, handle, nullptr); });
 }
 
-/// A writer at a, a reader at b.
+/// Checks a writer at a and a reader at b.
 inline void Life::check_endpoints() {
   std::string topic = "Square", partition_name = "part", tag = "tag";
   char* partitions[] = {partition_name.data()};
@@ -347,7 +347,7 @@ inline void Life::exchange_keys() {
         &Exchange::set_remote_datareader_crypto_tokens, a_.endpoint, a_.remote_endpoint);
 }
 
-/// `encode(out, ex)`, then `decode(in, out, ex)`; a call that is refused leaves no block.
+/// Attempts `encode(out, ex)`, and then `decode(in, out, ex)`. A refused call leaves no block.
 void Life::attempt_transport(const std::string& name, const Transform& encode,
                              const std::function<bool(const Block&, Block&, Exception*)>& decode) {
   const auto attempt_block = [&](const std::string& what, Block& out, const Caller::Call& call) {
@@ -413,7 +413,8 @@ inline void Life::send() {
       });
 }
 
-/// At a one after the other, at b with what hangs on each.
+/// At a, the entities are unregistered one after the other. At b, each takes with it what depends
+/// on it.
 inline void Life::leave() {
   using Factory = dds_security_crypto_key_factory;
   const auto attempt_unregister = [&](Side& side, auto unregister, std::int64_t handle) {

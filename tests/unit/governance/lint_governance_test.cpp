@@ -244,7 +244,7 @@ TEST(LintGovernance, DiscoveryThatEveryParticipantCanForge_IsNotedOnRequest) {
   EXPECT_TRUE(
       of_kinds(encrypt_with_origin_authentication, sign_with_origin_authentication, none).empty());
   EXPECT_TRUE(of_kinds(none, none, encrypt).empty());
-  // the caller does not ask for it
+  // The caller does not ask for it.
   EXPECT_TRUE(of(ddssec::Rule::GOV044, changed_strict([](auto&) {})).empty());
 }
 

@@ -59,7 +59,7 @@ TEST(RefusalAdvice, NameThatIsClose_IsProposed) {
         << typed;
   for (const auto* typed : {"", "a", "rt/camera", "Sq", "rt/chatter/more"})
     EXPECT_EQ(advice(grant, {.topic = typed}).hint, "") << typed;
-  // two neighbouring letters are swapped
+  // Two neighbouring letters are swapped in each of them.
   for (const auto* typed : {"Sqaure", "Suqare", "Squaer"})
     EXPECT_THAT(advice(grant, {.topic = typed}).hint, HasSubstr("is \"Square\" meant?")) << typed;
   EXPECT_EQ(advice(grant, {.topic = std::string(100'000, 'a')}).hint, "");
