@@ -1,4 +1,4 @@
-// Denials that products read in another way.
+// Denials that products read differently.
 #include <gmock/gmock.h>
 
 #include "doctor_fixture.hpp"
@@ -28,7 +28,8 @@ TEST_F(DiagnosisTest, DenyFirst_MattersOnlyWhereOneDirectionIsAllowed) {
   EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::late}));
 }
 
-// Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1, by pairs in the partitions "", "p" and "q".
+// Measured with pairs of Cyclone DDS 0.10.2 and of Fast DDS 2.9.1 in the partitions "", "p" and
+// "q".
 TEST_F(DiagnosisTest, DenialInOnePartition_StockProductsRefuseTheTopicInAll) {
   const auto with_deny = [&](bool is_first) {
     auto grant = grant_for("CN=talker", "rt/*");

@@ -37,7 +37,7 @@ TEST_F(DiagnosisTest, TruncatedFiles_AreFaultsAndNoCrash) {
   EXPECT_TRUE(diagnosis(folder).outcomes().all_ok());
 }
 
-// Before: only where the governance demands pre-shared keys.
+// The rights of the file count even if the governance demands no pre-shared keys.
 TEST_F(DiagnosisTest, PassphraseFileThatOthersCanRead_IsReportedWhateverTheGovernanceDemands) {
   const auto folder = participant("talker");
   const auto passphrase = folder.folder / "domain.psk";

@@ -1,4 +1,4 @@
-// Dates of an identity.
+// The dates of an identity.
 #include <gmock/gmock.h>
 
 #include "doctor_fixture.hpp"
@@ -28,7 +28,7 @@ TEST_F(DiagnosisTest, DatesNearNow_DependOnTheTimeZone) {
   EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC042));
 }
 
-// As left in a file to which the renewed certificate of a CA was added.
+// Such a file results when the renewed certificate of a CA is appended.
 TEST_F(DiagnosisTest, EndedCertificateOfTheCaBeforeTheValidOne_HarmsNoParticipantOfOurs) {
   const auto folder = participant("talker");
   for (const pki::Validity other :

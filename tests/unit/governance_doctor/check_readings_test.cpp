@@ -1,4 +1,4 @@
-// What products read in another way.
+// Values that products read differently.
 #include <gmock/gmock.h>
 
 #include "doctor_fixture.hpp"

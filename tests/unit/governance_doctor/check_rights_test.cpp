@@ -1,4 +1,4 @@
-// Whether a participant may join.
+// The right of a participant to join.
 #include <gmock/gmock.h>
 
 #include "doctor_fixture.hpp"

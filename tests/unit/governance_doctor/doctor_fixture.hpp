@@ -26,7 +26,7 @@ using test::make_ca;
 using test::make_leaf;
 using test::test_random;
 
-/// A domain rule like that of sros2 with one topic rule for everything.
+/// Returns a domain rule like that of sros2, with one topic rule for everything.
 inline Governance strict_governance(DomainId domain = 0) {
   Governance out;
   out.domain_rules.push_back({.domains = {.ranges = {{domain, domain}}},
@@ -35,7 +35,7 @@ inline Governance strict_governance(DomainId domain = 0) {
   return out;
 }
 
-/// One grant that allows topics in both directions.
+/// Returns a grant that allows topics in both directions.
 inline Grant grant_for(std::string subject, std::string topic = "Square", DomainId domain = 0) {
   governance::GrantRule rule{.allow = true, .domains = {.ranges = {{domain, domain}}}};
   rule.publish.push_back({.topics = {{topic}}});
@@ -57,7 +57,7 @@ class Folders : public testing::Test {
   }
   ~Folders() override { fs::remove_all(root_); }
 
-  /// A correct participant's folder.
+  /// Writes the folder of a correct participant.
   pki::ParticipantFolder participant(const std::string& name) {
     return participant(name, strict_governance(), {.grants = {grant_for("CN=" + name)}});
   }
@@ -106,7 +106,7 @@ class Folders : public testing::Test {
   pki::Authority permissions_ca_ = make_ca("CN=Permissions CA");
 };
 
-/// The rules of all findings, in order.
+/// Returns the rules of all findings, in order.
 inline std::vector<Rule> rules_of(const Diagnosis& diagnosis) {
   std::vector<Rule> out;
   for (const auto& check : diagnosis.checks())
@@ -114,7 +114,7 @@ inline std::vector<Rule> rules_of(const Diagnosis& diagnosis) {
   return out;
 }
 
-/// The first finding of a rule.
+/// Returns the first finding of a rule.
 inline Finding finding_of(const Diagnosis& diagnosis, Rule rule) {
   for (const auto& check : diagnosis.checks())
     for (const auto& finding : check.findings)

@@ -35,7 +35,8 @@ TEST_F(DomainsOfAFolder, ADefaultOfAllow_IsForAllDomains) {
 TEST_F(DomainsOfAFolder, WithoutDocuments_AreNone) {
   const auto folder = participant("p");
   write(folder.governance, "nothing");
-  EXPECT_EQ(domains_of(load_folder(folder, kNow), kNow), (Domains{{0, 0}}));  // the grant's
+  // This is the domain of the grant.
+  EXPECT_EQ(domains_of(load_folder(folder, kNow), kNow), (Domains{{0, 0}}));
   write(folder.permissions, "nothing");
   EXPECT_EQ(domains_of(load_folder(folder, kNow), kNow), Domains());
 }

@@ -1,6 +1,6 @@
-// Every row was measured with Cyclone DDS 0.10.2 (those of <Id>, texts and unknown
-// elements with 0.10.5, too): ddsperf -i 0 with the configuration in CYCLONEDDS_URI, and whether it
-// starts and loads the security plugins.
+// Every row was measured with Cyclone DDS 0.10.2, and those of <Id>, texts and unknown elements
+// with 0.10.5, too. `ddsperf -i 0` ran with the configuration in CYCLONEDDS_URI. It was noted
+// whether it starts, and whether it loads the security plugins.
 #include "governance/doctor/effective_security.hpp"
 
 #include <string>
@@ -42,7 +42,7 @@ TEST(EffectiveSecurity, Complete_IsReadWithAllValues) {
   EXPECT_EQ(read.access_control->value("crl"), nullptr);
 }
 
-// Only in the variable itself end tags may be missing or have no name.
+// Only in the variable itself may end tags be missing or have no name.
 TEST(EffectiveSecurity, FileThenVariable_EachIsReadByItsOwnRules) {
   const std::string part = "<Tracing><Verbosity>none</>";
   const auto read = [&](const std::string& file) {

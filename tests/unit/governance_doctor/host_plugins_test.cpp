@@ -40,7 +40,7 @@ TEST_F(HostPlugins, OfAnotherProductAreTold_InAFolderThatWasMadeForOurs) {
   were_ours_meant_ = true;
   EXPECT_THAT(message(), HasSubstr("runs the stock plugins, not ddssec's: authentication: stock"));
   EXPECT_EQ(said().outcomes(),
-            (Outcomes{}));  // it starts, and who runs no Cyclone DDS may not care
+            (Outcomes{}));  // it starts, and a user without Cyclone DDS may not care
   EXPECT_THAT(finding_of(said(), Rule::DOC068).hint,
               HasSubstr("lib/ddssec/dropin of an installation"));
   places_.dropin = "/opt/ddssec/lib/ddssec/dropin";
@@ -50,7 +50,7 @@ TEST_F(HostPlugins, OfAnotherProductAreTold_InAFolderThatWasMadeForOurs) {
   EXPECT_THAT(rules_of(said()), IsEmpty());
   fs::remove_all(root_ / "system");
   path({});
-  EXPECT_THAT(rules_of(said()), IsEmpty());  // a machine without Cyclone DDS
+  EXPECT_THAT(rules_of(said()), IsEmpty());  // this machine has no Cyclone DDS
 }
 
 TEST_F(HostPlugins, PluginsOfTwoProducts_AreTold) {
@@ -101,14 +101,15 @@ TEST_F(HostPlugins, NameWithAPath_CountsAsItIs) {
   EXPECT_EQ(host_plugins(text, places_)[1].maker, Maker::ours);
   Diagnosis judged;
   check_host_plugins(host_plugins(text, places_), places_, true, judged);
-  EXPECT_THAT(rules_of(judged), ElementsAre(Rule::DOC068));  // two products
+  EXPECT_THAT(rules_of(judged), ElementsAre(Rule::DOC068));  // the folder has files of two products
   put_file("old", "ac", elf_that_needs("libnowhere.so.23"));
   const auto unloadable = host_plugins(text, places_);
   Diagnosis told;
   check_loadable(unloadable, told);
   EXPECT_EQ(told.outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
   EXPECT_THAT(finding_of(told, Rule::DOC068).message, HasSubstr("Cyclone DDS does not start"));
-  fs::remove(root_ / "old/libdds_security_ac.so");  // DOC102 reports it: no question of the loader
+  // DOC102 reports a missing file, which is no question of the loader.
+  fs::remove(root_ / "old/libdds_security_ac.so");
   Diagnosis missing;
   check_host_plugins(host_plugins(text, places_), places_, true, missing);
   EXPECT_THAT(rules_of(missing), IsEmpty());

@@ -1,4 +1,4 @@
-// Which version of a product is installed.
+// The version of an installed product.
 #include "governance/doctor/installed_version.hpp"
 
 #include <algorithm>

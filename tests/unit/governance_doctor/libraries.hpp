@@ -21,7 +21,8 @@ inline constexpr const char* kConfiguration =
 
 inline constexpr const char* kNames[] = {"auth", "ac", "crypto"};
 
-/// The header of a library of this machine: this test program's, without segments and sections.
+/// Returns the header of a library of this machine: that of this test program, without segments and
+/// sections.
 inline Elf64_Ehdr library_header() {
   Elf64_Ehdr header{};
   std::ifstream("/proc/self/exe", std::ios::binary)
@@ -85,7 +86,7 @@ class HostPlugins : public Folders {
   bool were_ours_meant_ = false;
 };
 
-/// An ELF file with nothing but a dynamic section, which needs one library.
+/// Returns an ELF file that has only a dynamic section, and needs one library.
 inline std::string elf_that_needs(const std::string& library) {
   auto header = library_header();
   header.e_shentsize = sizeof(Elf64_Shdr);

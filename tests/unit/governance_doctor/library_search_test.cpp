@@ -1,4 +1,4 @@
-// Which file the dynamic loader opens.
+// The file that the dynamic loader opens.
 #include "governance/doctor/library_search.hpp"
 
 #include <elf.h>
@@ -18,7 +18,7 @@ using Maker = HostPlugin::Maker;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// A cache as ldconfig writes it, with one entry.
+// Returns a cache in the form of ldconfig, with one entry.
 std::string cache_with(const std::string& name, const std::string& file) {
   constexpr std::size_t kHeader = 48, kEntry = 24;
   std::string out = "glibc-ld.so.cache1.1";
@@ -44,7 +44,7 @@ TEST_F(HostPlugins, CacheOfLdconfig_IsSearchedToo) {
   EXPECT_EQ(found()[0].maker, Maker::other);
   for (std::size_t size = 0; size < octets.size(); ++size) {
     std::ofstream(places_.cache) << octets.substr(0, size);
-    EXPECT_EQ(found()[0].maker, Maker::other);  // and nothing is read that is not there
+    EXPECT_EQ(found()[0].maker, Maker::other);  // and nothing beyond the end of the file is read
   }
 }
 
@@ -60,7 +60,7 @@ TEST_F(HostPlugins, SubfolderOfTheLoader_ComesFirst) {
   put_as("system/glibc-hwcaps/x86-64-v3", stock);
   path({});
   EXPECT_EQ(found()[2].file, root_ / "system/glibc-hwcaps/x86-64-v3/libdds_security_crypto.so");
-  places_.subfolders = {};  // of another processor
+  places_.subfolders = {};  // those of another processor
   path({"ours"});
   EXPECT_EQ(found()[0].maker, Maker::ours);
 }

@@ -27,7 +27,7 @@ TEST(EffectiveSecurity, ValueInPieces_IsJoinedAsCycloneDdsDoes) {
   }
 }
 
-// Truncation at every octet.
+// The text is cut at every octet.
 TEST(EffectiveSecurity, CutAnywhere_IsNotSecuredWithoutAProblem) {
   const auto text = document(domain(security()));
   for (std::size_t size = 1; size < text.size(); ++size)

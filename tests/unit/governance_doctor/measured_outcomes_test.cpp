@@ -1,4 +1,4 @@
-// What was measured of each version.
+// The measured behaviour of each version.
 #include "governance/doctor/measured_outcomes.hpp"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ TEST(MeasuredOutcomes, TheNearestOlderVersion_StandsForOneThatWasNotMeasured) {
   EXPECT_EQ(cyclone({0, 10, 4}), (Version{0, 10, 2}));
   EXPECT_EQ(cyclone({0, 11, 0}), (Version{0, 10, 5}));
   EXPECT_EQ(cyclone({12, 0, 0}), (Version{11, 0, 0}));
-  EXPECT_EQ(cyclone({0, 9, 0}), (Version{0, 10, 2}));  // the oldest
+  EXPECT_EQ(cyclone({0, 9, 0}), (Version{0, 10, 2}));  // the oldest measured version
   EXPECT_EQ(stand_in(Vendor::cyclonedds, {11, 0, 1}).source, Source::reported);
   EXPECT_EQ(stand_in(Vendor::fastdds, {4, 0, 0}), (KnownVersion{{3, 1, 2}, Source::measured}));
 }

@@ -1,4 +1,4 @@
-// What keeps two participants apart from the start.
+// Differences that keep two participants apart from the start.
 #include <gmock/gmock.h>
 
 #include "doctor_fixture.hpp"
@@ -27,7 +27,7 @@ TEST_F(MeetingTest, EveryParticipantLevelElementThatDiffers_KeepsThemApart) {
                 r.liveliness_protection_kind = ProtectionKind::none;
               })),
               ElementsAre(Rule::DOC082, Rule::DOC082));
-  // Measured: these two may differ.
+  // Measured: the participants may differ in these two elements.
   EXPECT_THAT(findings(with([](DomainRule& r) { r.enable_join_access_control = false; })),
               IsEmpty());
   EXPECT_THAT(findings(with([](DomainRule& r) { r.allow_unauthenticated_participants = true; })),

@@ -1,4 +1,4 @@
-// Which topics two participants exchange.
+// The topics that two participants exchange.
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ TEST_F(MeetingTest, FastDds_DoesNotActOnDefaultAllow) {
   EXPECT_FALSE(meeting({"Square"}, Vendor::ours, Vendor::fastdds).topics[0].directions[0].ok);
 }
 
-// Measured (grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
+// Measured (row grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
 TEST_F(MeetingTest, ATopicThatCycloneDdsRefuses_LeavesTheOthers) {
   auto grant = grant_for("CN=talker", "*");
   governance::GrantRule deny{.allow = false, .domains = {.ranges = {{0, 0}}}};

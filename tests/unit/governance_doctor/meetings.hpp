@@ -17,7 +17,7 @@ class MeetingTest : public Folders {
     const auto first = load_folder(talker_, kNow);
     const auto second = load_folder(listener_, kNow);
     auto out = meet({first, a, "talker"}, {second, b, "listener"}, {.now = kNow}, topics);
-    // They point into the folders.
+    // The rules point into the loaded folders, which end here.
     for (auto& rule : out.rules) rule = nullptr;
     return out;
   }

@@ -26,7 +26,7 @@ TEST_F(HostPlugins, OurPluginsThatCannotBeLoaded_AreTold) {
   EXPECT_THAT(rules_of(said()), IsEmpty());
   fs::rename(root_ / "ours/beside/libnowhere.so.23", root_ / "system/libnowhere.so.23");
   EXPECT_THAT(rules_of(said()), IsEmpty());
-  for (std::size_t size = 0; size < octets.size(); ++size)  // and nothing is read that is not there
+  for (std::size_t size = 0; size < octets.size(); ++size)  // nothing beyond the end is read
     EXPECT_LE(needed_libraries(octets.substr(0, size)).names.size(), 1u);
 }
 

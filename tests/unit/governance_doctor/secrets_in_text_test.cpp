@@ -1,4 +1,4 @@
-// Passwords and keys as each kind of configuration holds them.
+// Passwords and keys in each kind of configuration.
 #include "governance/doctor/secrets_in_text.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The reader of <Security> by itself. What Cyclone DDS does was measured in
+// The reader of <Security> alone. The behaviour of Cyclone DDS was measured in
 // effective_security_test.
 #include "governance/doctor/security_section.hpp"
 

@@ -44,7 +44,8 @@ TEST_F(SharedMemoryCheck, TheConfiguration_IsTextOrFiles) {
   EXPECT_EQ(cyclonedds_configuration(one + ",file://" + one + ',' + kOn),
             std::string("<One/>\n<One/>\n") + kOn);
   EXPECT_EQ(cyclonedds_configuration("file://" + one + ".not-there"), std::nullopt);
-  EXPECT_EQ(cyclonedds_configuration("file:" + one), std::nullopt);  // to Cyclone DDS a file's name
+  // Cyclone DDS takes this for the name of a file.
+  EXPECT_EQ(cyclonedds_configuration("file:" + one), std::nullopt);
 }
 
 TEST_F(SharedMemoryCheck, ProtectedSamples_MustNotPassThePluginsBy) {

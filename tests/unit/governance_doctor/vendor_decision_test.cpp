@@ -18,7 +18,7 @@ class VendorDecision : public testing::Test {
     grant_.rules.push_back({.allow = allow, .domains = {.ranges = {{domain, domain}}}});
     grant_.rules.back().publish = std::move(publish);
   }
-  // Whether Cyclone DDS, Fast DDS and ours allow it: "y" or "n" each.
+  // Returns whether Cyclone DDS, Fast DDS and ddssec allow it, as "y" or "n" for each.
   std::string allowed(std::string_view topic, const Partitions& partitions = {}) {
     const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
     const CompiledGrant compiled(document, document->grants[0], 0);

@@ -1,4 +1,4 @@
-// Each way in which another user could replace a file, and what is no such way.
+// Each way in which another user could replace a file, and rights that give no such way.
 #include "governance/doctor/writable_places.hpp"
 
 #include <ctime>
@@ -40,7 +40,7 @@ class WritablePlacesTest : public ::testing::Test {
     places.add_with_way(path);
     return places.findings();
   }
-  // The only finding about the file is about `path`, and says so.
+  // Expects that the only finding about the file is about `path`, and says so.
   void expect_open(const fs::path& path, std::string_view message_end, Severity severity) const {
     const auto all = found(file_);
     ASSERT_THAT(all, SizeIs(1));
@@ -112,7 +112,7 @@ TEST_F(WritablePlacesTest, CircleOfLinks_Ends) {
   EXPECT_THAT(found(file_), IsEmpty());
 }
 
-// Each of them leads through all before it.
+// Each link leads through all before it.
 TEST_F(WritablePlacesTest, LongPathOfLinks_EndsSoon) {
   fs::create_symlink(".", folder_ / "here");
   std::string path;
@@ -142,7 +142,7 @@ TEST_F(WritablePlacesTest, AnotherUserOrGroup_IsAWarning) {
 }
 
 TEST_F(WritablePlacesTest, AccessControlListThatLetsAnotherUserWrite_IsAWarning) {
-  // acl(5): owner rw-, user 12345 rw-, group ---, mask, others ---.
+  // An entry of acl(5): owner rw-, user 12345 rw-, group ---, mask, others ---.
   struct [[gnu::packed]] Entry {
     std::uint16_t tag, rights;
     std::uint32_t id;
@@ -157,7 +157,7 @@ TEST_F(WritablePlacesTest, AccessControlListThatLetsAnotherUserWrite_IsAWarning)
   };
   if (!set()) GTEST_SKIP() << "this file system has no access control lists";
   expect_open(file_, "can be written by the user 12345 (access control list)", Severity::warning);
-  list.entries[3].rights = 4;  // the mask takes the right away
+  list.entries[3].rights = 4;  // the mask takes this right away
   ASSERT_TRUE(set());
   EXPECT_THAT(found(file_), IsEmpty());
 }
