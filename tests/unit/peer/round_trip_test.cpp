@@ -1,5 +1,5 @@
-// Roles ping and pong against an other side that matches late: nothing is lost, nobody waits for
-// ever.
+// The roles ping and pong with another side that matches late: nothing is lost, and no side waits
+// for ever.
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The other side, by hand.
+// The other side, played by the test.
 struct Other {
   SystemClock clock;
   SystemRandom random;
@@ -36,7 +36,7 @@ struct Other {
   }
 };
 
-// A role in a thread of its own.
+// Runs a role in a thread of its own.
 class Running {
  public:
   Running(int (*role)(Session&), std::int32_t domain) : session_(options(domain)) {
@@ -68,7 +68,7 @@ bool eventually(F&& f) {
   return f();
 }
 
-// A reader that has not matched yet hears nothing of a volatile writer.
+// A volatile writer's samples do not reach a reader that has not matched yet.
 TEST(RoundTrip, UnheardPing_IsSentAgain) {
   Other other(70);
   auto& pings = other.reader("PerfPing");
@@ -83,7 +83,7 @@ TEST(RoundTrip, UnheardPing_IsSentAgain) {
     for (const auto& sample : samples) {
       if (!sample.info.valid_data || std::exchange(first, false)) continue;
       EXPECT_TRUE(pongs.write(sample.data));
-      // Twice, as whoever gets a ping twice answers it twice.
+      // A side that gets a ping twice answers it twice.
       const bool twice = answered++ < 3;
       EXPECT_TRUE(!twice || pongs.write(sample.data));
     }
