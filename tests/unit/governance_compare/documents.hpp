@@ -15,7 +15,8 @@ inline TopicRule topic(std::string expression, Kind data = Kind::encrypt, int li
   return rule;
 }
 
-/// One domain rule for domain 0 in which every flag is set and every kind is SIGN.
+/// Returns a document with one domain rule for domain 0, in which every flag is set and every kind
+/// is SIGN.
 inline Governance document(std::vector<TopicRule> topics) {
   DomainRule rule;
   rule.domains.ranges = {{0, 0}};

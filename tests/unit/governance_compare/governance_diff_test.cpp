@@ -62,7 +62,7 @@ TEST(GovernanceDiff, TheOrderOfRules_Counts) {
   EXPECT_EQ(compare(swapped, apart).verdict, neutral);
 }
 
-// rt/cmd loses its own secrecy to insiders, everything else gains a second layer.
+// Topics of rt/cmd lose their own secrecy towards insiders, and everything gains a second layer.
 TEST(GovernanceDiff, WorkThatMovesToAnotherLayer_IsToldByAttacker) {
   auto before = document({topic("rt/cmd*", Kind::encrypt, 22), topic("*", Kind::sign, 30)});
   auto after = document({topic("rt/cmd*", Kind::sign, 23), topic("*", Kind::sign, 31)});
@@ -85,7 +85,8 @@ TEST(GovernanceDiff, WorkThatMovesToAnotherLayer_IsToldByAttacker) {
   EXPECT_EQ(diff.changes[1].element.change, stronger);
 }
 
-// No change makes up for another: each layer protects against an attacker of its own.
+// One change does not make up for another, because each layer protects against an attacker of its
+// own.
 TEST(GovernanceDiff, AnotherLayer_DoesNotMakeUpForPayload) {
   auto before = document({topic("*", Kind::encrypt)});
   auto after = document({topic("*", Kind::none)});
@@ -99,7 +100,7 @@ TEST(GovernanceDiff, AnotherLayer_DoesNotMakeUpForPayload) {
                           Property::relay_payload_secrecy, Property::relay_payload_integrity));
 }
 
-// g2: relays hold the keys of submessages only (9.5.1.9.3).
+// Relays hold the keys of submessages only (DDS-Security 1.2, clause 9.5.1.9.3).
 TEST(GovernanceDiff, RelayedTopics_AreReadWhereOnlySubmessagesAreProtected) {
   auto before = plain(), after = plain();
   before.domain_rules[0].topic_rules[0].data_protection_kind = Kind::encrypt;
@@ -113,7 +114,7 @@ TEST(GovernanceDiff, RelayedTopics_AreReadWhereOnlySubmessagesAreProtected) {
   EXPECT_TRUE(diff.changes[1].lost.none()) << "told where it is lost";
 }
 
-// g1: payloads in the clear, beside something stronger.
+// The payloads are sent in the clear, beside something that gets stronger.
 TEST(GovernanceDiff, StrongerLines_HideNoWeakerOne) {
   const auto before = document({topic("cmd"), topic("other", Kind::sign)});
   auto after = document({topic("cmd", Kind::none), topic("other", Kind::sign)});
@@ -131,7 +132,7 @@ TEST(GovernanceDiff, StrongerLines_HideNoWeakerOne) {
   }
 }
 
-// g8: each line tells what its own element does.
+// Each line says what its own element does.
 TEST(GovernanceDiff, AStrongerLine_LosesNothing) {
   auto before = document({topic("camera", Kind::none)}),
        after = document({topic("camera", Kind::sign)});
@@ -232,7 +233,7 @@ TEST(GovernanceDiff, DomainTags_AreToldApart) {
   EXPECT_EQ(compare(before, after).verdict, unknown);
 }
 
-// g5: the combinations that change, and no others.
+// Only the combinations of domain and tag that change are reported.
 TEST(GovernanceDiff, DomainsAndTags_AreToldTogether) {
   auto before = plain(), after = plain();
   before.domain_rules[0].domains.ranges = {{2, 2}};
@@ -247,7 +248,7 @@ TEST(GovernanceDiff, DomainsAndTags_AreToldTogether) {
   EXPECT_EQ(at_three.scope.tags.form, NameSet::Form::every);
 }
 
-// g6: DDS-Security 1.2, clause 10.4.1.2.5.9.
+// DDS-Security 1.2, clause 10.4.1.2.5.9.
 TEST(GovernanceDiff, AnAbsentListOfAlgorithms_IsNotStrongerOrWeaker) {
   auto before = plain(), after = plain();
   AllowedAlgorithms lists;
@@ -306,11 +307,11 @@ TEST(GovernanceDiff, QuestionTooHard_IsUnknown) {
   const auto diff = compare(before, after);
   EXPECT_EQ(diff.verdict, unknown);
   EXPECT_THAT(diff.unknown_domains, ElementsAre(DomainRange{0, 0}));
-  // Asked for topics there is nothing to be searched.
+  // If the caller names the topics, nothing has to be searched.
   EXPECT_EQ(compare(before, after, {.topics = {"b" + std::string(12, 'x')}}).verdict, stronger);
 }
 
-// Which of a thousand parts of names come together are far more combinations than can be tried.
+// Far more combinations of a thousand parts of names are possible than can be tried.
 std::vector<TopicRule> thousand_rules(Kind kind_of_odd) {
   std::vector<TopicRule> rules;
   for (int i = 0; i < 1000; ++i) {
@@ -336,7 +337,7 @@ TEST(GovernanceDiff, RulesOfEqualEffect_AreTakenTogetherWhereThereAreTooMany) {
 
 TEST(GovernanceDiff, RulesThatOnlyChangeTheirValues_AreProvedOneByOne) {
   auto rules = thousand_rules(Kind::sign);
-  rules.push_back(topic("*/robot7/x"));  // dead
+  rules.push_back(topic("*/robot7/x"));  // is dead
   rules.push_back(topic("*", Kind::sign));
   const auto before = document(rules);
   rules[500].data_protection_kind = Kind::none;
@@ -348,7 +349,7 @@ TEST(GovernanceDiff, RulesThatOnlyChangeTheirValues_AreProvedOneByOne) {
   EXPECT_THAT(diff.changes[0].expressions_old, ElementsAre("*/robot500/*"));
   EXPECT_EQ(diff.changes[0].witness, "/robot500/");
 
-  // The last rule was dead because of another one with a longer reach.
+  // The last rule was dead, because another rule has a longer reach.
   rules = thousand_rules(Kind::sign);
   rules.push_back(topic("?*"));
   rules.push_back(topic("*"));

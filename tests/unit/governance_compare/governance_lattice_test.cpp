@@ -1,4 +1,4 @@
-// What each element of governance does to the verdict when its value rises or falls.
+// The effect of each element of governance on the verdict when its value rises or falls.
 #include <functional>
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using enum ChangeClass;
 
-// One row of the table of elements: what raises one value, and how that is called.
+// One row of the table of elements: what raises one value, and the class of this change.
 struct Row {
   const char* element;
   std::function<void(DomainRule&)> raise;
@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"data_protection_kind", set(&TopicRule::data_protection_kind, Kind::encrypt)},
         Row{"data_protection_kind", [](DomainRule&) {}, stronger, weaker, Interop::endpoint, true,
             set(&TopicRule::data_protection_kind, Kind::none)},
-        // What is not covered cannot be used: fewer topics and domains are narrower.
+        // A topic or a domain that no rule covers cannot be used, so fewer of them are narrower.
         Row{"topic_rule", set(&TopicRule::topic_expression, std::string("a*")), narrower, wider},
         Row{"domain_rule", remove_domain, narrower, wider, Interop::participant, false,
             cover_all}));

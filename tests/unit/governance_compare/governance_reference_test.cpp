@@ -1,4 +1,5 @@
-// The comparison of governance documents against one that tries every short name in every domain.
+// The comparison of governance documents is checked against a model that tries every short name in
+// every domain.
 #include <chrono>
 #include <fnmatch.h>
 #include <map>
@@ -20,7 +21,7 @@ constexpr std::size_t kMax = 5;
 
 Kind any_kind(words::Dice& dice, std::size_t kinds) { return static_cast<Kind>(dice.below(kinds)); }
 
-// Changes few things, so that most of two documents is the same.
+// Changes few elements, so that most of two documents is the same.
 class Author {
  public:
   Author(const words::Pool& pool, std::uint32_t seed) : pool_(pool), dice_(seed) {}
@@ -148,7 +149,7 @@ class Author {
   words::Dice dice_;
 };
 
-// What follows is written from the tables, without the code under test.
+// The model below is written from the tables of the standard, without the code under test.
 
 using Values = std::map<std::string, int>;  // elements; kinds as level * 2 + origin
 
@@ -159,7 +160,7 @@ int number(Kind kind) {
 
 bool is_kind(const std::string& element) { return element.ends_with("_kind"); }
 
-// +1 up, -1 down, 0 neither, 2 both.
+// Returns +1 for up, -1 for down, 0 for neither, and 2 for both.
 int direction(const std::string& element, int old_value, int new_value, bool effective) {
   if (element == "allow_unauthenticated_participants") return old_value ? 1 : -1;
   if (!is_kind(element)) return !effective ? 0 : new_value > old_value ? 1 : -1;
@@ -187,7 +188,7 @@ Values values(const TopicRule& rule) {
           {"data_protection_kind", number(rule.data_protection_kind)}};
 }
 
-// Everything that is told about two documents, as far as it can be compared.
+// Everything that is reported about two documents, as far as it can be compared.
 struct Story {
   bool up = false, down = false;
   std::set<std::string> changes;
@@ -270,7 +271,7 @@ class Reference {
     }
   }
 
-  // No change makes up for another.
+  // Moves in opposite directions do not cancel out.
   void take(int move) {
     story_.up = story_.up || move > 0;
     story_.down = story_.down || move < 0 || move == 2;
@@ -311,7 +312,7 @@ bool contains(const std::vector<DomainRange>& ranges, DomainId id) {
                              [&](const DomainRange& r) { return r.first <= id && id <= r.last; });
 }
 
-// No rule of the documents tells these tags apart.
+// True if no rule of the documents distinguishes these tags.
 bool are_alike(const Governance& a, const Governance& b, const std::string& x,
                const std::string& y) {
   const auto same = [&](const DomainRule& rule) {
@@ -327,7 +328,7 @@ bool are_alike(const Governance& a, const Governance& b, const std::string& x,
          std::ranges::all_of(b.domain_rules, same);
 }
 
-// What was found, told by the words of each change.
+// The report, read from the text of each change.
 class Told {
  public:
   Told(const Governance& before, const Governance& after) : before_(before), after_(after) {}
@@ -368,7 +369,7 @@ class Told {
   const Governance& after_;
 };
 
-// The words of topics fit the example, which is among them.
+// True if the text about topics fits the example, which is among them.
 bool fits_words(const TopicSet& topics, const std::string& name) {
   return topics.others > 0 || std::ranges::any_of(topics.words, [&](const TopicWords& words) {
            const auto matches = [&](const std::string& e) { return Pattern(e).matches(name); };
@@ -377,7 +378,7 @@ bool fits_words(const TopicSet& topics, const std::string& name) {
          });
 }
 
-// Witnesses are names for which just these rules decide.
+// Expects that just these rules decide for each witness.
 void check_witnesses(const GovernanceDiff& diff) {
   const auto first = [](const DomainRule& rule, const std::string& name) -> const TopicRule* {
     for (const auto& topic : rule.topic_rules) {
@@ -393,7 +394,8 @@ void check_witnesses(const GovernanceDiff& diff) {
   }
 }
 
-// With few states the other ways to an answer are taken. They may give up, but not err.
+// With few states, other ways to an answer are taken. They may give up, but must not give a wrong
+// answer.
 bool agrees_when_short_of_states(const Governance& before, const Governance& after,
                                  const GovernanceDiff& diff) {
   GovernanceDiffOptions options;
@@ -408,7 +410,7 @@ bool agrees_when_short_of_states(const Governance& before, const Governance& aft
 
 class GovernanceReference : public ::testing::TestWithParam<std::uint32_t> {};
 
-// Words of five letters reach whatever two lists of expressions of three parts tell apart.
+// Words of five letters suffice to distinguish any two lists of expressions of three parts.
 TEST_P(GovernanceReference, TenThousandPairs_AgreeWithTheModel) {
   static const words::Pool pool(kMax, 3);
   Author author(pool, GetParam());

@@ -1,4 +1,5 @@
-// Documents that are made to take long: the work is counted, and the answer then says "unknown".
+// Documents that are made to take long. The work is counted, and above the limit the answer is
+// "unknown".
 #include <ctime>
 #include <random>
 
@@ -12,10 +13,10 @@
 namespace ddssec::governance {
 namespace {
 
-// Generous: this also runs without optimisation and on busy machines.
+// The limit is generous, because this also runs without optimisation and on busy machines.
 constexpr double kMaxSeconds = 40;
 
-// Expressions of one shape, half a megabyte of them.
+// One shape of expressions. A document has half a megabyte of them.
 struct Shape {
   const char* name;
   std::string (*expression)(std::mt19937& random);
@@ -28,7 +29,7 @@ std::string letters(std::mt19937& random, int count) {
   return out;
 }
 
-// Each name that one of them matches is tried against all, from each of its places.
+// Each name that one of them matches is compared with all of them, from each of its places.
 std::string repeated_letter(std::mt19937& random) {
   return "*" + std::string(200 + random() % 1800, 'a') + "*b";
 }

@@ -11,7 +11,7 @@ using ::testing::SizeIs;
 using enum ChangeClass;
 using namespace of_permissions;
 
-// What a change of the rules is, with the witness where something is wider or narrower.
+// A change of the rules and its verdict, with a witness if a topic is wider or narrower.
 struct Row {
   const char* name;
   std::vector<GrantRule> before, after;
@@ -104,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
             {with_partitions(kAll[0], {{"[pq]"}})},
             {with_partitions(kAll[0], {{"p"}, {"q"}})},
             neutral},
-        // A deny rule without partitions hits every partition, one with them only those.
+        // A deny rule without partitions applies to every partition, and one with partitions only
+        // to those.
         Row{"a deny for one partition only",
             {deny({{"rt/x"}}), with_partitions(kAll[0], {{"*"}})},
             {with_partitions(deny({{"rt/x"}}), {{"p"}}), with_partitions(kAll[0], {{"*"}})},
@@ -189,7 +190,7 @@ TEST(PermissionsDiff, AddedAndRemovedGrants_AreWiderAndNarrower) {
   EXPECT_EQ(diff.verdict, narrower);
   EXPECT_EQ(diff.changes[0].new_value, "absent");
 
-  // A grant lets a participant use what the governance document leaves open.
+  // Any grant lets a participant use what the governance document leaves open.
   after.grants[1] = grant_for("CN=other", {deny({{"*"}})});
   EXPECT_EQ(compare(before, after).verdict, wider);
   after.grants[1].validity = {at(5), at(5)};
@@ -207,7 +208,7 @@ TEST(PermissionsDiff, ASecondGrantOfASubject_IsNeutral) {
   EXPECT_EQ(diff.changes[0].element, "grant");
   EXPECT_EQ(diff.changes[0].change, neutral);
   EXPECT_EQ(diff.changes[0].new_line, 40);
-  // After the first one has ended it applies.
+  // The second grant applies after the first one has ended.
   after.grants[1].validity = {at(100), at(300)};
   EXPECT_EQ(compare(before, after).verdict, wider);
 }
@@ -265,7 +266,7 @@ TEST(PermissionsDiff, DataTags_AreComparedAsSets) {
   EXPECT_EQ(diff.verdict, wider) << "a deny rule with tags hits only endpoints that have one";
 }
 
-// p1: rules for domain tags.
+// Rules for domain tags are compared tag by tag.
 TEST(PermissionsDiff, DomainTags_AreToldApart) {
   const auto before = document(kAll);
   auto after = before;
@@ -281,7 +282,7 @@ TEST(PermissionsDiff, DomainTags_AreToldApart) {
   }
 }
 
-// p2, DDS-Security 1.2 table 70.
+// DDS-Security 1.2 table 70.
 TEST(PermissionsDiff, ADenialOfEverythingInFront_RefusesToJoin) {
   GrantRule nothing = join();
   nothing.allow = false;
@@ -293,7 +294,7 @@ TEST(PermissionsDiff, ADenialOfEverythingInFront_RefusesToJoin) {
   EXPECT_EQ(diff.changes[0].old_value, "denied");
 }
 
-// p6: in which partitions.
+// A change says in which partitions it applies.
 TEST(PermissionsDiff, Partitions_AreToldAsASet) {
   const auto before = document(kAll);
   const auto after = document({with_partitions(kAll[0], {{"*"}})});

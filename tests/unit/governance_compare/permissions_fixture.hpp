@@ -11,7 +11,7 @@ namespace ddssec::governance::of_permissions {
 
 inline WallTime at(int seconds) { return WallTime(std::chrono::seconds(seconds)); }
 
-/// A rule about publishing in domain 0.
+/// Returns a rule about publishing in domain 0.
 inline GrantRule rule(bool allow, std::vector<Text> topics) {
   GrantRule rule{.allow = allow};
   rule.domains.ranges = {{0, 0}};
@@ -20,7 +20,7 @@ inline GrantRule rule(bool allow, std::vector<Text> topics) {
 }
 inline GrantRule allow(std::vector<Text> topics) { return rule(true, std::move(topics)); }
 inline GrantRule deny(std::vector<Text> topics) { return rule(false, std::move(topics)); }
-/// Lets the participant join and do nothing else.
+/// Returns a rule that lets the participant join and do nothing else.
 inline GrantRule join() { return {.allow = true, .domains = {.ranges = {{0, 0}}}}; }
 
 inline Permissions document(std::vector<GrantRule> rules) {

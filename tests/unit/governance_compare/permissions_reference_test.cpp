@@ -1,5 +1,6 @@
-// The comparison of permissions documents against one that tries every short topic, every set of
-// partitions, every subject, domain and time; and against the decisions of the plugins.
+// The comparison of permissions documents is checked against a model that tries every short topic,
+// every set of partitions, every subject, domain and time, and against the decisions of the
+// plugins.
 #include <bitset>
 #include <map>
 #include <memory>
@@ -65,7 +66,7 @@ class Author {
     }
     if (dice_.once_in(2)) return criteria;
     criteria.partitions.emplace();
-    // Few expressions, so that every set of partitions is tried.
+    // There are few expressions, so that every set of partitions can be tried.
     static constexpr const char* kPartitions[] = {"", "a", "*", "b*", "[ab]"};
     for (auto count = 1 + dice_.below(2); count > 0; --count) {
       criteria.partitions->push_back({kPartitions[dice_.below(5)]});
@@ -113,9 +114,9 @@ class Author {
   bool with_partitions_;
 };
 
-// What follows is written from the rules of decision, without the code under test.
+// The model below is written from the rules of decision, without the code under test.
 
-// One kind of partition: all words that the same expressions match.
+// One kind of partition: all words that are matched by the same expressions.
 using Signature = std::vector<bool>;
 using PartitionSet = std::vector<std::string>;
 
@@ -126,7 +127,7 @@ void collect(const std::vector<Criteria>& list, std::set<std::string>& texts) {
   }
 }
 
-// Every set of words of which no two are matched by the same expressions.
+// Returns every set of words in which no two are matched by the same expressions.
 std::vector<PartitionSet> partition_sets(const Permissions& a, const Permissions& b) {
   std::set<std::string> texts = {""};
   for (const auto* document : {&a, &b}) {
@@ -163,7 +164,7 @@ bool lists(const Criteria& criteria, const std::string& partition) {
   });
 }
 
-// An endpoint, but for its topic.
+// An endpoint without its topic.
 struct Entity {
   PartitionSet partitions;
   std::vector<DataTag> tags;
@@ -225,7 +226,7 @@ Words allowed(const Grant& grant, const Cell& cell, std::vector<Criteria> GrantR
       }
     }
   }
-  // Only a relay element lets relays be.
+  // Only a relay element allows relays.
   if (grant.default_allow && list != &GrantRule::relay) result |= ~decided;
   return result;
 }
@@ -315,13 +316,14 @@ bool judged(const Permissions& document, const PermissionChange& change) {
     const auto verdict = compiled.judge(action, {.topic = change.witness,
                                                  .partitions = names,
                                                  .data_tags = change.entities.example_data_tags});
-    // A default is not meant for relays.
+    // The default does not apply to relays.
     return verdict.allowed && (action != Action::relay || verdict.rule != nullptr);
   }
   return false;
 }
 
-// The plugins decide the witness as the change says. Only for one grant a subject.
+// Expects that the plugins decide about the witness as the change says. Only for documents with one
+// grant for each subject.
 void check_witnesses(const PermissionsDiff& diff, const Permissions& before,
                      const Permissions& after) {
   for (const auto& change : diff.changes) {
@@ -351,7 +353,8 @@ void compare_pairs(std::uint32_t seed, int pairs, bool with_partitions) {
     if (has_one_grant_a_subject(before) && has_one_grant_a_subject(after)) {
       check_witnesses(diff, before, after);
     }
-    // With few states the other ways to an answer are taken. They may give up, but not err.
+    // With few states, other ways to an answer are taken. They may give up, but must not give a
+    // wrong answer.
     PermissionsDiffOptions options;
     options.limits.states = 8;
     const auto other = round % 8 == 1 ? compare(before, after, options).verdict : diff.verdict;

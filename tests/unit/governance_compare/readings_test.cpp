@@ -31,7 +31,7 @@ Governance governance(std::vector<TopicRule> topics) {
   return out;
 }
 
-// Allows to publish in domain 0.
+// Returns a rule that allows to publish in domain 0.
 GrantRule allow(std::vector<Text> topics) {
   GrantRule rule{.allow = true};
   rule.domains.ranges = {{0, 0}};
@@ -68,7 +68,7 @@ TEST(Readings, GovernanceReadings_AreExpressionsAndNotes) {
   EXPECT_THAT(compare(before, after).readings.all, IsEmpty());
 }
 
-// A note elsewhere, or about another value, hides no new one.
+// A note about another place or value does not hide a new one.
 TEST(Readings, OfTheSameKindElsewhere_AreNew) {
   const Note padded{NoteKind::padding, 3, "/dds/topic[1]", "<topic> has blanks", " Foo "};
   auto before = governance({topic("*")}), after = before;
@@ -92,7 +92,7 @@ TEST(Readings, ManyReadings_AreBounded) {
   EXPECT_FALSE(diff.readings.is_complete);
 }
 
-// The same set of names, and every product agrees.
+// The set of names is the same, and every product reads it alike.
 TEST(Readings, OnlyTheSpellingChanged_GivesNone) {
   for (const auto& [text, other] : {std::pair("rt/a", "rt/[a]"), std::pair("*", "**")}) {
     const auto diff =
@@ -120,7 +120,7 @@ TEST(Readings, PermissionsReadings_IncludePartitions) {
   EXPECT_EQ(reading.expression, "[^p]");
   EXPECT_EQ(reading.line, 6);
   EXPECT_THAT(reading.sentence, HasSubstr("Cyclone DDS matches \"p\", which ddssec does not"));
-  // So the change gives and takes partitions there.
+  // With Cyclone DDS the change therefore gives and takes partitions.
   EXPECT_THAT(diff.readings.all[1].sentence, HasSubstr("with Cyclone DDS: "));
   EXPECT_THAT(diff.readings.all[2].sentence, HasSubstr("with Cyclone DDS: "));
   EXPECT_NE(diff.readings.all[1].widens, diff.readings.all[2].widens);

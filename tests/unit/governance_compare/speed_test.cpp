@@ -1,4 +1,5 @@
-// A thousand rules against a thousand rules take well under a second of one core when optimised.
+// The comparison of a thousand rules with a thousand rules takes well under a second of one core
+// when optimised.
 #include <ctime>
 
 #include <gtest/gtest.h>
@@ -11,10 +12,10 @@ namespace ddssec::governance {
 namespace {
 
 constexpr std::size_t kRules = 1000;
-// Generous: this also runs without optimisation and on busy machines.
+// The limit is generous, because this also runs without optimisation and on busy machines.
 constexpr double kMaxSeconds = 20;
 
-// One shape of expressions, by a rule's number.
+// One shape of expressions, made from a rule's number.
 struct Shape {
   const char* name;
   std::string (*expression)(std::size_t);

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-// ENCRYPT everywhere in the first range, NONE in all domains behind it.
+// Returns a document with ENCRYPT everywhere in the first range, and NONE in all later domains.
 Governance two_rules(DomainRange first) {
   auto out = document({topic("*")});
   auto open = out.domain_rules[0];
@@ -76,7 +76,7 @@ TEST(StockChanges, SameForAll_IsSaidOnce) {
   EXPECT_THAT(diff.readings.all, IsEmpty());
 }
 
-// ENCRYPT for the topics of that expression, NONE for all others.
+// Returns a document with ENCRYPT for the topics of that expression, and NONE for all others.
 Governance protects(const std::string& expression, bool is_padded = false) {
   auto out = document({topic(expression), topic("*")});
   out.domain_rules[0].topic_rules[0].is_padded = is_padded;
@@ -84,7 +84,7 @@ Governance protects(const std::string& expression, bool is_padded = false) {
   return out;
 }
 
-// The products to which the change from `secret` is weaker.
+// Returns the products for which the change from `secret` is weaker.
 std::vector<std::string> weaker_with(const Governance& after) {
   std::vector<std::string> out;
   for (const auto& one : compare(protects("secret"), after).readings.all)
@@ -142,7 +142,8 @@ GrantRule about(bool allow, std::vector<Criteria> criteria) {
   return {.allow = allow, .domains = {.ranges = {{0, 0}}}, .publish = std::move(criteria)};
 }
 
-// Measured with Fast DDS 2.9.1: the writer of Square in partition b matches and is read.
+// Measured with Fast DDS 2.9.1: the writer of Square in partition b matches, and its samples are
+// read.
 TEST(StockChanges, RulesPutIntoOne_IsWiderToFastDds) {
   const auto square = publish("Square", "a"), circle = publish("Circle", "b");
   const auto apart = with({about(true, {square}), about(true, {circle})});
@@ -168,7 +169,7 @@ TEST(StockChanges, DenialThatProductsReadInTheirWay_IsWiderToThem) {
   EXPECT_TRUE(std::ranges::any_of(diff.readings.all, &Reading::widens));
 }
 
-// With Fast DDS the first rule with the topic decides, whatever its partitions are.
+// In Fast DDS the first rule with the topic decides, whatever its partitions are.
 TEST(StockChanges, RulesThatSwap_ChangeWhatFastDdsAllows) {
   const auto allow = about(true, {publish("Square", "a")}),
              deny = about(false, {publish("Square", "b")});
@@ -214,7 +215,8 @@ TEST(StockChanges, DenialWithAnOpenRange_IsWiderToBothProducts) {
   EXPECT_THAT(diff.readings.all[0].sentence, HasSubstr("in domain 1-230"));
 }
 
-// The first grant for the subject, as it is spelt, allows one topic; a second one all.
+// Returns two grants for the subject in this spelling. The first one allows one topic, and the
+// second one all.
 Permissions two_grants(const std::string& spelling) {
   auto document = with({rule(true, {{"*"}})});
   document.grants[0].subject_name = spelling;
@@ -226,7 +228,7 @@ Permissions two_grants(const std::string& spelling) {
   return document;
 }
 
-// ddssec takes the first grant all the same.
+// ddssec still takes the first grant.
 TEST(StockChanges, SpellingOfAFirstGrant_CycloneDdsTakesTheSecond_IsWiderToIt) {
   for (const auto* spelling : {"cn=talker", "CN = talker", "CN=\\74alker"}) {
     const auto diff = compare(two_grants("CN=talker"), two_grants(spelling));

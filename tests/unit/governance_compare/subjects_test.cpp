@@ -31,7 +31,7 @@ TEST(PermissionsDiff, ASubjectInOtherWords_IsInterop) {
   EXPECT_EQ(compare(before, after).verdict, mixed) << "another participant";
 }
 
-// p4: an expression that can only mean the same.
+// An expression without wildcards can only mean the same name.
 TEST(PermissionsDiff, ASubjectAsAnExpressionWithoutWildcards_IsTheSame) {
   const auto before = document(kAll);
   auto after = before;
@@ -74,7 +74,7 @@ TEST(PermissionsDiff, ASubjectAsAnotherExpressionForTheSame_IsInterop) {
   }
 }
 
-// FNM_PATHNAME and FNM_NOESCAPE (DDS-Security 1.2, clause 10.4.1.5.3.2.1).
+// Expressions match with FNM_PATHNAME and FNM_NOESCAPE (DDS-Security 1.2, clause 10.4.1.5.3.2.1).
 TEST(PermissionsDiff, ExpressionsOfSubjects_AreComparedAsSets) {
   const auto verdict = [](const char* old_name, std::vector<const char*> new_names) {
     auto before = document(kAll), after = document(kAll);

@@ -36,16 +36,16 @@ INSTANTIATE_TEST_SUITE_P(
         Row{{"rt/[ab]*"}, {"rt/a*", "rt/b*"}, Kind::yes, ""},
         Row{{"rt/[ab]*"}, {"rt/a*"}, Kind::no, "rt/b"}, Row{{"a*b"}, {"a*", "*b"}, Kind::yes, ""},
         Row{{"a*"}, {"a", "a?*"}, Kind::yes, ""},
-        // The empty name is all that is missing.
+        // Only the empty name is missing.
         Row{{"*"}, {"?*"}, Kind::no, ""}, Row{{"*"}, {"?*", ""}, Kind::yes, ""},
         Row{{"??*"}, {"?*?"}, Kind::yes, ""}, Row{{"?*?"}, {"??*"}, Kind::yes, ""},
         Row{{"[!a]"}, {"[b-z]", "[!a-z]"}, Kind::yes, ""},
         Row{{"rt/*"}, {"rt/*/_action/*", "rt/[!_]*"}, Kind::no, "rt/"},
         Row{{"rt/robot?/pose"}, {"rt/robot1/pose", "rt/robot2/pose"}, Kind::no, "rt/robota/pose"},
-        // Nothing is in nothing, and in everything.
+        // The empty list is in every list, and no name is in it.
         Row{{}, {}, Kind::yes, ""}, Row{{"a"}, {}, Kind::no, "a"}, Row{{}, {"a"}, Kind::yes, ""},
         Row{{"[b-a]"}, {}, Kind::yes, ""},
-        // fnmatch as matcher.hpp has it: escapes, classes, an unclosed bracket.
+        // The rules of fnmatch in matcher.hpp: escapes, classes, an unclosed bracket.
         Row{{"\\*"}, {"[*]"}, Kind::yes, ""}, Row{{"\\a"}, {"a"}, Kind::yes, ""},
         Row{{"\\"}, {}, Kind::yes, ""}, Row{{"*"}, {"\\*"}, Kind::no, "a"},
         Row{{"\\\\*"}, {"\\\\x*", "\\\\[!x]*", "\\\\"}, Kind::yes, ""},
@@ -145,8 +145,8 @@ Matches first_matches(const std::vector<RankedExpression>& lists, const std::str
   return matches;
 }
 
-// Octets that the expressions do not mention behave like the letter c.
-// Words up to six letters reach every acceptance of three lists of expressions with three steps.
+// Octets that no expression mentions behave like the letter c. Words of up to six letters reach
+// every acceptance of three lists of expressions with three steps.
 TEST(NameAtoms, RandomLists_AreWhatAllShortWordsSay) {
   const auto names = words::all_words("abc", 6);
   RandomExpressions random;

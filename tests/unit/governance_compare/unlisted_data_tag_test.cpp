@@ -1,4 +1,4 @@
-// Endpoints with a data tag that no rule lists: allow rules do not take them, deny rules do.
+// Endpoints with a data tag that no rule lists: allow rules do not apply to them, deny rules do.
 #include <gtest/gtest.h>
 
 #include "governance/compare/permissions_diff.hpp"

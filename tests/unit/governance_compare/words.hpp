@@ -1,4 +1,5 @@
-// All short names over a small alphabet, and a pool of expressions with what each of them matches.
+// All short names over a small alphabet, and a pool of expressions with the names that each of them
+// matches.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace ddssec::governance::words {
 
-/// Every word over the alphabet with at most so many letters, shortest first.
+/// Returns every word over the alphabet with at most so many letters, shortest first.
 inline std::vector<std::string> all_words(std::string_view alphabet, std::size_t longest) {
   std::vector<std::string> words = {""};
   for (std::size_t from = 0, length = 0; length < longest; ++length) {
@@ -24,13 +25,13 @@ inline std::vector<std::string> all_words(std::string_view alphabet, std::size_t
   return words;
 }
 
-/// An expression and, for each word, whether it matches, found by Pattern alone.
+/// An expression and, for each word, whether the expression matches it according to Pattern.
 struct KnownExpression {
   std::string text;
   std::vector<bool> matches;
 };
 
-/// Every expression of at most so many parts.
+/// Returns every expression of at most so many parts.
 inline std::vector<KnownExpression> all_expressions(const std::vector<std::string>& words,
                                                     std::size_t max_parts) {
   static constexpr std::string_view kParts[] = {"a", "b", "*", "?", "[ab]", "[!a]"};
@@ -51,7 +52,7 @@ inline std::vector<KnownExpression> all_expressions(const std::vector<std::strin
   return pool;
 }
 
-/// Seeded: the same numbers on every machine.
+/// Random numbers from a seed, which are the same on every machine.
 class Dice {
  public:
   explicit Dice(std::uint32_t seed) : generator_(seed) {}
