@@ -1,4 +1,4 @@
-// Certificates and keys that a path or a URI names.
+// Certificates and keys, named by a path or a URI.
 #include "pki/certificate_source.hpp"
 
 #include "tests/support/temporary_folder.hpp"

@@ -38,7 +38,8 @@ TEST(Certificate, SecondReaderOfOneThatIsHeld_SharesIt) {
     EXPECT_EQ(&impl_of(held), &impl_of(again));
     EXPECT_NE(&impl_of(held), &impl_of(ca.certificate()));
   }
-  // Nobody held it any longer, so it was read anew; however many come, each is right.
+  // No object held the certificate any longer, so it was read again. However many certificates
+  // come, each is right.
   for (int i = 0; i < 200; ++i) {
     const auto leaf = make_leaf(ca, "CN=talker " + std::to_string(i));
     const auto read = Certificate::from_pem(as_bytes(leaf.certificate.pem())).value();
@@ -48,7 +49,8 @@ TEST(Certificate, SecondReaderOfOneThatIsHeld_SharesIt) {
 }
 
 TEST(Certificate, SubjectDigest_IsOverTheDerName) {
-  // CN=abc as PrintableString would differ from UTF8String: take the DER as the library encodes it.
+  // CN=abc differs between PrintableString and UTF8String, so the test takes the DER as the library
+  // encodes it.
   const auto ca = make_ca("CN=abc");
   const auto* name = X509_get_subject_name(impl_of(ca.certificate()).x509.get());
   unsigned char digest[32];
@@ -103,10 +105,10 @@ TEST(Certificate, OctetsBehindIt_AreRefused) {
               certificate_malformed);
 }
 
-// Found by fuzzing: bits of the signature that do not count are not written again.
+// Found by fuzzing: unused bits of the signature are not written again.
 TEST(Certificate, OtherOctetsThanTheDistinguishedOnes_AreRefused) {
   auto der = to_bytes(make_leaf(make_ca(), "CN=talker").certificate.der());
-  const Bytes begin = {0x00, 0x30};  // no bits left over, and the two integers of the signature
+  const Bytes begin = {0x00, 0x30};  // no unused bits, and the two integers of the signature
   const auto bits_left = std::find_end(der.begin(), der.end(), begin.begin(), begin.end());
   ASSERT_EQ(bits_left[-2], 0x03);
   ASSERT_EQ(bits_left[-1], der.end() - bits_left);
@@ -115,7 +117,7 @@ TEST(Certificate, OtherOctetsThanTheDistinguishedOnes_AreRefused) {
   EXPECT_CODE(Certificate::from_der(der), certificate_malformed);
 }
 
-// T34: a megabyte of certificate.
+// T34 (docs/attacks.md): a certificate of a megabyte.
 TEST(Certificate, Sizes_AreBounded) {
   const auto pem = make_ca().certificate().pem();
   EXPECT_CODE(Certificate::from_pem(as_bytes(std::string(1000000, 'A') + pem)),
@@ -133,7 +135,7 @@ std::string attributes(int count) {
   return text;
 }
 
-// Names that our own issuing refuses: built with OpenSSL directly.
+// Makes a certificate with names that our own issuing refuses, with OpenSSL directly.
 Result<Certificate> with_name(const std::vector<std::pair<std::string, std::string>>& entries) {
   const auto ca = make_ca();
   const X509Ptr x509(X509_dup(impl_of(ca.certificate()).x509.get()));
@@ -161,7 +163,7 @@ TEST(Certificate, Names_AreBoundedAndHoldNoNul) {
   EXPECT_EQ(good->subject(), "CN=a,CN=a");
 }
 
-// Its key is of a type that certificates are read without decoders for.
+// Certificates are read without the decoders for this type of key.
 TEST(Certificate, AKeyOfAnotherType_IsNamed) {
   const auto ca = make_ca();
   const X509Ptr x509(X509_dup(impl_of(ca.certificate()).x509.get()));

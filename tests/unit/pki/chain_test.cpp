@@ -15,7 +15,8 @@ Credential odd_leaf(const Authority& ca, const CertificateTemplate& content) {
   return {*ca.certify(content, key, test_random()), key};
 }
 
-// A copy of `certificate` signed again with SHA-1, which our own issuing never does.
+// Returns a copy of `certificate` that is signed again with SHA-1, which our own issuing never
+// does.
 Certificate with_sha1(const Certificate& certificate, const PrivateKey& key) {
   const X509Ptr x509(X509_dup(impl_of(certificate).x509.get()));
   X509_sign(x509.get(), impl_of(key).pkey.get(), EVP_sha1());
@@ -25,7 +26,7 @@ Certificate with_sha1(const Certificate& certificate, const PrivateKey& key) {
   return *Certificate::from_der(BytesView(raw, static_cast<std::size_t>(size)));
 }
 
-// As `openssl x509 -req` without an extension file makes it.
+// Returns the certificate that `openssl x509 -req` makes without an extension file.
 Certificate as_version_1(const Certificate& certificate, const PrivateKey& key) {
   const X509Ptr x509(X509_dup(impl_of(certificate).x509.get()));
   while (X509_get_ext_count(x509.get()) > 0) X509_EXTENSION_free(X509_delete_ext(x509.get(), 0));
@@ -103,7 +104,7 @@ TEST(Chain, SubordinateCas_VerifyWithAndWithoutTheirRoot) {
   const auto root = make_ca("CN=Root", {}, {kNow - 48h, kNow + 48h});
   const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());
   const auto leaf = make_leaf(sub).certificate;
-  // Its CA is not in the file: what a peer sends along does not count.
+  // Its CA is not in the file, and a CA that a peer sends with its certificate does not count.
   EXPECT_CODE(make_verifier({root.certificate()}).verify(leaf, kNow), issuer_unknown);
   const auto both = make_verifier({root.certificate(), sub.certificate()});
   const auto proof = both.verify(leaf, kNow);
@@ -111,13 +112,13 @@ TEST(Chain, SubordinateCas_VerifyWithAndWithoutTheirRoot) {
   EXPECT_EQ(proof->not_after(), kNow + 48h);
   EXPECT_EQ(proof->first_to_expire(), "CN=Root");
   EXPECT_CODE(both.verify(leaf, kNow + 49h), certificate_expired);
-  // A subordinate CA alone in the file is an anchor.
+  // A subordinate CA that is alone in the file is an anchor.
   const auto alone = make_verifier({sub.certificate()});
   EXPECT_TRUE(alone.verify(leaf, kNow + 49h));
   EXPECT_EQ(alone.verify(leaf, kNow)->not_after(), kYear.not_after);
 }
 
-// T2: a chain whose middle has expired.
+// T2 (docs/attacks.md): a chain whose middle has expired.
 TEST(Chain, AnExpiredMiddle_IsRefused) {
   const auto root = make_ca("CN=Root");
   const auto sub = *root.subordinate("CN=Sub", {}, {kNow - 24h, kNow + 1h}, test_random());
@@ -137,7 +138,8 @@ TEST(Chain, OnlyCas_MayBeInTheFileOrIssue) {
   EXPECT_CODE(Authority::load(leaf.certificate, leaf.key), not_a_ca);
 }
 
-// docs/decisions: it is a CA by its place, since it has no extensions that could say so.
+// Decided in docs/decisions: the certificate is a CA because of its place, since it has no
+// extensions that could say so.
 TEST(Chain, ASelfSignedVersion1Certificate_MayBeAnAnchorAndNothingElse) {
   const auto root = make_ca("CN=Root");
   const auto version_1 = as_version_1(root.certificate(), root.key());
@@ -149,13 +151,14 @@ TEST(Chain, ASelfSignedVersion1Certificate_MayBeAnAnchorAndNothingElse) {
   EXPECT_CODE(make_verifier({version_1}).verify(leaf, kYear.not_after + 24h), certificate_expired);
   EXPECT_CODE(Authority::load(version_1, root.key()), not_a_ca);
 
-  // One that another CA signed is none, alone or between a CA and a leaf.
+  // A certificate of version 1 that another CA signed is no anchor, alone or between a CA and a
+  // leaf.
   const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());
   const auto middle = as_version_1(sub.certificate(), root.key());
   EXPECT_FALSE(middle.can_be_anchor());
   EXPECT_CODE(ChainVerifier::make({middle}), not_a_ca);
   EXPECT_CODE(ChainVerifier::make({root.certificate(), middle}), not_a_ca);
-  // A participant of version 1 issues nothing either.
+  // A participant whose certificate has version 1 issues nothing either.
   const auto talker = make_leaf(root);
   const auto participant = as_version_1(talker.certificate, root.key());
   EXPECT_TRUE(make_verifier({version_1}).verify(participant, kNow));
@@ -164,7 +167,7 @@ TEST(Chain, ASelfSignedVersion1Certificate_MayBeAnAnchorAndNothingElse) {
 
 TEST(Chain, ChainLongerThanPathLength_IsRefused) {
   const auto root = make_ca("CN=Root");
-  const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());  // pathlen 0
+  const auto sub = *root.subordinate("CN=Sub", {}, kYear, test_random());  // its path length is 0
   const auto deep = *sub.subordinate("CN=Deep", {}, kYear, test_random());
   const auto verifier = make_verifier({root.certificate(), sub.certificate(), deep.certificate()});
   EXPECT_CODE(verifier.verify(make_leaf(deep).certificate, kNow), path_too_long);
@@ -214,7 +217,7 @@ TEST(Chain, UnknownCriticalExtensions_AreRefused) {
   EXPECT_CODE(make_verifier({ca.certificate()}).verify(odd, kNow), chain_refused);
 }
 
-// T13.
+// T13 (docs/attacks.md): a certificate is revoked while its participant runs.
 class Revocation : public testing::Test {
  protected:
   Crl list(const Authority& by, std::vector<Certificate> revoked,
@@ -259,7 +262,8 @@ TEST_F(Revocation, ARevokedOne_IsRefusedFromAnOldListToo) {
   EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 25h), certificate_revoked);
 }
 
-// An attacker may still have the list of before; once the newest has ended it must not count again.
+// An attacker may still have the former list. Once the newest list has ended, the former one must
+// not count again.
 TEST_F(Revocation, AnOlderListBesideTheNewest_NeverCounts) {
   const auto numbered = [&](std::uint64_t number, WallTime from, WallTime until,
                             std::vector<Certificate> revoked) {
@@ -277,7 +281,7 @@ TEST_F(Revocation, AnOlderListBesideTheNewest_NeverCounts) {
   }
 }
 
-// OpenSSL takes one of them, and which one depends on their order and scope.
+// OpenSSL uses only one of them, and which one depends on their order and scope.
 TEST_F(Revocation, OneOfSeveralListsInForceThatNamesIt_IsEnough) {
   const auto numbered = [&](std::uint64_t number, std::vector<Certificate> revoked) {
     return *ca_.make_crl({std::move(revoked), kNow, kNow + 24h, number});
@@ -313,7 +317,7 @@ TEST_F(Revocation, AForgedListThatNamesIt_RevokesNothing) {
       << "another CA's list";
 }
 
-// Whoever can write to the file could otherwise take the list of the CA away.
+// Otherwise a user who can write to the file could take the list of the CA away.
 TEST_F(Revocation, AForgedNewerList_TakesNoListsPlace) {
   const auto twin = make_ca("CN=Root");
   const auto genuine = list(ca_, {bad_.certificate});
@@ -323,7 +327,7 @@ TEST_F(Revocation, AForgedNewerList_TakesNoListsPlace) {
       certificate_revoked);
 }
 
-// `list` without the identifier of the key that signed it.
+// Returns `list` without the identifier of the key that signed it.
 Crl without_key_id(const Crl& list, const Authority& by) {
   const CrlPtr crl(X509_CRL_dup(impl_of(list).crl.get()));
   X509_EXTENSION_free(X509_CRL_delete_ext(
@@ -334,7 +338,7 @@ Crl without_key_id(const Crl& list, const Authority& by) {
   return Crl::all_from(bio_octets(bio))->front();
 }
 
-// A CA that rolled over: a list is of the key that signed it.
+// A CA that rolled over has two keys, and a list belongs to the key that signed it.
 TEST_F(Revocation, TwoCasOfOneName_HaveAListEach) {
   const auto twin = make_ca("CN=Root");
   const auto good = make_leaf(twin, "CN=good"), bad = make_leaf(twin, "CN=bad");
@@ -361,7 +365,8 @@ TEST_F(Revocation, AListOfTheOtherCaOfTheName_IsNone) {
 TEST_F(Revocation, AForgedList_IsRefusedUnderEitherPolicy) {
   const auto twin = make_ca("CN=Root");
   auto der = list(ca_, {});
-  // Same name, another key; and without the key identifier that would give it away early.
+  // The other CA has the same name and another key. The key identifier, which would show this
+  // early, is removed.
   const CrlPtr forged(X509_CRL_dup(impl_of(list(twin, {})).crl.get()));
   X509_EXTENSION_free(X509_CRL_delete_ext(
       forged.get(), X509_CRL_get_ext_by_NID(forged.get(), NID_authority_key_identifier, -1)));
@@ -403,7 +408,7 @@ TEST(MayBeRevoked, CertificateAndCaOnNoList_AreNotRevoked) {
   const auto of_sub = verifier_with({list(root, {}), list(sub, {bad})});
   EXPECT_FALSE(of_sub.may_be_revoked(good));
   EXPECT_TRUE(of_sub.may_be_revoked(bad));
-  // A CA's revocation concerns everybody.
+  // The revocation of a CA concerns every certificate below it.
   const auto of_root = verifier_with({list(root, {sub.certificate()}), list(sub, {})});
   EXPECT_TRUE(of_root.may_be_revoked(good));
   EXPECT_CODE(of_root.verify(good, kNow), certificate_revoked);

@@ -54,7 +54,8 @@ TEST(CrlEntries, ASerialNumberThatIsNone_IsRefused) {
   }
 }
 
-// RFC 5280 5.3.1: in a delta list only. One product would take the entry for revoked, another not.
+// RFC 5280 5.3.1 allows this reason in a delta list only. One product would treat the entry as
+// revoked, another one would not.
 TEST(CrlEntries, WithTheReasonRemoveFromCrl_AreRefused) {
   const auto ca = make_ca();
   auto content = kMonth;
@@ -70,7 +71,8 @@ TEST(CrlEntries, WithTheReasonRemoveFromCrl_AreRefused) {
   EXPECT_CODE(with_reason(8), crl_malformed);
 }
 
-// RFC 5280 5.2 and 5.3: such a list must not be used. OpenSSL sees it when it judges by the list.
+// RFC 5280 5.2 and 5.3: such a list must not be used. OpenSSL notices this only when it judges by
+// the list.
 TEST(CrlExtensions, CriticalOnesThatAreNotUnderstood_AreRefused) {
   const auto ca = make_ca();
   auto content = kMonth;
@@ -107,7 +109,8 @@ TEST(CrlCheck, IssuersList_IsTakenInItsTime) {
 TEST(CrlCheck, OtherSigners_AreRefused) {
   const auto ca = make_ca();
   const auto crl = make_crl(ca, kMonth);
-  EXPECT_CODE(crl.check(make_ca().certificate(), kNow), crl_signature_invalid);  // same name
+  // This CA has the same name.
+  EXPECT_CODE(crl.check(make_ca().certificate(), kNow), crl_signature_invalid);
   EXPECT_CODE(crl.check(make_ca("CN=Other").certificate(), kNow), crl_signature_invalid);
 }
 
@@ -198,7 +201,7 @@ TEST(CrlSupersedes, NumberAndTime_MustBothBeLater) {
   EXPECT_TRUE(list(7, kNow).supersedes(held));
   EXPECT_FALSE(list(6, kNow + 1s).supersedes(held));
   EXPECT_FALSE(list(8, kNow - 1s).supersedes(held));
-  // As numbers, whatever their lengths.
+  // The numbers are compared as numbers, whatever their lengths are.
   EXPECT_TRUE(list(0x1'0000'0000, kNow).supersedes(list(0xff, kNow)));
   EXPECT_FALSE(list(0xff, kNow).supersedes(list(0x100, kNow)));
 }
@@ -263,8 +266,8 @@ Crl pkits(const std::string& name) {
   return Crl::all_from(data_file("nist-pkits/crls/" + name + ".crl"))->front();
 }
 
-// OpenSSL 3.0.19 takes a delta list for a complete one: the certificate that the complete list
-// revokes is accepted if the newer delta list does not repeat it.
+// OpenSSL 3.0.19 treats a delta list as a complete one. If a newer delta list does not repeat an
+// entry of the complete list, it accepts the revoked certificate.
 TEST(DeltaCrl, DeltaList_IsRefusedWhereListsAreRead) {
   const auto ca = make_ca();
   const auto leaf = make_leaf(ca);
@@ -286,7 +289,7 @@ TEST(DeltaCrl, DeltaList_IsRefusedWhereListsAreRead) {
               certificate_revoked);
 }
 
-// It stands for itself: the delta lists that it names are one more way to be up to date.
+// Such a list is complete in itself. The delta lists that it names only bring it up to date sooner.
 TEST(DeltaCrl, ACompleteListThatNamesDeltaLists_IsRead) {
   const auto crls = Crl::all_from(data_file("nist-pkits/crls/deltaCRLCA1CRL.crl"));
   ASSERT_TRUE(crls) << crls.error().to_sentence();

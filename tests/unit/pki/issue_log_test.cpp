@@ -53,7 +53,7 @@ TEST(IssueLog, RevokedCertificates_AreKnownByTheirKeys) {
   const auto text = IssueLog::issued_line(logged, "", kNow) +
                     IssueLog::issued_line(good, "", kNow) +
                     IssueLog::revoked_line({logged.serial(), kNow, {}}) +
-                    IssueLog::revoked_line({"0A", kNow, {}}) +  // as it was logged before keys were
+                    IssueLog::revoked_line({"0A", kNow, {}}) +  // logged before keys were logged
                     IssueLog::revoked_line({"0A", kNow, {}}, key_digest(foreign));
   const auto log = IssueLog::parse(as_bytes(text));
   ASSERT_TRUE(log.unreadable().empty());

@@ -15,7 +15,7 @@ constexpr auto kModp = KeyAgreementKind::dh_modp_2048_256;
 class Elliptic : public testing::TestWithParam<KeyAgreementKind> {};
 INSTANTIATE_TEST_SUITE_P(Curves, Elliptic, testing::Values(kP256, kP384));
 
-// T48.
+// T48 (docs/attacks.md): points and Diffie-Hellman values outside the group.
 TEST_P(Elliptic, OnlyPointsOfTheCurveAtFullLength_AreTaken) {
   const auto key = *EphemeralKey::generate(GetParam());
   auto point = *key.public_octets();
@@ -79,7 +79,7 @@ Bytes der_of(BytesView value) {
   return Bytes(raw, raw + size);
 }
 
-// T48.
+// T48 (docs/attacks.md): points and Diffie-Hellman values outside the group.
 TEST(Modp, ValuesOutsideTheSubgroup_AreRefusedInBothEncodings) {
   const auto p = parameter(OSSL_PKEY_PARAM_FFC_P);
   const BignumPtr value(BN_dup(p.get()));
@@ -115,7 +115,7 @@ TEST(Modp, BothEncodings_AreWrittenAndRecognised) {
   EXPECT_FALSE(PeerPublicKey::parse(kModp, trailing));
 }
 
-// One shared value in 256 begins with a zero octet; peers hash it without.
+// One of 256 shared values begins with a zero octet, and peers hash it without this octet.
 TEST(Modp, SharedValuesWithLeadingZeros_AreHashedWithoutThem) {
   const auto p = parameter(OSSL_PKEY_PARAM_FFC_P);
   const auto mine = *KnownKey::from_private(kModp, Bytes{0x12, 0x34, 0x56, 0x78});

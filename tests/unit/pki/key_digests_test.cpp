@@ -14,12 +14,13 @@ Bytes encoded_key(const Certificate& certificate) {
   return Bytes(der, der + size);
 }
 
-// What earlier versions logged.
+// Returns the digest that earlier versions logged.
 std::string raw_digest(const Certificate& certificate) {
   return to_hex(sha256(encoded_key(certificate)));
 }
 
-// Of a SubjectPublicKeyInfo that ends with 00 04 x y: with 00 02 x or 00 03 x.
+// Returns a SubjectPublicKeyInfo that ends with 00 04 x y in the form that ends with 00 02 x or 00
+// 03 x.
 Bytes compressed(Bytes key, std::size_t width) {
   const auto point = key.size() - 2 * width - 1;
   key[point] = static_cast<std::uint8_t>(0x02 | (key.back() & 1));
@@ -29,14 +30,14 @@ Bytes compressed(Bytes key, std::size_t width) {
   return key;
 }
 
-// The same with its point compressed; the signature does not count here.
+// Returns the same certificate with its point compressed. The signature does not count here.
 Certificate compressed(const Certificate& certificate, std::size_t width) {
   const auto der = compressed(encoded_key(certificate), width);
   const auto* position = der.data();
   const PkeyPtr key(d2i_PUBKEY(nullptr, &position, static_cast<long>(der.size())));
   const X509Ptr x509(X509_dup(impl_of(certificate).x509.get()));
   EXPECT_EQ(X509_set_pubkey(x509.get(), key.get()), 1);
-  EXPECT_GT(i2d_re_X509_tbs(x509.get(), nullptr), 0);  // not as it was read
+  EXPECT_GT(i2d_re_X509_tbs(x509.get(), nullptr), 0);  // encodes the new content
   unsigned char* octets = nullptr;
   const int size = i2d_X509(x509.get(), &octets);
   const OpensslMemoryPtr owner(octets);
@@ -64,7 +65,7 @@ TEST(KeyDigest, BothEncodingsOfAnEcKey_HaveOneDigest) {
     const auto other = compressed(leaf, width);
     ASSERT_NE(raw_digest(other), raw_digest(leaf));
     EXPECT_EQ(key_digest(other), key_digest(leaf));
-    // What an earlier version logged of the one is known of the other.
+    // A digest that an earlier version logged for one encoding is known for the other one.
     EXPECT_TRUE(KeyDigests(leaf).contains(raw_digest(other)));
     EXPECT_TRUE(KeyDigests(other).contains(raw_digest(leaf)));
     EXPECT_FALSE(KeyDigests(leaf).contains(key_digest(make_leaf(make_ca()).certificate)));

@@ -1,5 +1,5 @@
-// What OpenSSL lacked memory for once is made at the next call. A program of its own: the first
-// creation in a process is what counts.
+// What OpenSSL could not make for lack of memory is made at the next call. This is a program of its
+// own, because the first creation in a process counts.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ constexpr std::string_view kPoint =
     "4fe342e2fe1a7f9b8ee7eb4a7c0f9e162bce33576b315ececbb6406837bf51f5";
 
 TEST(OutOfMemory, FailureAtTheFirstPublicKey_DoesNotSpoilTheNext) {
-  ASSERT_TRUE(PrivateKey::generate(KeyKind::ec_p256, 0));  // OpenSSL has started
+  ASSERT_TRUE(PrivateKey::generate(KeyKind::ec_p256, 0));  // starts OpenSSL
   const auto octets = from_hex(kPoint);
   ASSERT_TRUE(octets);
   const auto sources = failing_memory::sources();

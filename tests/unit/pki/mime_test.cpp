@@ -1,6 +1,6 @@
-// Two readers of one file: ours and OpenSSL's, by which stock products read. Nobody signs the lines
-// around the two parts, so that anyone who passes a document on can change them. What ours accepts,
-// OpenSSL must read in the same way or refuse.
+// Two readers of one file: ours, and that of OpenSSL, which stock products use. The lines around
+// the two parts are not signed, so every participant that passes a document on can change them.
+// OpenSSL must read what ours accepts in the same way, or refuse it.
 #include <algorithm>
 #include <random>
 #include <string>
@@ -24,7 +24,7 @@ std::string with_boundary(std::string file, std::string_view boundary) {
   return file;
 }
 
-// A signed document whose text holds another signed document, boundary lines included.
+// A signed document whose text contains another signed document with its boundary lines.
 class TwoReaders : public testing::Test {
  protected:
   std::string sign(std::string_view text) const {
@@ -39,7 +39,7 @@ class TwoReaders : public testing::Test {
 
 std::size_t below(std::mt19937_64& random, std::size_t end) { return random() % end; }
 
-// Pieces that mean something to one of the readers.
+// Returns a piece that means something to one of the readers.
 std::string_view random_piece(std::mt19937_64& random) {
   static const std::string blanks(1100, ' '), returns(1100, '\r'), letters(1000, 'x');
   static const std::vector<std::string> pieces = {"\"",
@@ -96,7 +96,8 @@ std::string_view random_piece(std::mt19937_64& random) {
   return pieces[below(random, pieces.size())];
 }
 
-// Places that nobody signs: the header, the boundary lines, the header of the signature.
+// Returns the places that are not signed: the header, the boundary lines, the header of the
+// signature.
 std::vector<std::pair<std::size_t, std::size_t>> unsigned_places(const std::string& file) {
   const auto first = file.find("--OURS\n") + 8;
   const auto second = file.rfind("\n--OURS\n");
@@ -135,7 +136,7 @@ TEST_F(TwoReaders, WhatOursAccepts_OpensslReadsInTheSameWay) {
   EXPECT_GT(accepted, kCases / 200);
 }
 
-// Each was read as OURS by ours and as OTHER by OpenSSL, or could have been.
+// Our reader read each of these as OURS, and OpenSSL read it as OTHER, or could have done so.
 TEST_F(TwoReaders, HeadersWithTwoReadings_AreRefused) {
   const auto header =
       outer_.substr(outer_.find("Content-Type"), outer_.find("\n\n") - outer_.find("Content-Type"));
@@ -190,7 +191,7 @@ TEST_F(TwoReaders, AnotherTextOrSignatureForOpenssl_IsAmbiguous) {
   EXPECT_TRUE(check_same_reading(*ours, as_bytes("nothing that OpenSSL reads")));
 }
 
-// Only padding may end the base64 text: of what stands after it OpenSSL reads nothing.
+// Only padding may end the base64 text, because OpenSSL ignores what follows it.
 TEST_F(TwoReaders, PaddingWithinTheSignature_IsRefused) {
   const auto begin = outer_.rfind("smime.p7s\"\n\n") + 12;
   for (const auto* changed : {"=", "==", "===="}) {

@@ -1,4 +1,4 @@
-// Addresses of OCSP responders, which a certificate of a peer may name.
+// Addresses of OCSP responders, which a peer's certificate may name.
 #include "pki/ocsp_address.hpp"
 
 #include "base/tool_code.hpp"

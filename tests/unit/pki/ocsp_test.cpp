@@ -65,7 +65,7 @@ TEST_F(Ocsp, ResponseSignedByADelegate_IsAcceptedUntilTheDelegateExpires) {
 TEST_F(Ocsp, OfAHolderOfACertificateWithoutTheUsage_IsRefused) {
   sign_with(test::ocsp_delegate(ca, kYear, test_random(), false));
   EXPECT_CODE(judge(), ocsp_signer_wrong);
-  // Also by the certificate that it is about.
+  // The certificate that the response is about may not sign it either.
   sign_with(leaf);
   EXPECT_CODE(judge(), ocsp_signer_wrong);
 }
@@ -74,7 +74,7 @@ TEST_F(Ocsp, OfADelegateOfAnotherCa_IsRefused) {
   const auto other = make_ca("CN=Other CA,O=Example");
   sign_with(test::ocsp_delegate(other, kYear, test_random()));
   EXPECT_CODE(judge(), ocsp_signer_wrong);
-  // Also if the other CA is trusted, and if it has the name of ours.
+  // It is refused even if the other CA is trusted, and even if it has the name of ours.
   const auto both = make_verifier({ca.certificate(), other.certificate()});
   EXPECT_CODE(judge_ocsp(test::ocsp_response(content), leaf.certificate, both, kNow),
               ocsp_signer_wrong);
@@ -102,7 +102,7 @@ TEST_F(Ocsp, OfAnotherCa_IsRefused) {
   content.signer = other.certificate();
   content.key = other.key();
   EXPECT_CODE(judge(), ocsp_signer_wrong);
-  // Of the same name, with another key.
+  // The signer has the same name and another key.
   const auto twin = make_ca();
   content.signer = twin.certificate();
   content.key = twin.key();
@@ -113,7 +113,7 @@ TEST_F(Ocsp, AboutAnotherCertificate_IsRefused) {
   const auto other = make_leaf(ca, "CN=other,O=Example");
   content.answers.front().certificate = other.certificate;
   EXPECT_CODE(judge(), ocsp_other_certificate);
-  // The same serial number of a CA with the same name and another key.
+  // The serial number is the same, but it is of a CA with the same name and another key.
   const auto twin = make_ca();
   content.answers = {{leaf.certificate, twin.certificate()}};
   content.signer = twin.certificate();
@@ -220,7 +220,8 @@ TEST_F(Ocsp, CutAnywhereOrFollowedByOctets_IsRefused) {
 }
 
 TEST_F(Ocsp, WithOneBitFlipped_IsNeverGood) {
-  // The algorithm of the signature is not signed: its encoding has no effect but on how to verify.
+  // The algorithm of the signature is not signed. Its encoding only affects how the signature is
+  // verified.
   const auto whole = test::ocsp_response(content);
   std::size_t good = 0;
   for (std::size_t at = 0; at < whole.size(); ++at) {

@@ -1,4 +1,5 @@
-// Inputs that harm some patch levels of OpenSSL are refused before it reads them, on every level.
+// Inputs that harm some patch levels of OpenSSL are refused before OpenSSL reads them, on every
+// patch level.
 #include "pki/openssl_guards.hpp"
 
 #include "pki/pki_access.hpp"
@@ -23,7 +24,7 @@ class DistributionPoints : public Test {
     EXPECT_NE(pem, "") << take_openssl_reason();
     return Certificate::from_pem(as_bytes(pem));
   }
-  // Of the issuer name that `read` makes.
+  // Returns the size of the issuer name that `read` makes.
   static std::size_t octets(int entries) {
     const auto ca = make_ca("CN=of any name");
     const auto pem = test::with_distribution_points(make_leaf(ca), PointName::full, 1, entries);
@@ -57,13 +58,13 @@ TEST_F(DistributionPoints, HonestCertificates_Pass) {
     const auto honest = read(form, 16, 8);
     EXPECT_TRUE(honest) << honest.error().to_sentence();
   }
-  const auto many = read(PointName::full, 500, 20);  // nothing is copied for full names
+  const auto many = read(PointName::full, 500, 20);  // full names are not copied
   EXPECT_TRUE(many) << many.error().to_sentence();
 }
 
 class Signatures : public Test {
  protected:
-  // The honest file with what has become of the signature.
+  // Returns the honest file with the changed signature.
   std::string file() {
     const auto begin = honest_.find("smime.p7s\"\n\n") + 12;
     std::string lines;
@@ -78,7 +79,7 @@ class Signatures : public Test {
     const auto verifier = DocumentVerifier::make({ca_.certificate()}).value();
     return verifier.verify(as_bytes(file()), kNow);
   }
-  // Both readers refuse it with the same code, and say what they found.
+  // Expects that both readers refuse it with the same code, and say what they found.
   void expect_bad_digest(std::string_view found) {
     ASSERT_TRUE(test::sign_attributes(pkcs7_.get())) << take_openssl_reason();
     EXPECT_CODE(accepted(), smime_message_digest);
@@ -115,7 +116,8 @@ TEST_F(Signatures, HonestForm_PassesBothReaders) {
 TEST_F(Signatures, WithoutADigestAlgorithm_AreRefused) {
   auto* algorithms = pkcs7_->d.sign->md_algs;
   while (sk_X509_ALGOR_num(algorithms) > 0) X509_ALGOR_free(sk_X509_ALGOR_pop(algorithms));
-  EXPECT_CODE(accepted(), smime_digest_missing);  // else memory is freed twice, or another code
+  // Otherwise memory is freed twice, or the code is another one.
+  EXPECT_CODE(accepted(), smime_digest_missing);
   EXPECT_CODE(verified(), smime_signature_invalid);
 }
 

@@ -1,4 +1,4 @@
-// Keys and certificates in a PKCS#11 token: SoftHSM's, with keys imported into it and a
+// Keys and certificates in a PKCS#11 token: that of SoftHSM, into which the tests import keys and a
 // certificate.
 #include "pki/pkcs11.hpp"
 
@@ -21,7 +21,7 @@ void run(const std::string& command) {
   ASSERT_EQ(std::system((command + " >/dev/null").c_str()), 0) << command;
 }
 
-// One token for all tests of the process: its module is loaded once.
+// One token for all tests of the process, because its module is loaded only once.
 class Token : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -66,7 +66,7 @@ class Token : public testing::Test {
   static inline int imported_ = 0;
 };
 
-// Before any other test has logged in, which lasts as long as the process.
+// This must run before another test logs in, because a login lasts as long as the process.
 TEST_F(Token, MissingOrWrongPin_IsRefused) {
   const auto missing = PrivateKey::load(uri("ec"), kProperty);
   EXPECT_CODE(missing, pkcs11_pin_missing);

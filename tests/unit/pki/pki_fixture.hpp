@@ -32,7 +32,7 @@ inline ChainVerifier make_verifier(std::vector<Certificate> anchors, std::vector
   return *std::move(verifier);
 }
 
-/// A file below tests/data.
+/// Reads a file below tests/data.
 inline Bytes data_file(const std::string& name) {
   std::ifstream in(test::data_path(name), std::ios::binary);
   EXPECT_TRUE(in) << name;
@@ -41,7 +41,7 @@ inline Bytes data_file(const std::string& name) {
 
 inline Bytes bytes(std::string_view text) { return to_bytes(as_bytes(text)); }
 
-/// Base64 text of `octets` in one line.
+/// Returns the base64 text of `octets` in one line.
 inline std::string base64(BytesView octets) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -55,7 +55,7 @@ inline std::string base64(BytesView octets) {
   return out;
 }
 
-/// `text` with the first `from` replaced, which must be there.
+/// Returns `text` with the first `from` replaced. The text must contain it.
 inline std::string replaced(std::string text, std::string_view from, std::string_view to) {
   const auto at = text.find(from);
   EXPECT_NE(at, text.npos) << from;

@@ -58,7 +58,7 @@ TEST(PrivateKey, RsaOfARefusedSize_IsNotMade) {
 }
 
 TEST(PrivateKey, DerFile_IsNamedWithTheCommandThatConverts) {
-  // The head of a PKCS #8 key of P-256, and of a SEC 1 key of 119 octets.
+  // These are the first octets of a PKCS #8 key of P-256, and of a SEC 1 key of 119 octets.
   Bytes pkcs8(138), sec1(121);
   pkcs8[0] = sec1[0] = 0x30;
   pkcs8[1] = 0x81;

@@ -36,7 +36,8 @@ TEST(SigningLog, ALaterDocumentOfTheSameFile_Supersedes) {
   EXPECT_EQ(again.standing(as_bytes("new"), c), Standing::superseded);
 }
 
-// A folder was moved from /a to /b, a narrower document was signed there, and the former put back.
+// A folder was moved from /a to /b, a narrower document was signed there, and the former document
+// was put back.
 TEST(SigningLog, AFormerDocument_InAFileForWhichAnotherWasSignedLater_IsSuperseded) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();
@@ -53,7 +54,7 @@ TEST(SigningLog, AFormerDocument_InAFileForWhichAnotherWasSignedLater_IsSupersed
   EXPECT_EQ(standing("wide", {"/a", "/b"}), Standing::superseded) << "two names of one file";
 }
 
-// One document in two files, replaced in /a, and signed again for /b.
+// One document was signed for two files. It was replaced in /a, and then signed again for /b.
 TEST(SigningLog, ADocumentThatWasReplacedInAFile_StaysSupersededThere) {
   const auto ca = make_ca();
   const auto& c = ca.certificate();

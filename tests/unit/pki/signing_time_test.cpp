@@ -1,4 +1,4 @@
-// When a document was signed, as its signature says.
+// The time at which a document was signed, according to its signature.
 #include "pki/signing_time.hpp"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class SigningTime : public testing::Test {
 };
 
 TEST_F(SigningTime, SignedDocument_HasTheTimeOfTheSigner) {
-  // UTCTime and, from 2050 on, GeneralizedTime.
+  // The times are written as UTCTime and, from 2050 on, as GeneralizedTime.
   for (const auto time : {kNow, kNow - std::chrono::years(1), kNow + std::chrono::years(40)}) {
     const auto file = sign(time);
     const auto document = check(file);
@@ -48,7 +48,7 @@ TEST_F(SigningTime, ThatWasChanged_IsNoSignature) {
   const auto document = read_document(as_bytes(file));
   ASSERT_TRUE(document);
   auto der = document->signature;
-  // "YYMMDDhhmmssZ": another second.
+  // Changes the seconds of "YYMMDDhhmmssZ".
   const auto text = ddssec::to_string(kNow);
   std::string utc;
   for (const char c : text.substr(2))

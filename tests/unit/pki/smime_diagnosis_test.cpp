@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kDocument = "<dds>\r\n</dds>\r\n";
 
-// A document signed by OpenSSL in an odd form.
+// A document that OpenSSL signed in an unusual form.
 class OddDocument {
  public:
   OddDocument(const Credential& signer, int flags) {
@@ -84,7 +84,7 @@ TEST_F(SmimeDiagnosis, TheLineOfTheText_IsTheFiles) {
     EXPECT_EQ(examine(one).first_line, line_of(one)) << one;
     EXPECT_GT(examine(one).first_line, 4);
   }
-  // Where nobody can read it in the file, lines are the text's own.
+  // If the lines of the file cannot be read, lines are counted in the text itself.
   EXPECT_EQ(examine(OddDocument(self_, PKCS7_TEXT).smime()).first_line, 1);
   EXPECT_EQ(examine(kDocument).first_line, 1);
 }
@@ -125,7 +125,7 @@ TEST_F(SmimeDiagnosis, PartsThatOnlyOpensslFinds_AreAmbiguous) {
   EXPECT_EQ(form.ambiguous->code(), Code::smime_surrounding_text);
 }
 
-// As by openssl cms -sign -keyid: PKCS#7 has no such signer.
+// `openssl cms -sign -keyid` makes such a signature. PKCS#7 cannot express this signer.
 TEST_F(SmimeDiagnosis, ASignerNamedByItsKey_IsReadAsThePluginsDo) {
   const auto ca = make_ca();
   constexpr unsigned kFlags = CMS_DETACHED | CMS_TEXT | CMS_USE_KEYID | CMS_STREAM;
@@ -153,7 +153,7 @@ TEST_F(SmimeDiagnosis, WithoutCertificates_NoneIsEmbedded) {
 }
 
 TEST_F(SmimeDiagnosis, StockProducts_BelieveALeafAndRefuseStrangersChangesAndOldCas) {
-  EXPECT_TRUE(verified(signed_by(leaf_)));  // CVE-2023-24010, CVE-2023-24011
+  EXPECT_TRUE(verified(signed_by(leaf_)));  // CVE-2023-24010 and CVE-2023-24011
   const auto stranger = make_ca("CN=Stranger");
   EXPECT_CODE(verified(signed_by({stranger.certificate(), stranger.key()})),
               smime_signature_invalid);

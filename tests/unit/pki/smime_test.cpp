@@ -25,7 +25,7 @@ Bytes der_of(CMS_ContentInfo* cms) {
   return to_bytes(bio_octets(bio));
 }
 
-// A signature by all of `signers`, made with OpenSSL directly.
+// Returns a signature by all of `signers`, made with OpenSSL directly.
 Bytes odd_signature(const std::vector<Credential>& signers, const EVP_MD* digest,
                     unsigned flags = CMS_DETACHED) {
   const auto content = bytes("Content-Type: text/plain\r\n\r\n<dds>\r\n</dds>\r\n");
@@ -87,7 +87,7 @@ TEST_F(Smime, ContentWithoutFinalLineBreakOrWithNothing_IsReturnedAsItIs) {
   }
 }
 
-// The line of the file, from 1, on which `text` begins.
+// Returns the line of the file, counted from 1, on which `text` begins.
 int line_of(std::string_view file, std::string_view text) {
   return 1 + static_cast<int>(std::ranges::count(file.substr(0, file.find(text)), '\n'));
 }
@@ -117,7 +117,7 @@ TEST_F(Smime, EachPrefix_IsRefused) {
     EXPECT_FALSE(check(std::string_view(file_).substr(0, size))) << size;
 }
 
-// CVE-2023-24011: chaining to the CA is not being the CA (T1).
+// CVE-2023-24011, T1 (docs/attacks.md): a certificate that chains to the CA is not the CA.
 TEST_F(Smime, ALeafOfThePermissionsCa_IsNotThePermissionsCa) {
   const auto leaf = make_leaf(ca_, "CN=talker");
   const auto by_leaf = odd_signature({leaf}, EVP_sha256());
@@ -147,11 +147,11 @@ TEST_F(Smime, ACaOfTheSameNameAndSerialButAnotherKey_IsNotBelieved) {
   ASSERT_EQ(real.certificate().serial(), twin.certificate().serial());
   const auto file = *twin.sign_document(as_bytes("x"), kNow, test_random());
   EXPECT_CODE(verifier_for({real.certificate()}).verify(file, kNow), smime_signature_invalid);
-  // Both listed: the right one of two candidates is found.
+  // If both CAs are listed, the right one of the two candidates is found.
   EXPECT_TRUE(verifier_for({real.certificate(), twin.certificate()}).verify(file, kNow));
 }
 
-// CVE-2025-24807 (T2).
+// CVE-2025-24807, T2 (docs/attacks.md): an expired CA is accepted.
 TEST_F(Smime, TheSigner_MustBeValidAtTheTime) {
   EXPECT_CODE(check(file_, kYear.not_after + 1s), certificate_expired);
   EXPECT_CODE(check(file_, kYear.not_before - 1s), certificate_not_yet_valid);
@@ -178,7 +178,7 @@ TEST(SmimeSetUp, ALeafInTheCaFile_IsRefused) {
   EXPECT_CODE(DocumentVerifier::make({ca.certificate(), make_leaf(ca).certificate}), not_a_ca);
 }
 
-// T10: what is read must be what was signed.
+// T10 (docs/attacks.md): the text that is read must be the text that was signed.
 TEST_F(Smime, TextAroundTheTwoParts_IsRefused) {
   const auto mark = boundary(file_);
   EXPECT_CODE(check(replaced(file_, "This is an S/MIME", "<dds>evil</dds>\nThis is an S/MIME")),
@@ -189,7 +189,7 @@ TEST_F(Smime, TextAroundTheTwoParts_IsRefused) {
   EXPECT_TRUE(check(replaced(file_, "This is an S/MIME signed message\n", "")));
 }
 
-// The peer that sends the document could add megabytes of it.
+// Otherwise the peer that sends the document could add megabytes of such text.
 TEST_F(Smime, MoreUnsignedOctetsThanToolsWrite_AreRefused) {
   const auto mark = boundary(file_);
   const auto with = [&](std::string_view at, std::string_view more, std::size_t times) {
@@ -255,7 +255,8 @@ TEST_F(Smime, UnsignedAndOpaqueDocuments_AreRefused) {
               smime_not_multipart);
 }
 
-// The path may be a link to any file that the process may read.
+// The path may be a link to any file that the process may read, so its content must not get into an
+// error.
 TEST_F(Smime, WhatIsNoDocument_IsNotQuoted) {
   const auto silent = [&](const std::string& text) {
     const auto proof = check(text);
@@ -286,7 +287,7 @@ TEST_F(Smime, OddHeaders_AreRefused) {
   EXPECT_TRUE(check(replaced(file_, "; micalg", ";\n\tmicalg")));
 }
 
-// OpenSSL, by which stock products and other tools read, would find other lines in these headers.
+// Stock products and other tools read with OpenSSL, which would find other lines in these headers.
 TEST_F(Smime, HeadersThatReadersReadDifferently_AreRefused) {
   const auto with = [&](const std::string& line) {
     return check(replaced(file_, "MIME-Version", line + "\nMIME-Version"));
@@ -309,8 +310,8 @@ TEST_F(Smime, NulAndLoneCarriageReturn_AreRefused) {
               smime_nul);
 }
 
-// OpenSSL on Windows writes the text with CR CR LF and the rest with CRLF; the signature is over
-// CRLF. It strips every CR before an LF, so more of them change nothing either.
+// OpenSSL on Windows writes the text with CR CR LF and the rest with CRLF, and signs it with CRLF.
+// It removes every CR before an LF, so further ones change nothing either.
 TEST_F(Smime, CarriageReturnsBeforeALineFeed_AreOneLineBreak) {
   std::string lf = file_;
   std::erase(lf, '\r');
@@ -349,7 +350,7 @@ TEST_F(Smime, TheSignatureStructure_IsChecked) {
               smime_signer_not_permissions_ca);
   EXPECT_CODE(check(with_signature(file_, odd_signature({self_}, EVP_sha1()))),
               smime_digest_too_weak);
-  // Content inside the signature: what OpenSSL calls opaque.
+  // The content is inside the signature, a form that OpenSSL calls opaque.
   EXPECT_CODE(check(with_signature(file_, odd_signature({self_}, EVP_sha256(), 0))),
               smime_signature_malformed);
   EXPECT_CODE(check(with_signature(file_, bytes("junk"))), smime_signature_malformed);
@@ -368,7 +369,7 @@ TEST_F(Smime, AnyFlippedBitOfTheSignature_IsRefused) {
     changed[at] ^= 1;
     accepted += check(with_signature(file_, changed)).has_value() ? 1 : 0;
   }
-  // The two version numbers are all that means nothing to a verifier.
+  // Only the two version numbers mean nothing to a verifier.
   EXPECT_EQ(accepted, 2);
 }
 

@@ -36,7 +36,7 @@ TEST(SubjectName, EveryOtherName_Differs) {
   }
 }
 
-// X.501: a name is a sequence of RDNs, and an RDN is a set. A CA below another may name its own
+// In X.501 a name is a sequence of RDNs, and an RDN is a set. A subordinate CA may name its own
 // subjects only, so a permutation may be the name of a subject of another CA.
 TEST(SubjectName, OrderOfSetsCounts_AndWithinASetDoesNot) {
   const struct {
@@ -78,7 +78,8 @@ TEST(SubjectName, ASlash_MayBePartOfAValue) {
   EXPECT_TRUE(name("/CN=/talker_listener/talker").matches(certificate));
   EXPECT_TRUE(name("/CN=\\/talker_listener\\/talker").matches(certificate));
   EXPECT_TRUE(name(certificate.subject_one_line()).matches(certificate));
-  // What looks like another attribute is one: the ambiguous text does not match the certificate.
+  // Text that looks like another attribute is read as one, so the ambiguous text does not match the
+  // certificate.
   const auto trick = make_ca("CN=a/O=b").certificate();
   EXPECT_FALSE(name("/CN=a/O=b").matches(trick));
   EXPECT_TRUE(name(trick.subject()).matches(trick));

@@ -1,9 +1,9 @@
 // A PKCS#11 module that starts a thread of its own and then says that it cannot be used. Modules of
-// smart cards start threads, too: OpenSC 0.26 by way of GLib.
+// smart cards start threads, too: OpenSC 0.26 does so through GLib.
 #include <pthread.h>
 #include <signal.h>
 
-// How many of SIGINT and SIGTERM the thread would handle; -1: it never ran.
+// The number of SIGINT and SIGTERM that the thread would handle; -1 if it never ran.
 int handled_signals = -1;
 
 static void* count(void* unused) {

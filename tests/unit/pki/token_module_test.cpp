@@ -1,4 +1,4 @@
-// What a token's module does inside the process that loads it.
+// Effects of a token's module inside the process that loads it.
 #include <csignal>
 #include <cstdlib>
 #include <dlfcn.h>
@@ -14,8 +14,8 @@ bool handles(int signal) {
   return sigismember(&blocked, signal) == 0;
 }
 
-// A host that waits for SIGTERM in sigwait, as ddsperf does, would be killed by one that such a
-// thread takes.
+// A host may wait for SIGTERM with sigwait, as ddsperf does. If such a thread took the signal, it
+// would kill the host.
 TEST(TokenModule, ThreadsThatItStarts_HandleNoSignalsOfTheProcess) {
   void* const module = dlopen(DDSSEC_THREADED_MODULE, RTLD_NOW);
   ASSERT_NE(module, nullptr) << dlerror();

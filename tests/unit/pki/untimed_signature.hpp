@@ -1,4 +1,5 @@
-// Documents whose signature does not say when it was made, as by openssl smime -noattr.
+// Documents whose signature does not say when it was made, such as those of `openssl smime
+// -noattr`.
 #pragma once
 
 #include <string>
@@ -10,13 +11,13 @@
 
 namespace ddssec::pki {
 
-/// The signed `file` with another signature.
+/// Returns the signed `file` with another signature.
 inline std::string with_signature(const std::string& file, BytesView der) {
   const auto begin = file.find("smime.p7s\"\n\n") + 12;
   return file.substr(0, begin) + base64(der) + "\n" + file.substr(file.find("\n--", begin));
 }
 
-/// The signed `file`, signed again by `signer` without signed attributes.
+/// Returns the signed `file`, signed again by `signer` without signed attributes.
 inline std::string without_signing_time(const std::string& file, const Credential& signer) {
   const auto document = read_document(as_bytes(file));
   EXPECT_TRUE(document);

@@ -20,7 +20,7 @@ class UnverifiedDocumentTest : public testing::Test {
   static Result<UnverifiedDocument> read(std::string_view text) {
     return read_document(as_bytes(text));
   }
-  // The file with `change` made in its base64 text.
+  // Returns the file with `change` made in its base64 text.
   template <class F>
   static std::string with_base64(F&& change) {
     auto text = file();
