@@ -1,4 +1,4 @@
-// Once samples flow, none costs an allocation: not to write it, not on the wire, not to take it.
+// Once samples flow, none costs an allocation: neither writing it, nor sending it, nor taking it.
 #include "tests/support/silent.hpp"
 #include "tests/unit/rtps/sample_flow.hpp"
 

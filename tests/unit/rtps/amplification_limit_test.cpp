@@ -11,7 +11,7 @@ Locator at(std::uint8_t host, std::uint16_t port = 7410) {
 
 class AmplificationLimitTest : public ::testing::Test {
  protected:
-  // Limited, with these addresses, as the host announced them.
+  // Begins a limit for these addresses, announced by that host.
   void announce(std::uint8_t host, const LocatorList& addresses, std::size_t octets) {
     const std::vector sources(addresses.size(), SourceAddress(at(host)));
     limit_.begin_datagram(SourceAddress(at(host)), octets);
@@ -27,7 +27,7 @@ class AmplificationLimitTest : public ::testing::Test {
   }
 
   AmplificationLimitTest() { limit_.set_secret(sha256(as_bytes("secret"))); }
-  // The participant repeats what it was sent at that host.
+  // The participant sends back the challenge that it got at that host.
   bool prove(std::uint8_t host) { return limit_.prove(name_, limit_.challenge(name_, at(host))); }
 
   AmplificationLimit limit_;
@@ -120,8 +120,8 @@ TEST_F(AmplificationLimitTest, AProvenAddress_IsFreeAndTheOthersAreNot) {
   EXPECT_EQ(limit_.left(name_, LocatorList{at(2)}), 1199u);
 }
 
-// The attacker can be reached at one address, and names one of the victim as well, whose address
-// its datagrams have as their source.
+// The attacker can be reached at one address. It also names an address of the victim, and sends
+// datagrams with that address as their source.
 TEST_F(AmplificationLimitTest, WhatWasSentToOneHost_ProvesNoOther) {
   announce(66, {at(66), at(1)}, 400);
   hear(1, 0);

@@ -18,17 +18,17 @@ TEST(Participant, IdleParticipant_KeepsAShortLeaseThoughAnnouncementsAreLost) {
   World world{{&a, &b}};
   world.run();
   for (int i = 0; i < 1000; ++i) {
-    if (i % 100 < 60) a.post.sent.clear();  // more than half of each second
+    if (i % 100 < 60) a.post.sent.clear();  // more than half of the time
     world.run(1);
     ASSERT_EQ(b.participant.remote_participants().size(), 1u) << "after " << i * 10 << " ms";
   }
 }
 
-// Fast DDS announces itself before it listens: our first answer is lost.
+// Fast DDS announces itself before it listens, so our first answer is lost.
 TEST(Participant, ANewParticipant_IsAnsweredASecondTimeSoon) {
   Node a(1), b(2);
   World world{{&a}};
-  world.run(200);  // its quick announcements are over
+  world.run(200);  // after this, its quick announcements are over
   world.nodes = {&a, &b};
   int steps = 0;
   const auto begin = world.now;

@@ -1,4 +1,4 @@
-// Ordered access to the samples of a reader, by the order of their arrival.
+// Ordered access to the samples of a reader, in the order of their arrival.
 #include <ctime>
 
 #include "tests/support/slowdown.hpp"
@@ -19,7 +19,7 @@ struct ArrivalOrderTest : Cache {
   std::uint64_t arrivals = 0;
   ArrivalOrderTest() { cache().order_by_arrival(arrivals); }
 
-  // The CPU time of as many accesses to one sample each.
+  // Returns the CPU time of as many accesses to one sample each.
   double cost_of(int samples, const SampleQuery& one) {
     made.reset();
     cache().order_by_arrival(arrivals);
@@ -30,8 +30,8 @@ struct ArrivalOrderTest : Cache {
     EXPECT_TRUE(select(one).empty());
     return cost;
   }
-  // Twice as many may cost a little more than twice as much. Four times as much is quadratic, and
-  // then each access to 20,000 takes about a millisecond.
+  // Twice as many samples may cost a little more than twice as much. Four times as much would be
+  // quadratic, with about a millisecond for each access to 20,000 samples.
   void expect_linear(const SampleQuery& one) {
     const auto few = cost_of(10'000, one), many = cost_of(20'000, one);
     EXPECT_LT(many, 3 * few + 300 * test::kSlowdown) << few << " ms for half of them";
@@ -66,7 +66,7 @@ TEST_F(ArrivalOrderTest, EndsOfInstances_HaveTheirPlace) {
   put(1, 1, kDispose);
   put(2, 21);
   EXPECT_THAT(values(read()), ElementsAre(10, 20, 1, 21));
-  put(1, 11);  // what reported the end has been read
+  put(1, 11);  // the sample that reported the end has been read
   EXPECT_THAT(values(select({.max_samples = 3, .take = true})), ElementsAre(10, 20, 21));
   EXPECT_THAT(values(take()), ElementsAre(11));
 }

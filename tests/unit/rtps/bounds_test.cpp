@@ -1,5 +1,5 @@
-// What strangers claim takes bounded memory and no time: floods and forgeries against a whole
-// participant, with its memory counted.
+// Claims of strangers take bounded memory and no time: floods and forgeries against a whole
+// participant, whose memory is counted.
 #include <fstream>
 #include <unistd.h>
 
@@ -25,7 +25,7 @@ Bytes from(const GuidPrefix& source, Bytes message) {
   return message;
 }
 
-// A message of any size with one submessage.
+// Returns a message of any size with one submessage.
 template <class S>
 Bytes whole(const GuidPrefix& source, const S& submessage) {
   static Bytes buffer(65536);
@@ -38,7 +38,7 @@ Bytes whole(const GuidPrefix& source, const S& submessage) {
   return to_bytes(out.view());
 }
 
-// An announcement of whichever participant, to be changed in place.
+// An announcement of any participant. It is changed in place.
 class Announcement {
  public:
   Announcement() {
@@ -71,7 +71,7 @@ class Announcement {
   std::vector<std::size_t> places_;
 };
 
-// T60 and CVE-2026-45092: bounded answers as well.
+// T60 (docs/attacks.md) and CVE-2026-45092: the answers are bounded as well.
 TEST(ParticipantBounds, AMillionFakeParticipants_TakeABoundedPlace) {
   Node a(1);
   Announcement announcement;
@@ -86,7 +86,8 @@ TEST(ParticipantBounds, AMillionFakeParticipants_TakeABoundedPlace) {
   EXPECT_LT(octets() - before, 8 * kMiB);
 }
 
-// g++ 12 does not destroy the members of an aggregate that a return in its middle leaves.
+// g++ 12 does not destroy the members of an aggregate if a function returns in the middle of its
+// initialization.
 TEST(ParticipantBounds, APropertyWhoseValueIsCutOff_IsForgotten) {
   Bytes payload = {0, 3, 0, 0, 0x59, 0, 44, 0, 1, 0, 0, 0, 32, 0, 0, 0};
   payload.insert(payload.end(), 31, 'n');
@@ -97,7 +98,7 @@ TEST(ParticipantBounds, APropertyWhoseValueIsCutOff_IsForgotten) {
   EXPECT_EQ(octets(), before);
 }
 
-// A reader here, and many writers of another participant that matched it.
+// One reader, and many writers of another participant that matched it.
 struct MatchedParticipants : ::testing::Test {
   static constexpr int kWriters = 16;
   Node a{1}, b{2};
@@ -136,7 +137,8 @@ struct MatchedParticipants : ::testing::Test {
 };
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr std::int64_t kIncomplete = 10;      // each is marked octet by octet
+// The samples are few, because each is marked octet by octet.
+constexpr std::int64_t kIncomplete = 10;
 constexpr std::int64_t kTouched = 64 * kMiB;  // the sanitizer notes the state of each allocation
 #else
 constexpr std::int64_t kIncomplete = 1000;
@@ -164,7 +166,7 @@ TEST_F(MatchedParticipants, FragmentsThatNeverComplete_TakeABoundedPlace) {
   expect_that_samples_come();
 }
 
-// Octets of this process that lie in memory now.
+// Returns the octets of this process that are in memory now.
 std::int64_t resident() {
   std::ifstream statm("/proc/self/statm");
   std::int64_t size = 0, pages = 0;
@@ -172,7 +174,8 @@ std::int64_t resident() {
   return pages * sysconf(_SC_PAGESIZE);
 }
 
-// A datagram of 60 octets claimed 64 Mi fragments of one octet: 20 ms of CPU and 128 MiB for it.
+// A datagram of 60 octets that claims 64 Mi fragments of one octet would cost 20 ms of CPU and 128
+// MiB.
 TEST_F(MatchedParticipants, FragmentsOfOneOctetOfAHugeSample_AreNotTaken) {
   const Bytes octet(1);
   const auto allocated = counted_memory::octets_ever();
@@ -183,7 +186,7 @@ TEST_F(MatchedParticipants, FragmentsOfOneOctetOfAHugeSample_AreNotTaken) {
   expect_that_samples_come();
 }
 
-// The lowest number takes the place of the highest: each datagram begins a sample anew.
+// The lowest number takes the place of the highest one, so each datagram begins a new sample.
 TEST_F(MatchedParticipants, ClaimedSizeOfAFragment_IsNotTouchedBeforeItComes) {
   constexpr auto kSize = PartialSamples::kMinFragmentSize;
   constexpr auto kLast = StatefulReader::kMaxSample / kSize;
@@ -204,7 +207,8 @@ TEST_F(MatchedParticipants, ClaimedSizeOfAFragment_IsNotTouchedBeforeItComes) {
   expect_that_samples_come();
 }
 
-// What one participant claims by many writers takes nothing from what another one sends.
+// Samples that one participant begins with many writers take no room from those of another
+// participant.
 TEST(ParticipantBounds, ClaimsOfManyWriters_DoNotDisplaceTheSamplesOfAnotherParticipant) {
   Node a(1);
   MessageSender sender(a.post, a.participant.prefix());
@@ -235,7 +239,7 @@ TEST(ParticipantBounds, ClaimsOfManyWriters_DoNotDisplaceTheSamplesOfAnotherPart
   EXPECT_EQ(delivered.size(), 1u);
 }
 
-// Of each writer the first sample is missing, and the others wait for it.
+// The first sample of each writer is missing, and the others wait for it.
 TEST_F(MatchedParticipants, SamplesThatCameTooEarly_TakeABoundedPlace) {
   const Bytes large(60'000);
   for (std::int64_t number = 2; number <= kIncomplete / 2; ++number)
@@ -248,7 +252,7 @@ TEST_F(MatchedParticipants, SamplesThatCameTooEarly_TakeABoundedPlace) {
   expect_that_samples_come();
 }
 
-// As large as announcements may be.
+// Returns an endpoint whose announcement is as large as it may be.
 EndpointData large_endpoint(const GuidPrefix& prefix, std::uint32_t number) {
   EndpointData data;
   data.guid = {prefix,
@@ -273,7 +277,7 @@ Data announced(const EndpointData& data, std::int64_t number, Bytes& buffer) {
           out.view()};
 }
 
-// Its heartbeat says where its numbers begin, so that all of them are taken at once.
+// The writer's heartbeat says where its numbers begin, so all of them are taken at once.
 TEST_F(MatchedParticipants, EndpointsOfOneParticipant_TakeABoundedPlace) {
   constexpr std::int64_t kFirst = 1000;
   forge(Heartbeat{{}, kPublicationsWriter, {kFirst}, {kFirst}, 1000, true});
@@ -289,7 +293,7 @@ TEST_F(MatchedParticipants, EndpointsOfOneParticipant_TakeABoundedPlace) {
   expect_that_samples_come();
 }
 
-// Without its first one, announcements wait, and so do the messages that say who lives.
+// Without the first one, announcements wait, and so do the messages that assert liveliness.
 TEST_F(MatchedParticipants, AnnouncementsThatCameTooEarly_TakeABoundedPlace) {
   Bytes buffer;
   for (std::uint32_t i = 0; i < 1500; ++i)
@@ -317,7 +321,7 @@ TEST_F(MatchedParticipants, AGapOverMoreNumbersThanThereAre_IsNotWalked) {
   EXPECT_LT(octets() - before, kMiB);
 }
 
-// Eight small messages of each writer note two thousand numbers.
+// With eight small messages each writer makes the reader note two thousand numbers.
 TEST(ParticipantBounds, NumbersThatAreSkipped_TakeABoundedPlace) {
   Node a(1);
   MessageSender sender(a.post, a.participant.prefix());
@@ -339,7 +343,7 @@ TEST(ParticipantBounds, NumbersThatAreSkipped_TakeABoundedPlace) {
   EXPECT_GT(octets() - before, static_cast<std::int64_t>(kMax) / 2) << "they are noted at all";
 }
 
-// Four that announce all they can leave room for a fifth.
+// Four participants that announce as much as they can leave room for a fifth one.
 TEST(ParticipantBounds, ParticipantThatAnnouncesMuch_TakesNoPlaceFromOthers) {
   Node a(1);
   Announcement announcement;

@@ -1,4 +1,4 @@
-// Builtin topics, ignoring, finding.
+// Builtin topics, ignored entities, and searches.
 #include "rtps/dcps/builtin_topics.hpp"
 
 #include "tests/unit/rtps/dcps_fixture.hpp"
@@ -34,7 +34,8 @@ TEST_P(BuiltinTopicsTest, Participants_ComeChangeAndGo) {
   };
   ASSERT_TRUE(eventually(seen));
   EXPECT_EQ(b.participant->discovered_participants().size(), 2u);
-  auto samples = take<ParticipantBuiltinTopicData>();  // made now, and told of what is known
+  // The reader is made now, and gets what is known already.
+  auto samples = take<ParticipantBuiltinTopicData>();
   ASSERT_EQ(samples.size(), 2u);
   user_data = {3};
   ASSERT_TRUE(c->participant->set_qos({.user_data = user_data}));
@@ -54,8 +55,7 @@ TEST_P(BuiltinTopicsTest, Participants_ComeChangeAndGo) {
   EXPECT_EQ(code_of(b.participant->discovered_participant_data(guid)), Code::rtps_bad_parameter);
 }
 
-// Before: an endpoint with a longer announcement than 14,720 octets was not shown, though it
-// matched and was heard.
+// An endpoint that matches must also be shown if its announcement is longer than 14,720 octets.
 TEST_P(BuiltinTopicsTest, Endpoints_WithLongAnnouncements_AreShownWhole) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kMaxPartitions; ++i)
@@ -86,7 +86,7 @@ TEST_P(BuiltinTopicsTest, EndpointsAndTheirTopics_ComeAndGo) {
   qos.deadline = Duration::from(1s);
   auto& writer = a.writer(qos);
   auto& reader = a.reader(reliable());
-  b.writer(reliable());  // our own are known to us without this
+  b.writer(reliable());  // local endpoints are known without discovery
   ASSERT_TRUE(eventually([&] { return b.participant->discovered_topics().size() == 1; }));
   run();
   const auto publications = take<PublicationBuiltinTopicData>();
@@ -109,7 +109,7 @@ TEST_P(BuiltinTopicsTest, EndpointsAndTheirTopics_ComeAndGo) {
   ASSERT_EQ(gone.size(), 1u);
   EXPECT_EQ(gone[0].info.instance_state, InstanceState::not_alive_disposed);
   EXPECT_EQ(gone[0].data.guid, publications[0].data.guid);
-  EXPECT_THAT(take<TopicBuiltinTopicData>(), IsEmpty());  // the reader is still there
+  EXPECT_THAT(take<TopicBuiltinTopicData>(), IsEmpty());  // because the reader still exists
   ASSERT_TRUE(a.subscriber->delete_datareader(reader));
   run(50ms);
   topics = take<TopicBuiltinTopicData>();
@@ -119,7 +119,7 @@ TEST_P(BuiltinTopicsTest, EndpointsAndTheirTopics_ComeAndGo) {
   EXPECT_THAT(b.participant->discovered_topics(), IsEmpty());
 }
 
-// A reader from which the application takes nothing would hold its samples in vain.
+// A reader from which the application takes nothing would hold its samples for nothing.
 TEST_P(BuiltinTopicsTest, OnlyTheReaderThatIsAskedFor_IsMade) {
   EXPECT_THAT(take<PublicationBuiltinTopicData>(), IsEmpty());
   auto& gone = a.reader(reliable());
@@ -139,7 +139,7 @@ TEST_P(BuiltinTopicsTest, OnlyTheReaderThatIsAskedFor_IsMade) {
   EXPECT_EQ(take<TopicBuiltinTopicData>().size(), 1u);
 }
 
-// 40,000 of them took 600 MB, until the process ended.
+// Without the bound, 40,000 of them took 600 MB, until the process ended.
 TEST_P(BuiltinTopicsTest, EndpointsThatCameAndWent_TakeABoundedPlace) {
   std::vector<BuiltinSample<SubscriptionBuiltinTopicData>> out;
   auto* builtin = b.participant->builtin_datareader<SubscriptionBuiltinTopicData>();
@@ -198,7 +198,7 @@ TEST_P(BuiltinTopicsTest, AnIgnoredParticipant_IsAsIfItHadNeverBeen) {
   ASSERT_TRUE(b.participant->ignore_participant(a.participant->guid()));
   EXPECT_THAT(reader.matched_publications(), IsEmpty());
   ASSERT_TRUE(writer.write({"a", 1}));
-  run(5000ms);  // it announces itself meanwhile
+  run(5000ms);  // it announces itself during this time
   EXPECT_THAT(b.participant->discovered_participants(), IsEmpty());
   EXPECT_THAT(taken(reader), IsEmpty());
 }
@@ -210,7 +210,7 @@ TEST_P(BuiltinTopicsTest, OneEndpointOrOneTopic_MayBeIgnored) {
   ASSERT_TRUE(match(one, reader) && match(other, reader));
   ASSERT_TRUE(b.participant->ignore_publication(one.guid()));
   EXPECT_THAT(reader.matched_publications(), ElementsAre(other.guid()));
-  ASSERT_TRUE(one.set_qos(one.qos()));  // announced again
+  ASSERT_TRUE(one.set_qos(one.qos()));  // announces it again
   run(50ms);
   EXPECT_THAT(reader.matched_publications(), ElementsAre(other.guid()));
   ASSERT_TRUE(a.participant->ignore_subscription(reader.guid()));
@@ -222,7 +222,7 @@ TEST_P(BuiltinTopicsTest, OneEndpointOrOneTopic_MayBeIgnored) {
   EXPECT_THAT(reader.matched_publications(), IsEmpty());
 }
 
-// An application that wants nobody.
+// A listener of an application that ignores every participant and endpoint.
 struct Hermit final : DataReaderListener {
   explicit Hermit(DomainParticipant& participant) : own(participant) {}
   void on_data_available(AnyDataReader&) override {
@@ -280,7 +280,8 @@ TEST_P(BuiltinTopicsTest, ParticipantWithoutKeys_HasNoneToRevise) {
 
 TEST_P(BuiltinTopicsTest, ATopic_IsFoundHereOrThere) {
   EXPECT_EQ(*a.participant->find_topic("Readings", 0ms), a.topic);
-  EXPECT_TRUE(a.participant->delete_topic(*a.topic));  // as often as it was created or found
+  // It must be deleted as often as it was created or found.
+  EXPECT_TRUE(a.participant->delete_topic(*a.topic));
   EXPECT_NE(a.participant->lookup_topicdescription("Readings"), nullptr);
   EXPECT_EQ(code_of(a.participant->find_topic("Others", 1ms)), Code::rtps_timeout);
   auto& others = **b.participant->create_topic<Reading>("Others");

@@ -17,7 +17,7 @@ struct PrintedEvents final : EventSink {
   void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
 };
 
-// Before: each listener held the lock that the other one's call needed.
+// Each listener must not hold the lock that the other one's call needs.
 TEST_F(TwoThreads, ListenersThatCreateOnTheOtherParticipant_BothSucceed) {
   std::atomic<int> created = 0;
   for (auto [own, other] : {std::pair{a.get(), b.get()}, std::pair{b.get(), a.get()}})
@@ -84,7 +84,8 @@ TEST_F(TwoThreads, AParticipantDestroyedWhileItsListenerDeletesElsewhere_Ends) {
   EXPECT_EQ(refused, 1);
 }
 
-// Without entities of its own, nothing else prevents it: the listener is one of a builtin reader.
+// The listener is one of a builtin reader: the participant has no entities of its own that would
+// prevent its deletion.
 TEST_F(TwoThreads, TheFactory_DoesNotDeleteAParticipantInItsListener) {
   DomainParticipantFactory factory(services);
   auto* participant = *factory.create_participant(own_thread());
@@ -109,7 +110,7 @@ TEST_F(TwoThreads, TheFactory_DoesNotDeleteAParticipantInItsListener) {
 
 using PolledListeners = Polled;
 
-// A sample of the participant's own writer makes the listener of its reader act.
+// A sample of the participant's own writer calls the listener of its reader.
 void act_in_listener(End& end, Once& listener, std::function<void()> act) {
   listener.act = std::move(act);
   auto& writer = end.writer();
@@ -132,7 +133,7 @@ TEST_P(PolledListeners, AListenerThatServesAnotherParticipant_IsStillProtected) 
   b.subscriber->lookup_datareader("Readings")->set_listener(nullptr);
 }
 
-// Before: undefined. The listener and its participant were used after their end.
+// Otherwise the listener and its participant would be used after their end.
 TEST_P(PolledListeners, AParticipantDestroyedInItsOwnListener_EndsTheProcessWithAReason) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   PrintedEvents printed;

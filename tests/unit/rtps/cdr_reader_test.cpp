@@ -56,7 +56,7 @@ TEST(Cdr, AppendableTypes_ReadOlderAndNewerWriters) {
   }
 }
 
-// CVE-2020-18735, CVE-2023-23932 and the sequences of CVE-2026-45097 and -49861: claims of 2^31
+// CVE-2020-18735, CVE-2023-23932, and the sequences of CVE-2026-45097 and -49861 claim 2^31
 // elements.
 TEST(Cdr, LyingCounts_AllocateNothing) {
   Bytes honest;

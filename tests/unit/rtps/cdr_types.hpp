@@ -1,4 +1,4 @@
-// Types that are written and read: final, appendable, nested, with every kind of member.
+// Types that are written and read: final, appendable and nested ones, with every kind of member.
 #pragma once
 
 #include <optional>

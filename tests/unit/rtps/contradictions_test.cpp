@@ -1,4 +1,4 @@
-// Messages in one writer's name that cannot all be its own.
+// Messages in one writer's name that cannot all come from it.
 #include "rtps/reliability/contradictions.hpp"
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST(ContradictionsTest, Fragments_AreOneWhereThereWereNone) {
   EXPECT_TRUE(messages.note(frag, {3}));
 }
 
-// Whatever is forgotten, a repetition of it at worst leads to one reading.
+// If a forgotten message is repeated, this leads to one reading at worst.
 TEST(ContradictionsTest, BeyondTheLimit_TheEarliestAreForgotten) {
   Contradictions messages;
   constexpr auto kMax = static_cast<std::int64_t>(Contradictions::kMaxRemembered);

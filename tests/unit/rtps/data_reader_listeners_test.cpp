@@ -1,4 +1,4 @@
-// Which listener of a reader is called.
+// The listener of a reader that is called.
 #include "rtps/dcps/data_reader_listeners.hpp"
 
 #include <gmock/gmock.h>

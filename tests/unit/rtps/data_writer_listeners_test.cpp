@@ -1,4 +1,4 @@
-// Which listener of a writer is called.
+// The listener of a writer that is called.
 #include "rtps/dcps/data_writer_listeners.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What a writer is called for: instances, octets, and samples that are too large.
+// The calls of a writer: instances, octets, and samples that are too large.
 #include "rtps/dcps/data_writer.hpp"
 
 #include "rtps/reliability/stateful_reader.hpp"
@@ -28,7 +28,8 @@ TEST_P(Access, InstancesOfTheWriter_AreRegisteredAndEnded) {
   EXPECT_EQ(code_of(writer.key_value(handle)), Code::rtps_bad_parameter);
   run();
   EXPECT_EQ(reader.take(samples), 2u);
-  EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);  // the default
+  // By default a writer disposes what it unregisters.
+  EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);
 }
 
 TEST_P(Access, Unregistering_NeedNotDispose) {
@@ -75,7 +76,7 @@ TEST_P(Access, Octets_GoInAndComeOut) {
   EXPECT_EQ(reader.malformed(), 1u);
 }
 
-// Readers give up what is larger, after having acknowledged it.
+// Readers drop larger samples after they have acknowledged them.
 TEST_P(Access, ASampleBeyondTheLargest_IsRefusedAtWrite) {
   Reading large{"a", 1, Bytes(StatefulReader::kMaxSample)};
   const auto refused = writer.write(large);

@@ -1,5 +1,5 @@
-// Two participants that the test polls, with a clock that the test moves: nothing sleeps, and time
-// passes only when a test says so. Each test runs over loopback UDP and in process.
+// Two participants that the test polls, with a clock that the test moves. Nothing sleeps, and time
+// passes only if a test says so. Each test runs over loopback UDP and in process.
 #pragma once
 
 #include <unistd.h>
@@ -32,7 +32,7 @@ namespace testing {
 
 using namespace std::chrono_literals;
 
-/// The context of entities that are tested without a participant: nothing serves it.
+/// The context of entities that are tested without a participant. Nothing serves it.
 struct UnservedContext {
   struct NoServer final : ParticipantContext::Server {
     void wake() override {}
@@ -86,7 +86,7 @@ struct Polled : ::testing::TestWithParam<Way> {
   test::RecordedEvents events;
   EngineServices services{clock, random, events};
 
-  // Tests run in parallel processes: each takes a domain of its own.
+  // Tests run in parallel processes, so each takes a domain of its own.
   DomainParticipantOptions options() const {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = std::to_string(::getpid()),
@@ -97,7 +97,7 @@ struct Polled : ::testing::TestWithParam<Way> {
   }
   End a{services, options()}, b{services, options()};
 
-  /// Everything that is on its way arrives, in `by` of the clock.
+  /// Lets everything that is on its way arrive, in `by` of the clock.
   void run(std::chrono::milliseconds by = 0ms) {
     const auto carry = [&] {
       for (int i = 0; i < 4; ++i) a.participant->poll(0ms), b.participant->poll(0ms);

@@ -1,5 +1,5 @@
-// Writers and readers of one participant, and of participants of one process: no message goes
-// between them.
+// Writers and readers of one participant, and of participants of one process, between which no
+// message is sent.
 #include "rtps/dcps/wait_set.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
@@ -128,7 +128,8 @@ TEST_F(OneParticipant, Liveliness_IsKeptByKind) {
   auto& any = a.reader(qos);
   for (int i = 0; i < 8; ++i) pass(20ms);
   EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 1);
-  EXPECT_EQ(any.liveliness_changed_status().alive_count, 1);  // the automatic one
+  // This is the writer whose liveliness is automatic.
+  EXPECT_EQ(any.liveliness_changed_status().alive_count, 1);
   ASSERT_TRUE(manual.assert_liveliness());
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
   for (int i = 0; i < 8; ++i) pass(20ms);
@@ -188,7 +189,7 @@ struct OneProcess : testing::Polled {
   }
 };
 
-// The clock stands still, so that nothing but samples could come.
+// The clock stands still, so only samples could cause messages.
 TEST_P(OneProcess, Samples_TouchNoSocket) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());
@@ -197,7 +198,7 @@ TEST_P(OneProcess, Samples_TouchNoSocket) {
   const auto before = messages();
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(writer.write({"a", i, Bytes(i * 1000)}));
-    ASSERT_THAT(taken(reader), ElementsAre(i));  // nobody was polled
+    ASSERT_THAT(taken(reader), ElementsAre(i));  // although no participant was polled
   }
   EXPECT_TRUE(writer.wait_for_acknowledgments(0ms));
   run();

@@ -1,4 +1,4 @@
-// The parts of a DataReader, each by itself.
+// The parts of a DataReader, each of which is tested alone.
 #pragma once
 
 #include <gmock/gmock.h>

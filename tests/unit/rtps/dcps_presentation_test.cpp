@@ -25,7 +25,7 @@ TEST_P(Presenting, ACoherentSet_ComesAsAWhole) {
     ASSERT_TRUE(match(writer, coherent));
     ASSERT_TRUE(match(writer, plain));
     ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));
-    ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));  // nested
+    ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));  // this call is nested
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(succeeds(writer.write({"a", i})));
     ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
     run(20ms);
@@ -34,11 +34,11 @@ TEST_P(Presenting, ACoherentSet_ComesAsAWhole) {
     ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
     run(20ms);
     EXPECT_THAT(taken(coherent), ElementsAre(0, 1, 2));
-    ASSERT_TRUE(succeeds(writer.write({"a", 3})));  // in no set
+    ASSERT_TRUE(succeeds(writer.write({"a", 3})));  // this sample is in no set
     run(20ms);
     EXPECT_THAT(taken(coherent), ElementsAre(3));
     EXPECT_THAT(taken(plain), ElementsAre(3));
-    (void)writer.wait_for_acknowledgments(0ms);  // asks
+    (void)writer.wait_for_acknowledgments(0ms);  // asks for acknowledgments
     run(20ms);
     EXPECT_TRUE(succeeds(writer.wait_for_acknowledgments(0ms)));
     ASSERT_TRUE(succeeds(a.publisher->delete_contained_entities()));
@@ -48,7 +48,7 @@ TEST_P(Presenting, ACoherentSet_ComesAsAWhole) {
   }
 }
 
-// A set waits for all limits of the reader, since its writer is told that it has arrived.
+// A set waits for all limits of the reader, because its writer has been told that it arrived.
 TEST_P(Presenting, ASet_WaitsForRoomInItsInstances) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
@@ -71,13 +71,14 @@ TEST_P(Presenting, ASet_WaitsForRoomInItsInstances) {
   EXPECT_THAT(taken(reader), ElementsAre(1, 3, 2, 4));
   run(20ms);
   EXPECT_THAT(taken(reader), ElementsAre(5, 6));
-  write_set({{"a", 7}, {"a", 8}, {"a", 9}});  // never fits
+  write_set({{"a", 7}, {"a", 8}, {"a", 9}});  // this set never fits
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_EQ(reader.sample_lost_status().total_count, 3);
   EXPECT_EQ(reader.sample_rejected_status().total_count, 0);
 }
 
-// Before: it was seen bit by bit, for as long as the reader took them: 20,000 samples for a minute.
+// Otherwise the set would be seen sample by sample, for as long as the reader takes them: a minute
+// for 20,000 samples.
 TEST_P(Presenting, ASetThatAKeepLastReaderCanNeverHold_IsGivenUpAtOnce) {
   for (const auto scope : {PresentationScope::topic, PresentationScope::group}) {
     const Presentation access{scope, true, true};
@@ -116,7 +117,7 @@ TEST_P(Presenting, ASetThatAKeepLastReaderCanNeverHold_IsGivenUpAtOnce) {
   }
 }
 
-// It has been told that they have arrived.
+// The writer has been told that the sets arrived.
 TEST_P(Presenting, SetsThatWaitForRoom_ComeAfterTheirWriterHasLeft) {
   const Presentation access{PresentationScope::topic, true, false};
   auto& pub = publisher(access);
@@ -166,7 +167,7 @@ TEST_P(Presenting, ASet_WaitsWhileAnotherWriterHasAllInstances) {
   EXPECT_THAT(taken(reader), IsEmpty());
   ASSERT_TRUE(succeeds(pub.delete_datawriter(other)));
   run(50ms);
-  (void)taken(reader);  // the ends of two instances
+  (void)taken(reader);  // takes the ends of the two instances
   run(20ms);
   EXPECT_THAT(taken(reader), ElementsAre(2, 2));
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
@@ -231,7 +232,7 @@ TEST_P(Presenting, OrderedByTopic_SamplesOfAllInstancesComeInOrder) {
   EXPECT_THAT(taken(plain), ElementsAre(0, 2, 4, 1, 3, 5));
 }
 
-// Two topics that are written in one set, by one thread and read by another: no access sees one
+// One thread writes two topics in one set, and another thread reads them. No access sees one
 // topic's part without the other's.
 TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
   constexpr std::int64_t kSets = 300;

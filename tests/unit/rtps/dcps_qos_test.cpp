@@ -1,4 +1,4 @@
-// Policies in force, end to end between two participants; the test moves the clock.
+// Policies in force between two participants. The test moves the clock.
 #include <atomic>
 #include <thread>
 
@@ -58,7 +58,7 @@ TEST_P(Policies, Deadline_MayChangeWithinTheContract) {
   EXPECT_TRUE(succeeds(reader.set_qos(qos)));
   run(60ms);
   EXPECT_EQ(reader.requested_deadline_missed_status().total_count, 1);
-  qos.deadline = Duration::from(10ms);  // more than is offered
+  qos.deadline = Duration::from(10ms);  // the reader requests more than the writer offers
   EXPECT_TRUE(succeeds(reader.set_qos(qos)));
   run(20ms);
   EXPECT_THAT(reader.matched_publications(), IsEmpty());
@@ -118,7 +118,7 @@ TEST_P(Policies, ExclusiveOwnership_FailsOverByStrengthDeadlineLivelinessAndDepa
   EXPECT_TRUE(succeeds(second.set_qos(weak)));
   run(50ms);
   EXPECT_THAT(both(3), ElementsAre(-3));
-  // The owner falls silent: when its lease ends, the other takes over.
+  // The owner sends nothing more. When its lease ends, the other writer takes over.
   for (std::int64_t i = 4; i < 20; ++i) {
     EXPECT_TRUE(succeeds(first.write({"a", i})));
     run(30ms);
@@ -195,7 +195,8 @@ TEST_P(Policies, AutomaticLiveliness_EndsWithItsParticipant) {
   auto& reader = b.reader(reliable());
   ASSERT_TRUE(match(writer, reader));
   a.participant->poll(0ms);
-  for (int i = 0; i < 120; ++i) clock.advance(10ms), b.participant->poll(0ms);  // a is stuck
+  // Meanwhile, a is not served.
+  for (int i = 0; i < 120; ++i) clock.advance(10ms), b.participant->poll(0ms);
   EXPECT_EQ(reader.liveliness_changed_status().not_alive_count, 1);
   EXPECT_EQ(reader.subscription_matched_status().current_count, 1);
   ASSERT_TRUE(succeeds(writer.write({"a", 1})));
@@ -223,7 +224,7 @@ TEST_P(Policies, BySourceTimestamp_AnOlderSampleDoesNotComeLate) {
   run(10ms);
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_EQ(code_of(one.write_w_timestamp({"a", 3}, {}, at(1s))), Code::rtps_bad_parameter);
-  EXPECT_TRUE(succeeds(one.write({"a", 4})));  // the calendar is behind the last time given
+  EXPECT_TRUE(succeeds(one.write({"a", 4})));  // the calendar is before the last timestamp
 }
 
 TEST_P(Policies, TransientLocal_KeepsForLateJoinersWhatHistoryKeeps) {
@@ -233,7 +234,7 @@ TEST_P(Policies, TransientLocal_KeepsForLateJoinersWhatHistoryKeeps) {
   auto& writer = a.writer(offered);
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(writer.write({"a", i}) && writer.write({"b", i}));
   auto& late = b.reader(requested);
-  EXPECT_EQ(code_of(late.wait_for_historical_data(0ms)), Code{});  // nobody is matched yet
+  EXPECT_EQ(code_of(late.wait_for_historical_data(0ms)), Code{});  // no writer is matched yet
   ASSERT_TRUE(match(writer, late));
   run(100ms);
   EXPECT_TRUE(late.wait_for_historical_data(0ms));
@@ -251,7 +252,7 @@ TEST_P(Policies, HistoricalDataThatDoesNotCome_IsATimeout) {
   auto& writer = a.writer(qos);
   ASSERT_TRUE(succeeds(writer.write({"a", 1})));
   auto& reader = b.reader(qos);
-  ASSERT_TRUE(eventually([&] {  // b alone: it never hears what the writer has
+  ASSERT_TRUE(eventually([&] {  // ends before b learns which samples the writer has
     a.participant->poll(0ms);
     return reader.subscription_matched_status().current_count == 1;
   }));
@@ -273,7 +274,8 @@ TEST_P(Policies, ResourceLimits_HoldAtTheWriter) {
   EXPECT_EQ(code_of(writer.register_instance({"c"})), Code::rtps_out_of_resources);
 }
 
-// Each waits until the receiver has caught up a little, and only one may take the last place.
+// Each thread waits until the receiver has caught up a little, and only one of them may take the
+// last place.
 TEST_P(Policies, ThreadsThatWriteTogether_LoseNothingThatIsNotAcknowledged) {
   auto qos = reliable();
   qos.history.kind = HistoryKind::keep_all;
@@ -286,7 +288,7 @@ TEST_P(Policies, ThreadsThatWriteTogether_LoseNothingThatIsNotAcknowledged) {
   const std::vector<std::uint8_t> octets(16'000);
   std::atomic<int> written = 0;
   const auto write = [&] { written += writer.write({"a", 1, octets}) ? 1 : 0; };
-  for (int i = 0; i < 40; ++i) write();  // as much as makes the writer slow down
+  for (int i = 0; i < 40; ++i) write();  // this slows the writer down
   std::vector<std::jthread> threads;
   for (int i = 0; i < 16; ++i) threads.emplace_back(write);
   threads.clear();
@@ -307,11 +309,11 @@ TEST_P(Policies, ResourceLimits_HoldAtTheReaderAndNothingIsLost) {
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(succeeds(writer.write({"a", i})));
   run(300ms);
   auto status = reader.sample_rejected_status();
-  EXPECT_EQ(status.total_count, 1);  // the third, however often it is offered
+  EXPECT_EQ(status.total_count, 1);  // the third sample, however often it is offered
   EXPECT_EQ(status.last_reason, SampleRejectedReason::by_samples_per_instance_limit);
   EXPECT_EQ(status.last_instance_handle, reader.lookup_instance({"a"}));
   EXPECT_THAT(taken(reader), ElementsAre(0, 1));
-  EXPECT_THAT(taken(reader), ElementsAre(2, 3));  // at once
+  EXPECT_THAT(taken(reader), ElementsAre(2, 3));  // both arrive immediately
   EXPECT_EQ(reader.sample_lost_status().total_count, 0);
 }
 
@@ -363,7 +365,7 @@ TEST_P(Policies, ReaderDataLifecycle_PurgesAfterItsDelay) {
   EXPECT_FALSE(condition.trigger_value());
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_THAT(taken(other), ElementsAre(1));
-  requested.reader_data_lifecycle = {};  // may change
+  requested.reader_data_lifecycle = {};  // this policy may change
   ASSERT_TRUE(succeeds(reader.set_qos(requested)));
   ASSERT_TRUE(succeeds(writer.write({"a", 2})));
   ASSERT_TRUE(succeeds(writer.dispose({"a"})));

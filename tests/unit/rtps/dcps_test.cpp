@@ -1,5 +1,5 @@
-// DCPS with threads and real time: what only they can show. What time alone brings about is in
-// dcps_qos_test.cpp, where the test moves the clock.
+// DCPS with threads and real time. The effects of time alone are tested in dcps_qos_test.cpp, where
+// the test moves the clock.
 #include <thread>
 
 #include "rtps/dcps/wait_set.hpp"

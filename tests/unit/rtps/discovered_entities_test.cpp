@@ -1,4 +1,4 @@
-// Entities of others, as they were announced.
+// Remote entities, as they were announced.
 #include "rtps/dcps/discovered_entities.hpp"
 
 #include "tests/unit/rtps/dcps_fixture.hpp"

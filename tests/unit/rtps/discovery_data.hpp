@@ -1,4 +1,4 @@
-// What participants and endpoints announce.
+// Sample announcements of participants and endpoints.
 #pragma once
 
 #include "rtps/discovery/endpoint_data.hpp"

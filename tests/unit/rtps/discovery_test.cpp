@@ -1,4 +1,4 @@
-// Participants find each other, and are gone after their lease.
+// Participants find each other, and are forgotten after their lease.
 #include "rtps/participant/discovery.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// Entities of DDS 1.4: who may be made, enabled, changed and deleted when; names and numbers.
+// Entities of DDS 1.4: when they may be made, enabled, changed and deleted, with their names and
+// numbers.
 #include "rtps/dcps/domain_participant.hpp"
 
 #include "tests/unit/rtps/dcps_fixture.hpp"
@@ -33,9 +34,9 @@ TEST_P(Entities, ContainerWithEntities_IsDeletedAfterThem) {
   EXPECT_FALSE(participant.contains_entities());
 }
 
-// Protected submessages name endpoints by these numbers, and what is meant for one participant
-// stands outside of them. If the numbers were the same in all processes, a HEARTBEAT for one reader
-// would fit the readers of all others.
+// Protected submessages name endpoints by these numbers, and the participant that they are for
+// stands outside of the protected part. If the numbers were the same in all processes, a HEARTBEAT
+// for one reader would fit the readers of all others.
 TEST_P(Entities, TwoParticipants_HaveDifferentNumbers) {
   EXPECT_NE(a.writer().guid().entity, b.writer().guid().entity);
   EXPECT_NE(a.reader(reliable()).guid().entity, b.reader(reliable()).guid().entity);

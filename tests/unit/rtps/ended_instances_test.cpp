@@ -1,4 +1,4 @@
-// What builtin readers keep of instances that have ended, by itself.
+// What builtin readers keep of instances that have ended, tested alone.
 #include "rtps/dcps/ended_instances.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ KeyHash key(std::size_t number) {
     out[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number >> (8 * i));
   return out;
 }
-// Four of them fit into an identity's share.
+// Four instances of this size fit into an identity's share.
 constexpr auto kQuarter = EndedInstances::kOctetsOfOne / 4 - EndedInstances::kPrice;
 
 TEST(EndedInstancesTest, TheOldestOfTheSameIdentity_GivesWay) {

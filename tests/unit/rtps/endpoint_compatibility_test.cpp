@@ -1,4 +1,4 @@
-// Endpoints of one topic that do not match: what is said of them.
+// Endpoints of one topic that do not match, and what is reported about them.
 #include "rtps/participant/endpoint_compatibility.hpp"
 
 #include <gmock/gmock.h>

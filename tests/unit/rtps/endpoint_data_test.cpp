@@ -31,7 +31,7 @@ void expect_sound(const T& data, Read read) {
   }
 }
 
-// Before: a peer's depth of 0 ended the durability service.
+// A peer's depth of 0 must not end the durability service.
 TEST(DiscoveryData, ADurabilityServiceThatNoWriterCanHave_CountsAsTheDefault) {
   for (const DurabilityService& service :
        {DurabilityService{{{1, 0}}, {HistoryKind::keep_last, 0}, {}},
@@ -57,7 +57,7 @@ TEST(DiscoveryData, AbsentPolicies_TakeTheirDefaults) {
   plain.topic_name = "t", plain.type_name = "T";
   plain.qos = default_writer_qos();
   auto octets = payload_of(plain);
-  // Cut out RELIABILITY (16 octets with its header) as a peer would leave it out.
+  // Removes RELIABILITY (16 octets with its header), as a peer may leave it out.
   const Bytes reliability = {0x1a, 0, 12, 0};
   const auto at = std::ranges::search(octets, reliability).begin();
   octets.erase(at, at + 16);
@@ -77,7 +77,7 @@ TEST(DiscoveryData, TypeConsistency_MayEndEarlyAndItsKindsAreBounded) {
   const auto read = [&](const Bytes& by) {
     return read_subscription_data(replaced(octets, whole, by));
   };
-  // Two flags; then a parameter that nobody knows.
+  // The first one has only two flags, and is followed by a parameter that no version defines.
   EXPECT_EQ(read({0x74, 0, 4, 0, 0, 0, 0, 0, 0x00, 0x00, 0x00})->qos.type_consistency,
             (TypeConsistency{TypeConsistencyKind::disallow_type_coercion, false, false}));
   EXPECT_EQ(read({0x74, 0, 8, 0, 2, 0, 1, 1})->qos.type_consistency.kind,
@@ -93,10 +93,10 @@ TEST(DiscoveryData, TypeConsistency_MayEndEarlyAndItsKindsAreBounded) {
                 .size());
 }
 
-// Found by fuzzing: it was kept, and not written again.
+// Found by fuzzing: the value was kept, but not written again.
 TEST(DiscoveryData, AWritersTypeConsistency_SaysNothing) {
   const auto octets = payload_of(publication());
-  // In the place of PRESENTATION: the kind DISALLOW_TYPE_COERCION and no flag.
+  // In the place of PRESENTATION stands the kind DISALLOW_TYPE_COERCION, without flags.
   const auto with = replaced(octets, {0x21, 0, 8, 0, 1, 0, 0, 0, 1, 1},  //
                              {0x74, 0, 8, 0, 0, 0, 0, 0, 0, 0});
   auto expected = publication();
@@ -115,7 +115,7 @@ TEST(DiscoveryData, AnotherParticipantsGuid_IsRefused) {
             Code::rtps_parameter_invalid);
 }
 
-// Before: it was believed, and the sets of the publisher that it named waited for this writer.
+// If the name were accepted, the sets of the publisher that it names would wait for this writer.
 TEST(DiscoveryData, AnotherParticipantsGroup_IsPassedOver) {
   auto data = publication();
   data.group_guid = Guid{data.guid.prefix, EntityId{{0, 0, 1, 8}}};
@@ -124,7 +124,7 @@ TEST(DiscoveryData, AnotherParticipantsGroup_IsPassedOver) {
   EXPECT_FALSE(read_publication_data(payload_of(data))->group_guid);
 }
 
-// A dispose that names two endpoints ends neither.
+// A dispose that names two endpoints ends neither of them.
 TEST(DiscoveryData, TwoKeysInOne_AreRefused) {
   std::array<std::uint8_t, 64> buffer{};
   SpanWriter out(buffer);

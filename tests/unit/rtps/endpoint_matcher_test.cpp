@@ -1,4 +1,4 @@
-// Which endpoints match, anew or no more, and how many of one identity.
+// Endpoints that match for the first time or no longer, and how many of one identity.
 #include "rtps/participant/endpoint_matcher.hpp"
 
 #include <gmock/gmock.h>
@@ -45,7 +45,7 @@ TEST(Participant, ChangedPolicies_AreAnnouncedAndMatchedAnew) {
             Code::rtps_qos_inconsistent);
 }
 
-// By what one identity matches, it could make each write of ours as slow as it liked.
+// If one identity could match without limit, it could make each write of ours as slow as it liked.
 TEST(Participant, OneIdentity_MatchesABoundedNumberOfTimesWithOneEndpoint) {
   Node a{1}, b{2}, c{3};
   World world{{&a, &b, &c}};
@@ -64,7 +64,7 @@ TEST(Participant, OneIdentity_MatchesABoundedNumberOfTimesWithOneEndpoint) {
   EXPECT_EQ(a.listener.matched, kMax + 1) << "another one's";
 }
 
-// Before the fix, a reader that found no place never matched.
+// A reader that finds no place must match later, when there is one.
 TEST(Participant, WhereOneIdentityHasNoPlaceLeft_ItsEndpointsWaitForOne) {
   Node a{1}, b{2};
   World world{{&a, &b}};

@@ -1,4 +1,4 @@
-// Policies of an endpoint that may change, and those that may not.
+// Policies of an endpoint that may change, and policies that may not.
 #include "rtps/dcps/endpoint.hpp"
 
 #include "tests/unit/rtps/dcps_fixture.hpp"

@@ -1,4 +1,4 @@
-// A change that its filter lets through to some.
+// A change that its filter lets through to some readers only.
 #include "rtps/reliability/filtered_writing.hpp"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ const Locator kThere = *Locator::parse("127.0.0.2", 1);
 
 Guid guid(std::uint8_t number) { return {GuidPrefix::from(Bytes(12, number)), testing::kReader}; }
 
-// Passes nothing, and counts how often it is asked.
+// A filter that passes nothing, and counts how often it is asked.
 struct CountingFilter final : ChangeFilter {
   std::optional<bool> passes(const Change&) override {
     ++asked;

@@ -1,4 +1,4 @@
-// Datagrams in what interfaces and capture files give.
+// Datagrams in the frames that interfaces and capture files contain.
 #include "rtps/observer/frames.hpp"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ Bytes udp(std::uint16_t port = 7400) {
   return number(5000) + number(port) + number(8 + kPayload.size()) + number(0) + kPayload;
 }
 
-// `offset` in octets.
+// Returns an IPv4 packet. `offset` is in octets.
 Bytes ipv4(const Bytes& body, std::size_t offset = 0, bool more = false, std::size_t id = 7) {
   return Bytes{0x45, 0} + number(20 + body.size()) + number(id) +
          number((more ? 0x2000 : 0) | offset / 8) + Bytes{64, 17, 0, 0, 10, 0, 0, 1, 10, 0, 0, 2} +

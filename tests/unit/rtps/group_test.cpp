@@ -1,4 +1,4 @@
-// Groups: what they enable and pass on.
+// Groups: the entities that they enable, and the statuses that they pass on.
 #include "rtps/dcps/group.hpp"
 
 #include "tests/unit/rtps/dcps_fixture.hpp"
@@ -19,7 +19,7 @@ TEST_P(Entities, AGroup_MayLeaveEnablingToTheApplication) {
   EXPECT_EQ(code_of(reader->read(samples)), Code::rtps_not_enabled);
   EXPECT_EQ(code_of(reader->wait_for_historical_data(0ms)), Code::rtps_not_enabled);
   auto qos = reliable(HistoryKind::keep_last);
-  EXPECT_TRUE(reader->set_qos(qos));  // nothing is immutable yet
+  EXPECT_TRUE(reader->set_qos(qos));  // no policy is immutable yet
   EXPECT_TRUE(reader->enable());
   EXPECT_EQ(code_of(reader->set_qos(reliable())), Code::rtps_immutable_policy);
   EXPECT_EQ(reader->read(samples), 0u);

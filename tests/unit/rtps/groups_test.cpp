@@ -51,9 +51,9 @@ TEST_P(Presenting, AGroupsSet_ComesAsAWholeToAllReaders) {
   run(20ms);
   EXPECT_THAT(take_all(), ElementsAre(1, 2, 3, 4));
   ASSERT_TRUE(succeeds(pub.begin_coherent_changes()));
-  ASSERT_TRUE(succeeds(two.write({"a", 5})));  // the other one has nothing in this set
+  ASSERT_TRUE(succeeds(two.write({"a", 5})));  // the other writer has nothing in this set
   ASSERT_TRUE(succeeds(pub.end_coherent_changes()));
-  ASSERT_TRUE(succeeds(one.write({"a", 6})));  // and this is in none
+  ASSERT_TRUE(succeeds(one.write({"a", 6})));  // this sample is in no set
   run(20ms);
   EXPECT_THAT(take_all(), ElementsAre(5, 6));
 }

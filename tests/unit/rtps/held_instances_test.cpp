@@ -1,4 +1,4 @@
-// Instances that end, and what stays of them.
+// Instances that end, and what is kept of them.
 #include "rtps/dcps/held_instances.hpp"
 
 #include "tests/unit/rtps/reader_cache_fixture.hpp"
@@ -35,7 +35,7 @@ TEST_F(ReaderCacheTest, EndedInstances_ArePurgedAfterTheirDelay) {
   now += milliseconds(50);
   EXPECT_TRUE(cache().expire(now));
   EXPECT_THAT(values(read()), ElementsAre(20, 2, 30));
-  put(2, 21);  // comes back in time
+  put(2, 21);  // the instance comes back in time
   now += milliseconds(100);
   EXPECT_FALSE(cache().expire(now));
   EXPECT_EQ(cache().next_tick(), kNever);
@@ -55,7 +55,7 @@ TEST_F(ReaderCacheTest, ADisposedInstanceThatLosesItsWriters_IsPurgedAsDisposed)
   now += milliseconds(20);
   EXPECT_FALSE(cache().expire(now));
   qos.reader_data_lifecycle = {};
-  cache().set_lifecycle(qos.reader_data_lifecycle);  // for later ends
+  cache().set_lifecycle(qos.reader_data_lifecycle);  // counts for later ends
   now += milliseconds(30);
   EXPECT_TRUE(cache().expire(now));
   EXPECT_EQ(cache().held().all().size(), 0u);

@@ -1,4 +1,4 @@
-// What a participant says where the machine does not give it what it needs.
+// What a participant reports if the machine does not give it what it needs.
 #include "rtps/transport/host_sockets.hpp"
 
 #include <csignal>
@@ -54,7 +54,7 @@ TEST_F(NetworkTrouble, AllPortsTaken_IsSaid) {
   EXPECT_TRUE(create({.domain_id = 74, .interfaces = {address}}));
 }
 
-// The masks of blocked signals of all threads but the calling one.
+// Returns the masks of blocked signals of all threads except the calling one.
 std::vector<std::uint64_t> masks_of_other_threads() {
   std::vector<std::uint64_t> out;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -66,7 +66,7 @@ std::vector<std::uint64_t> masks_of_other_threads() {
   return out;
 }
 
-// The host's handler, or its sigwait, is to have them.
+// The signals are for the host's handler, or for its sigwait.
 TEST_F(NetworkTrouble, Thread_OfAParticipant_BlocksTheSignalsOfTheProcess) {
   const auto before = masks_of_other_threads().size();
   DomainParticipantOptions options{.domain_id = 76, .interfaces = {"lo"}};
@@ -86,7 +86,7 @@ TEST_F(NetworkTrouble, AddressOfNoInterface_IsSaid) {
   EXPECT_THAT(refused.error().to_sentence(), ::testing::HasSubstr("ip -brief address"));
 }
 
-// The group is one of IPv4.
+// The multicast group is one of IPv4.
 TEST_F(NetworkTrouble, WithoutMulticast_PeersAreEnoughAndNoneIsAnError) {
   const auto with_peers = create({.domain_id = 75, .interfaces = {"::1"}, .peers = {"::1"}});
   ASSERT_TRUE(with_peers) << with_peers.error().to_sentence();

@@ -1,5 +1,5 @@
-// Inline QoS of every kind and length, in the name of a writer that matched, against a reader that
-// uses all of it: it goes on, and what honest writers send comes whole.
+// Inline QoS of every kind and length, in the name of a writer that matched. The reader uses all of
+// it. It goes on, and samples of honest writers arrive unchanged.
 #include "rtps/transport/ports.hpp"
 #include "rtps/transport/udp_socket.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
@@ -18,7 +18,7 @@ Qos durable() {
   return qos;
 }
 
-// A DATA with that inline QoS, whatever it is.
+// Returns a DATA with that inline QoS, whatever it contains.
 Bytes forged(const Guid& writer, std::int64_t number, BytesView inline_qos, Endian endian) {
   std::array<std::uint8_t, 512> buffer{};
   SpanWriter out(buffer, endian);
@@ -42,7 +42,7 @@ Bytes forged(const Guid& writer, std::int64_t number, BytesView inline_qos, Endi
   return to_bytes(out.view());
 }
 
-// A parameter of `size` octets that claims `claimed`, and perhaps a sentinel.
+// Returns a parameter of `size` octets that claims to have `claimed`, with or without a sentinel.
 Bytes list_of(ParameterId id, std::size_t size, std::size_t claimed, std::uint8_t fill, bool ends,
               Endian endian) {
   std::array<std::uint8_t, 128> buffer{};
@@ -97,14 +97,15 @@ TEST_P(HostileInlineQos, HostileParameters_StopNoReaderAndSpareHonestWriters) {
     if (!subscriber.begin_access()) return false;
     Samples<Reading> samples;
     EXPECT_TRUE(reader.take(samples));
-    for (const auto& sample : samples)  // what the liar sent may come too, as a sample of nothing
+    // The attacker's message may appear as a sample without data.
+    for (const auto& sample : samples)
       if (sample.data.sensor == "north") got.push_back(sample.data.value);
     return subscriber.end_access().has_value() && got.size() >= 3;
   }));
   EXPECT_EQ(got, (std::vector<std::int64_t>{0, 1, 2}));
 }
 
-// Nothing but the payload says which instance it is, and it is no key.
+// Only the payload could say which instance it is, and it is no key.
 TEST_P(HostileInlineQos, ADisposeWhoseKeyCannotBeRead_IsReportedAndChangesNothing) {
   auto& writer = a.writer(reliable());
   auto& reader = b.reader(reliable());

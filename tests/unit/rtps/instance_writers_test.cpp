@@ -1,4 +1,4 @@
-// Who owns an instance.
+// The owner of an instance.
 #include "rtps/dcps/instance_writers.hpp"
 
 #include "tests/unit/rtps/reader_cache_fixture.hpp"
@@ -18,7 +18,7 @@ TEST_F(ReaderCacheTest, TheStrongestWriter_OwnsAnInstance) {
   put(1, 20, {}, 2);
   EXPECT_EQ(put(1, 11, {}, 1).outcome, StoreResult::dropped);
   EXPECT_EQ(put(1, 0, kDispose, 1).outcome, StoreResult::dropped);
-  put(2, 12, {}, 1);  // nobody stronger writes this one
+  put(2, 12, {}, 1);  // no stronger writer writes this instance
   EXPECT_THAT(values(take()), ElementsAre(10, 20, 12));
   cache().set_writer(writer(1), 11, kDurationInfinite);
   put(1, 13, {}, 1);
@@ -51,7 +51,7 @@ TEST_F(ReaderCacheTest, Ownership_PassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
   now += milliseconds(150);
   cache().check_deadlines(now, [](InstanceHandle) {});
   EXPECT_TRUE(weak_is_heard());
-  EXPECT_THAT(take({.instance = kNotAlive}), IsEmpty());  // a weaker writer was there all the time
+  EXPECT_THAT(take({.instance = kNotAlive}), IsEmpty());  // a weaker writer existed all the time
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The payload of a dispose or unregister: three ways to write the key of an appendable type in
-// XCDR2 are in use, and one reader must make the same of all of them.
+// The payload of a dispose or unregister. Three ways to write the key of an appendable type in
+// XCDR2 are in use, and a reader must get the same key from all of them.
 #include "rtps/reliability/key_payload.hpp"
 
 #include "rtps/cdr/cdr_reader.hpp"
@@ -83,9 +83,10 @@ struct Form {
   const char* alarm;
   const char* device;
 };
-// XTypes 1.3, 7.6.3.4 and 7.4.3.5: D_CDR2 (0x0009) with a DHEADER for the key holder and for each
-// appendable struct in it, as Cyclone DDS writes since PR 1750; recorded from Cyclone DDS 0.10.2:
-// D_CDR2 without any; and PLAIN_CDR2 (0x0007), which we wrote before.
+// The first form is that of XTypes 1.3, 7.6.3.4 and 7.4.3.5: D_CDR2 (0x0009) with a DHEADER for the
+// key holder and for each appendable struct in it, which Cyclone DDS writes since PR 1750. The
+// second one was recorded from Cyclone DDS 0.10.2: D_CDR2 without DHEADERs. The third one is
+// PLAIN_CDR2 (0x0007), which earlier versions of ddssec wrote.
 const Form kForms[] = {
     {"with DHEADERs",
      "00090000"
@@ -153,13 +154,13 @@ TEST(KeyPayload, PaddingAtTheEnd_IsNoMember) {
       const Colour4 shape{std::string(length, 'x'), 0};
       serialize_key(shape, out, XcdrVersion::xcdr2, Endian::little, layout);
       EXPECT_EQ(deserialize_key<Colour4>(out), shape);
-      out[3] = 0;  // a peer that does not count its padding
+      out[3] = 0;  // as from a peer that does not count its padding
       EXPECT_EQ(deserialize_key<Colour4>(out), shape);
     }
   }
 }
 
-// What is left of a key with DHEADERs may be a whole key without, never the same one.
+// A truncated key with DHEADERs may be a whole key without them, but never the same one.
 TEST(KeyPayload, EveryTruncation_IsRefusedOrAnotherKey) {
   for (const auto& form : kForms) {
     const auto alarm = octets_of(form.alarm), device = octets_of(form.device);

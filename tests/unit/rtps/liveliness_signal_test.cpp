@@ -1,4 +1,4 @@
-// One assertion for all writers of a participant: readers that wait hear of it once.
+// One assertion for all writers of a participant. Readers that wait for it are notified once.
 #include "rtps/participant/liveliness_signal.hpp"
 
 #include <gmock/gmock.h>

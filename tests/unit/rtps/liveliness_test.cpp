@@ -1,4 +1,4 @@
-// Leases, and who lives.
+// Leases, and the writers that are alive.
 #include "rtps/dcps/liveliness.hpp"
 
 #include <barrier>
@@ -60,7 +60,7 @@ TEST(LivelinessMonitor, AliveAndLostWriters_AreCounted) {
   monitor.remove(a);
   EXPECT_EQ(monitor.status().alive_count, 1);
   EXPECT_EQ(monitor.status().not_alive_count, 0);
-  monitor.alive(a, milliseconds(2000));  // not ours any more
+  monitor.alive(a, milliseconds(2000));  // the monitor does not have this writer any more
   EXPECT_EQ(monitor.next_tick(), kNever);
 }
 
@@ -84,7 +84,7 @@ TEST(LivelinessMonitor, ASignal_AssertsAllThatFollowIt) {
     check(milliseconds(time + 500));
   }
   EXPECT_THAT(ended, ::testing::IsEmpty());
-  monitor.alive(a, milliseconds(3000));  // by itself
+  monitor.alive(a, milliseconds(3000));  // asserted by the writer itself
   check(milliseconds(3700));
   EXPECT_THAT(ended, ElementsAre(b));
   check(milliseconds(4000));

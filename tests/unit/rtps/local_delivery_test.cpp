@@ -96,7 +96,7 @@ TEST_F(LocalDeliveryTest, ALivingWriter_IsHeard) {
   EXPECT_THAT(heard, ElementsAre(kWriter));
 }
 
-// A reader that has all of the writer's changes knows how far the writer is in its group.
+// A reader that has all of the writer's changes also knows the writer's position in its group.
 TEST_F(LocalDeliveryTest, TheGroupIsTold_OnceAllIsTaken) {
   WriterGroup group{.current = {7}};
   std::vector<std::int64_t> groups;

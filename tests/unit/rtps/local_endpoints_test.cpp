@@ -1,4 +1,4 @@
-// Endpoints that are not made.
+// Endpoints that cannot be created.
 #include "rtps/participant/local_endpoints.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// An authorized writer sends samples that are not of the reader's type: no call of the reader
-// reports "no data" while it holds samples of others.
+// An authorized writer sends samples that are not of the reader's type. No call of the reader
+// reports "no data" while it holds samples of other writers.
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -9,7 +9,8 @@ using namespace testing;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// A TRANSIENT writer sends key hashes, which name the instances of what cannot be deserialized.
+// A TRANSIENT writer sends key hashes, which name the instances of samples that cannot be
+// deserialized.
 Qos transient() {
   auto qos = reliable();
   qos.durability = DurabilityKind::transient;
@@ -26,13 +27,13 @@ struct MalformedSamples : Polled {
     ASSERT_TRUE(match(hostile, reader));
     ASSERT_TRUE(match(honest, reader));
   }
-  // A string that claims 0x7fffffff octets, in an instance of its own.
+  // Writes a string that claims 0x7fffffff octets, in an instance of its own.
   void write_malformed(std::uint8_t instance) {
     const Bytes payload{0, 1, 0, 0, 0xff, 0xff, 0xff, 0x7f, 1, 2, 3, 4};
     ASSERT_TRUE(hostile.write_octets({.payload = payload, .key = KeyHash{instance}}));
     run();
   }
-  // The same in the instance of an honest writer.
+  // Writes a malformed sample in the instance of an honest writer.
   void write_malformed(const std::string& sensor) {
     Bytes scratch;
     const auto key = key_hash(Reading{sensor}, scratch);
@@ -71,7 +72,7 @@ TEST_P(MalformedSamples, BeforeHonestInstances_ReadNextInstanceGoesOn) {
   EXPECT_EQ(reader.malformed(), 3u);
   EXPECT_THAT(walk(next), ElementsAre(10, 20));
   EXPECT_EQ(reader.malformed(), 3u);  // they are removed
-  EXPECT_EQ(reported(), 2u);          // for the 1st and the 2nd
+  EXPECT_EQ(reported(), 2u);          // for the first and the second one
 }
 
 TEST_P(MalformedSamples, BeforeHonestInstances_TakeNextInstanceGoesOn) {
@@ -115,7 +116,7 @@ TEST_P(MalformedSamples, InALimitedRead_AreReplacedByTheNextUnreadSamples) {
   EXPECT_THAT(values(samples), ElementsAre(10));
   EXPECT_EQ(reader.read(samples, 2, unread), 1u);
   EXPECT_THAT(values(samples), ElementsAre(20));
-  EXPECT_EQ(reader.read(samples, 1), 1u);  // of all states: no sample twice in one collection
+  EXPECT_EQ(reader.read(samples, 1), 1u);  // in all states, no sample is twice in one collection
   EXPECT_EQ(reader.read(samples), 2u);
 }
 
@@ -136,7 +137,7 @@ TEST_P(MalformedSamples, InAnHonestInstance_AreReplacedWithinIt) {
   write_malformed("a"), write("a", 10), write("a", 11), write("b", 20);
   EXPECT_EQ(reader.take_next_instance(samples, {}, 2), 2u);
   EXPECT_THAT(values(samples), ElementsAre(10, 11));
-  EXPECT_EQ(samples[1].info.view_state, ViewState::new_);  // as of the first
+  EXPECT_EQ(samples[1].info.view_state, ViewState::new_);  // as for the first sample
 }
 
 TEST_P(MalformedSamples, OneByOne_AreSkipped) {
@@ -149,7 +150,7 @@ TEST_P(MalformedSamples, OneByOne_AreSkipped) {
   EXPECT_EQ(reader.malformed(), 4u);
 }
 
-// What is left out gives its place to what was refused for lack of room.
+// Malformed samples give their places to samples that were refused for lack of room.
 TEST_P(MalformedSamples, InAFullReader_GiveTheirPlaces) {
   auto qos = reliable();
   qos.resource_limits.max_samples = 2;

@@ -10,7 +10,7 @@ namespace {
 using testing::socketless::Node;
 using testing::socketless::World;
 
-// a has a writer, and b has more readers than match it.
+// Participant a has a writer, and b has more readers than may match it.
 struct MatchPlacesTest : ::testing::Test {
   static constexpr std::size_t kMax = MatchTable::kMaxOfOne;
   static constexpr std::size_t kWaiting = 3 * MatchPlaces::kMaxTries;
@@ -46,7 +46,7 @@ TEST_F(MatchPlacesTest, EndpointsOfAParticipantThatLeaves_DoNotMatchMeanwhile) {
   EXPECT_EQ(a.listener.announced.size(), known);
 }
 
-// The one that waits longest no longer fits.
+// The reader that has waited longest no longer fits.
 TEST_F(MatchPlacesTest, WaitingOneWithOtherPolicies_LeavesThePlaceToTheNext) {
   auto qos = default_reader_qos();
   qos.partition = {"elsewhere"};

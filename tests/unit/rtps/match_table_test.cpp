@@ -28,7 +28,8 @@ TEST(MatchTableTest, WithoutMacs_EachIdentityHasTheSameLimit) {
   for (std::uint8_t of = 1; of <= 4; ++of) EXPECT_EQ(fill(table, of, false), MatchTable::kMaxOfOne);
 }
 
-// Before: three identities with 1024 readers each made the messages to all others too long.
+// Without this bound, three identities with 1024 readers each made the messages to all others too
+// long.
 TEST(MatchTableTest, WithMacs_IdentitiesLeaveRoomForAnother) {
   MatchTable table;
   EXPECT_EQ(fill(table, 1, true), MatchTable::kMaxWithMacs / 2);
@@ -50,7 +51,7 @@ TEST(MatchTableTest, LastOneThatAnyoneCanHaveAnnounced_IsReplaceable) {
   EXPECT_EQ(table.replaceable(identity(1), false), guid(5));
 }
 
-// Its identity has more than its share since others came.
+// The identity has more than its share since other identities came.
 TEST(MatchTableTest, WhereOneLessLeavesNoRoom_NoneIsReplaceable) {
   MatchTable table;
   table.add({identity(1), {{1, 0, 0, 7}}}, identity(1), false);

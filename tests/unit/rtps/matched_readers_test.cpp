@@ -56,7 +56,7 @@ TEST(MatchedReaders, Everybody_HasEachLocatorOnce) {
   EXPECT_FALSE(readers.any_remote());
 }
 
-// What goes over the volatile secure channel is protected by the key of one pair.
+// Messages on the volatile secure channel are protected with the key of one pair.
 TEST(MatchedReaders, OfTheVolatileChannel_IsAddressedAsOne) {
   MatchedReaders readers(kVolatileMessageWriter, true);
   const Guid peer{guid(1).prefix, kVolatileMessageReader};

@@ -1,4 +1,4 @@
-// Which policies match, and what is said of those that do not.
+// Policies that match, and what is reported about those that do not.
 #include "rtps/qos/matching.hpp"
 
 #include <ctime>
@@ -12,7 +12,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// One policy changed on either side: what is named, and both values.
+// A policy that is changed on one side, and the report about it: its name and both values.
 struct Row {
   std::function<void(Qos& offered, Qos& requested)> change;
   QosPolicyId id;
@@ -22,7 +22,7 @@ struct Row {
 TEST(Matching, Durations_AreComparedToTheNanosecond) {
   Qos offered = default_writer_qos(), requested;
   offered.deadline = {{0, 0xb3333334}};    // 700 ms, rounded up
-  requested.deadline = {{0, 0xb3333333}};  // and down
+  requested.deadline = {{0, 0xb3333333}};  // rounded down
   EXPECT_EQ(Duration::from(std::chrono::milliseconds(700)), offered.deadline);
   EXPECT_LT(requested.deadline, offered.deadline);
   EXPECT_FALSE(mismatch(offered, requested));
@@ -131,20 +131,21 @@ TEST(Matching, Globs_MatchAsFnmatchDoes) {
   EXPECT_TRUE(glob_match("\\", "\\"));
 }
 
-// CVE-2026-22591 was a recursion; here the worst pattern takes text times pattern steps.
+// CVE-2026-22591 was a recursion. Here the worst pattern takes as many steps as the product of the
+// lengths of text and pattern.
 TEST(Matching, ManyStars_StayCheap) {
   std::string pattern;
   for (int i = 0; i < 128; ++i) pattern += "*a";
   EXPECT_FALSE(glob_match(pattern + "b", std::string(256, 'a')));
 }
 
-// A '[' that nothing closes is not read to the end at each character.
+// A '[' that is never closed is not searched to the end at each character.
 TEST(Matching, ManyBrackets_StayCheap) {
   const std::string text(6'000, '[');
   for (const std::string end : {"b", "]b"}) {
     const auto begin = std::clock();
     EXPECT_FALSE(glob_match("*" + std::string(3'000, '[') + end, text)) << end;
-    EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << end;  // of a processor
+    EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << end;  // processor time
   }
 }
 

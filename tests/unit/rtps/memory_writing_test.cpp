@@ -1,4 +1,4 @@
-// A writer some of whose readers find payloads in memory.
+// A writer, some of whose readers find payloads in shared memory.
 #include "tests/unit/rtps/reliability_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -10,7 +10,7 @@ const Locator kThere = *Locator::parse("127.0.0.1", 2);
 const GuidPrefix kC = GuidPrefix::from(Bytes(12, 0xcc));
 constexpr MemoryReference kReference{7, 64, 2, 5000};
 
-// Notes what it is asked for.
+// Notes the requests that it gets.
 struct Memory final : SampleMemory {
   std::optional<MemoryReference> store(const Change& change, SequenceNumber needed_from,
                                        MonotonicTime) override {
@@ -28,7 +28,7 @@ struct Odd final : ChangeFilter {
   }
 };
 
-// What is sent, by the port it is sent to.
+// Sorts what is sent by the port that it is sent to.
 struct Sorted final : Transport {
   std::map<std::uint32_t, std::vector<Data>> data;
   std::map<std::uint32_t, int> fragments, heartbeats, gaps;
@@ -189,7 +189,7 @@ TEST(MemoryWriting, Unmatched_OthersGoOn) {
   EXPECT_TRUE(it.came_whole(kThere.port));
 }
 
-// The reader there drops what it does not need.
+// The reader at this address drops what it does not need.
 TEST(MemoryWriting, SharedAddress_BothForms) {
   Writing it;
   it.writer.readdress(it.c, {kHere}, it.now);

@@ -1,4 +1,4 @@
-// Which of a message's submessages each endpoint gets, and where an invalid submessage ends the
+// The submessages of a message that each endpoint gets, and where an invalid submessage ends the
 // message.
 #include "rtps/participant/message_receiver.hpp"
 
@@ -79,7 +79,7 @@ struct MessageReceiverTest : ::testing::Test {
     static const Bytes payload(8);
     return written(Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, payload});
   }
-  // A HEARTBEAT of four octets.
+  // A HEARTBEAT with four octets is too short.
   static Bytes invalid() { return {0x07, 0x01, 4, 0, 0, 0, 0, 0}; }
 
   NoEndpoints endpoints;
@@ -135,7 +135,7 @@ TEST_F(MessageReceiverTest, UnknownSubmessage_IsSteppedOver) {
   EXPECT_EQ(counters.malformed, 0u);
 }
 
-// Without keys there is nothing that could open the group.
+// Without keys, the group cannot be opened.
 TEST_F(MessageReceiverTest, ProtectedGroupWithoutKeys_IsSteppedOver) {
   receive({Bytes{0x31, 0x01, 4, 0, 1, 2, 3, 4}, heartbeat()});
   EXPECT_EQ(heard.heartbeats.size(), 1u);
@@ -166,8 +166,8 @@ TEST_F(MessageReceiverTest, InfoSource_IsTheSourceOfTheNextSubmessages) {
   EXPECT_THAT(heard.sources, ElementsAre(kPeer, kOther)) << "each source by itself";
 }
 
-// Data protection alone leaves a dispose without a payload as it is, and keys of a remote
-// participant are looked for in vain where the source is this participant itself.
+// Nothing else would stop such a message: data protection does not cover a dispose without a
+// payload, and there are no keys for a source that is this participant itself.
 TEST_F(MessageReceiverTest, InfoSourceOfTheParticipantItself_LetsNothingCount) {
   InfoSource own, other;
   own.source.prefix = kOurs;

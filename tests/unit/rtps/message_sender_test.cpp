@@ -1,4 +1,5 @@
-// How few messages a pair needs: small samples share them, and readers answer when they are asked.
+// The number of messages that a pair needs: small samples share them, and readers answer only when
+// they are asked.
 #include "rtps/reliability/message_sender.hpp"
 
 #include <gmock/gmock.h>
@@ -19,7 +20,7 @@ const Locator kHere = *Locator::parse("127.0.0.1", 1);
 
 struct Recorder final : Transport {
   std::vector<Bytes> sent;
-  std::vector<std::uint8_t> calls;  // of send_all, with what DSCP
+  std::vector<std::uint8_t> calls;  // the DSCP of each call of send_all
   bool is_here = false;
   void send(BytesView message, std::span<const Locator>) override {
     sent.push_back(to_bytes(message));
@@ -45,7 +46,7 @@ std::size_t count(const std::vector<Bytes>& messages, SubmessageId id) {
   return out;
 }
 
-// Heartbeats that want an answer.
+// Counts the heartbeats that require an answer.
 std::size_t questions(const std::vector<Bytes>& messages) {
   std::size_t out = 0;
   for (const auto& octets : messages)
@@ -229,7 +230,7 @@ TEST_F(Packing, ToThisMachine_MessagesAreAsLargeAsADatagram) {
   for (const auto& octets : transport.sent) EXPECT_LE(octets.size(), MessageSender::kMaxDatagram);
 }
 
-// Protects messages as a plugin that needs a MAC of each of many receivers.
+// Protects messages like a plugin that needs a MAC for each of many receivers.
 struct Wrapping final : SendProtection {
   explicit Wrapping(std::size_t receivers) : macs(receivers * 20) {}
   Levels levels(const EntityId&) const override {
@@ -253,7 +254,7 @@ struct Wrapping final : SendProtection {
   int refused = 0;
 };
 
-// Before: with 297 receivers and more, no message of four fragments was sent.
+// Messages of four fragments must fit with 297 receivers and more, too.
 TEST_F(Packing, ProtectedMessagesToThisMachine_LeaveRoomForTheirMacs) {
   for (const std::size_t receivers : {200u, 300u, 480u}) {
     Wrapping protection(receivers);

@@ -1,4 +1,4 @@
-// Interfaces by name and address, and those of a peer.
+// Interfaces, selected by name and address, and the addresses of a peer that are used.
 #include "rtps/transport/network_interfaces.hpp"
 
 #include <netinet/in.h>
@@ -23,7 +23,7 @@ TEST(Interfaces, ByNameAndByAddress_AreTheSame) {
   EXPECT_EQ(by_name->front().prefix_bits, 8u);
 }
 
-// The test's own network has no other.
+// The test's own network has no other interface.
 TEST(Interfaces, WithoutAnyButTheLoopback_ItIsUsed) {
   const auto chosen = choose_interfaces({});
   ASSERT_TRUE(chosen);
@@ -56,10 +56,11 @@ TEST(Interfaces, OfThePeer_OnlyTheNearestAreKept) {
                                   {"docker0", *Locator::parse("172.17.0.1", 0), 16, true}};
   const Ways table[] = {
       {{at("192.0.2.5"), at("172.17.0.1")}, {at("192.0.2.5")}},  // this machine
-      {{at("172.17.0.1"), at("192.0.2.6")}, {at("192.0.2.6")}},  // another docker0
-      {{at("10.1.1.1"), at("192.0.2.6")}, {at("192.0.2.6")}},    // a network that it has alone
+      {{at("172.17.0.1"), at("192.0.2.6")}, {at("192.0.2.6")}},  // the docker0 of another machine
+      {{at("10.1.1.1"), at("192.0.2.6")}, {at("192.0.2.6")}},    // a network that only the peer has
       {{at("192.0.2.6"), at("172.17.3.3")}, {at("192.0.2.6"), at("172.17.3.3")}},
-      {{at("10.1.1.1"), at("10.2.2.2")}, {at("10.1.1.1"), at("10.2.2.2")}},  // behind a router
+      // This machine is behind a router.
+      {{at("10.1.1.1"), at("10.2.2.2")}, {at("10.1.1.1"), at("10.2.2.2")}},
       {{at("172.17.0.1")}, {at("172.17.0.1")}},
       {{at("fd00::1"), at("192.0.2.6")}, {at("192.0.2.6")}}};
   for (const auto& [announced, kept] : table) {

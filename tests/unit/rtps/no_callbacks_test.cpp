@@ -1,4 +1,4 @@
-// What a listener may not do.
+// Calls that a listener may not make.
 #include "rtps/dcps/no_callbacks.hpp"
 
 #include "tests/unit/rtps/accesses.hpp"

@@ -1,4 +1,4 @@
-// Liveliness that a writer offers, by kind.
+// The liveliness that a writer offers, for each kind.
 #include "rtps/dcps/offered_liveliness.hpp"
 
 #include <gmock/gmock.h>

@@ -12,7 +12,7 @@ namespace {
 std::atomic<bool> no_threads = false;
 }
 
-// As on a machine on which no further thread can be started, if a test says so.
+// If a test says so, no further thread can be started.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes,
                               void* (*start)(void*), void* argument) {
   if (no_threads) return EAGAIN;
@@ -30,7 +30,7 @@ namespace memory = counted_memory;
 constexpr int kMaxAllocations = 3000;
 
 struct OutOfMemory : Polled {
-  // What arrives from `other` meets an allocation that fails.
+  // Lets an allocation fail while messages from `other` are served.
   void serve_with_failure(End& other, std::int64_t after) {
     for (int i = 0; i < 4; ++i) {
       other.participant->poll(0ms);
@@ -39,7 +39,7 @@ struct OutOfMemory : Polled {
       memory::fail_after(-1);
     }
   }
-  // A further participant is heard and its samples arrive.
+  // Expects that a further participant is discovered, and that its samples arrive.
   void expect_to_go_on() {
     End other(services, options());
     auto& reader = a.reader(reliable());
@@ -62,7 +62,8 @@ struct OutOfMemory : Polled {
   }
 };
 
-// Before: std::bad_alloc left poll(), and ended the process of a participant with its own thread.
+// std::bad_alloc must not leave poll(), and must not end the process of a participant with its own
+// thread.
 TEST_P(OutOfMemory, AnyAllocation_WhileEndpointsAppear_EndsNothingElse) {
   for (std::int64_t after = 0; after < kMaxAllocations; after += 1 + after / 16) {
     auto& reader = a.reader(reliable());

@@ -1,4 +1,4 @@
-// Parameters that come twice, that lie, or that must be understood.
+// Parameters that come twice, have a false length, or must be understood.
 #include "rtps/discovery/parameter_table.hpp"
 
 #include "rtps/discovery/endpoint_data.hpp"
@@ -22,7 +22,8 @@ TEST(DiscoveryData, WhatMustBeUnderstood_StopsTheSample) {
             Code::rtps_parameter_not_understood);
 }
 
-// CVE-2026-49861, -49862, -49863, -53589, -53590, -55063: lists, locators, properties, partitions.
+// CVE-2026-49861, -49862, -49863, -53589, -53590 and -55063 are about lists, locators, properties
+// and partitions.
 TEST(DiscoveryData, LyingLengths_AreRefusedOrHarmless) {
   for (const auto& honest : {payload_of(participant()), payload_of(publication())}) {
     for (std::size_t at = 4; at + 4 <= honest.size(); at += 4) {

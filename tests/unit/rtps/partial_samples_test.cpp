@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint16_t kSize = 1000;
 const GuidPrefix kFrom = GuidPrefix::from(Bytes(12, 0xaa));
 
-// One fragment of a sample of that many octets.
+// Returns one fragment of a sample of that many octets.
 DataFrag fragment(std::int64_t sample, std::uint32_t number, std::uint32_t octets = 2500) {
   static const Bytes kOctets(kSize, 0x5a);
   const auto begin = (number - 1) * kSize;

@@ -1,4 +1,4 @@
-// What a participant announces of itself.
+// What a participant announces about itself.
 #include "rtps/discovery/participant_data.hpp"
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Participants without sockets: the test carries their datagrams and moves their time.
+// Participants without sockets. The test carries their datagrams and moves their time.
 #pragma once
 
 #include <set>
@@ -30,7 +30,7 @@ struct Listener : EndpointListener {
   }
   void on_inconsistent_topic(const EndpointData&) override { ++inconsistent; }
   void on_sample_lost(std::int64_t count) override { lost += count; }
-  /// Wants to hear of each assertion.
+  /// Asks to be notified of each assertion.
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override {
     signals[writer] = signal;
     if (signal) signal->notify(*this, writer);
@@ -60,7 +60,7 @@ struct Node {
   Post post;
   test::RecordedEvents events;
   std::uint32_t port;
-  Listener listener;  // outlives its endpoints
+  Listener listener;  // it outlives its endpoints
   RtpsParticipant participant;
 
   static ParticipantConfig config(std::uint8_t n, DomainId domain, std::string tag,

@@ -1,4 +1,4 @@
-// A participant without a thread, served by those who wait.
+// A participant without a thread. The threads that wait serve it.
 #include "rtps/dcps/participant_service.hpp"
 
 #include "rtps/reliability/stateful_reader.hpp"

@@ -57,7 +57,7 @@ TEST_F(ParticipantSocketsTest, StaysHere_LoopbackAndOwnAddresses) {
   EXPECT_FALSE(sockets->has_joined());
 }
 
-// The kernel keeps datagrams to an address where no machine is, and counts them for the socket.
+// The kernel keeps datagrams to an address without a machine, and counts them for the socket.
 TEST_F(ParticipantSocketsTest, Send_ManyAddressesWithoutAMachine_OthersGetTheirs) {
   if (std::system("ip link add dead0 type veth peer name dead1 2>/dev/null && "
                   "ip addr add 10.77.0.1/24 dev dead0 && ip link set dead0 up && "
@@ -78,11 +78,11 @@ TEST_F(ParticipantSocketsTest, Send_ManyAddressesWithoutAMachine_OthersGetTheirs
     from->send(Bytes{1, 2, 3}, alive);
     received += to->fetch();
   }
-  EXPECT_EQ(received, 50u);  // before the fix: the first few
+  EXPECT_EQ(received, 50u);  // not only the first few
   EXPECT_EQ(std::system("ip link del dead0"), 0);
 }
 
-// As DHCP and a cable do it.
+// The address changes as it does with DHCP or when a cable is plugged in.
 TEST_F(ParticipantSocketsTest, Use_AnotherAddress_JoinsTheGroupThere) {
   const auto run = [](const std::string& command) { return std::system(command.c_str()) == 0; };
   if (!run("ip link add here0 type veth peer name there0 2>/dev/null && ip link set there0 up"))
@@ -114,7 +114,8 @@ TEST_F(ParticipantSocketsTest, Use_AnotherAddress_JoinsTheGroupThere) {
     EXPECT_EQ(sockets->metatraffic().front().address, Locator::parse(address, 0)->address);
     EXPECT_TRUE(hears_the_group()) << address;
   }
-  // Another device with the same name and address, such as a USB adapter that is put in again.
+  // The interface is replaced by another device with the same name and address, such as a USB
+  // adapter that is plugged in again.
   ASSERT_TRUE(
       run("ip link del here0 && ip link add here0 type veth peer name there0 && "
           "ip link set there0 up && ip addr add 10.78.0.3/24 dev here0 && "

@@ -23,7 +23,8 @@ TEST(PastWriters, SecondTake_FindsNothing) {
   EXPECT_FALSE(past.take(writer(1, 1)));
 }
 
-// 1100 writers of an insider that came and went made recorded samples of others new again.
+// Otherwise an insider with 1100 writers that come and go could make the recorded samples of others
+// new again.
 TEST(PastWriters, ManyOfOneIdentity_DoNotDisplaceThoseOfOthers) {
   PastWriters past;
   past.add(writer(1, 1), identity(1), position(5));

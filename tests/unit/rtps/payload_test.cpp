@@ -1,4 +1,4 @@
-// The memory of payloads: used again, wiped, bounded.
+// The memory of payloads is reused, wiped and bounded.
 #include "rtps/reliability/payload.hpp"
 
 #include "tests/support/counted_memory.hpp"

@@ -17,7 +17,8 @@ Qos keep_all(std::int32_t max_samples = kLengthUnlimited) {
   return qos;
 }
 
-// How many samples of that size have another heartbeat or none before the first question.
+// Returns how many samples of that size carry another heartbeat, or none, before the first
+// question.
 int samples_before_question(PiggybackHeartbeats& heartbeats, std::size_t octets) {
   for (int i = 0; i < 10'000; ++i)
     if (heartbeats.on_sample(octets, kStart, [] { return false; }) == Kind::question) return i;

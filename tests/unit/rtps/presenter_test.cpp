@@ -1,4 +1,4 @@
-// What is held back of coherent sets and of groups, by itself.
+// What is held back of coherent sets and of groups, tested alone.
 #include "rtps/dcps/presenter.hpp"
 
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@ using ::testing::IsEmpty;
 Guid writer(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
 const Guid kGroup{GuidPrefix::from(Bytes(12, 9)), EntityId{{0, 0, 1, 8}}};
 
-// More small ones of one identity are not held.
+// More small samples of one identity than these are not held.
 constexpr auto kMaxSamples = Presenter::kMaxOctets / 2 / Presenter::kPricePerItem;
 
 GuidPrefix identity(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
@@ -22,10 +22,10 @@ struct Reader final : PresentedReader {
   std::vector<std::int64_t>* seen;
   std::size_t room = 100, most = 1000;
   std::size_t lost = 0;
-  mutable std::size_t instances = 0;  // of the last set
-  mutable int asked = 0;              // how often for room
-  std::optional<int> takes = {};      // so many more, whatever room_for says
-  std::vector<Limit> limits;          // that ended sets
+  mutable std::size_t instances = 0;  // those of the last set
+  mutable int asked = 0;              // how often the presenter asked for room
+  std::optional<int> takes = {};      // it accepts so many more, whatever room_for says
+  std::vector<Limit> limits;          // the limits that ended sets
   explicit Reader(std::vector<std::int64_t>& to) : seen(&to) {}
   KeyHash instance_of(const Change& change) const override { return {change.payload.view()[0]}; }
   Room room_for(const WantedRoom& wanted, const Guid&) const override {
@@ -84,7 +84,7 @@ TEST_F(CoherentSets, ASet_EndsWithAMarkerAnotherSetOrNone) {
   EXPECT_THAT(take(), ElementsAre(5, 6));
 }
 
-// Its writer was told that it has arrived.
+// The writer has been told that the set arrived.
 TEST_F(CoherentSets, WhatTheReaderRefusesAfterAll_Waits) {
   one.takes = 1;
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 0, 0), put(5, 5, 0);
@@ -99,7 +99,7 @@ TEST_F(CoherentSets, WhatTheReaderRefusesAfterAll_Waits) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
-// A set of 40,000 samples that waited made each take() of the reader last 15 ms.
+// Without this bound, each take() of the reader lasted 15 ms while a set of 40,000 samples waited.
 TEST_F(CoherentSets, WhatWaits_CostsLittleOfTheReadersTime) {
   one.room = 10, one.most = 10'000;
   constexpr int kMany = 1000;
@@ -140,7 +140,7 @@ TEST_F(CoherentSets, SetsThatWait_HaveTurns) {
   EXPECT_EQ(take().size(), 400u) << "the one for which there is room";
 }
 
-// The same with many sets of few samples, each of a writer of its own.
+// The same holds for many sets of few samples, each from a writer of its own.
 TEST_F(CoherentSets, ManySetsThatWait_CostLittleOfTheReadersTime) {
   one.room = 0;
   for (std::uint8_t from = 10; from < 250; ++from) {
@@ -223,9 +223,9 @@ TEST_F(CoherentSets, ASetThatWaits_CostsNothingUntilTheReaderHasRoom) {
 }
 
 TEST_F(CoherentSets, ASetWithAHole_IsNeverSeen) {
-  put(2, 2, 1), put(3, 0, 0);  // without its first
+  put(2, 2, 1), put(3, 0, 0);  // its first sample is missing
   put(4, 4, 4), put(6, 6, 4), put(7, 0, 0);
-  put(8, 8, 8), put(10, 0, 0);  // without its last
+  put(8, 8, 8), put(10, 0, 0);  // its last sample is missing
   EXPECT_THAT(take(), IsEmpty());
   EXPECT_EQ(one.lost, 4u);
   put(11, 11, 11), put(12, 0, 0);
@@ -253,7 +253,7 @@ TEST_F(CoherentSets, ASetWithoutEnd_IsGivenUp) {
   EXPECT_THAT(take(), ElementsAre(7));
 }
 
-// 64 MiB of each writer: six writers with an open set each took 376 MiB.
+// With 64 MiB for each writer, six writers with an open set each took 376 MiB.
 TEST_F(CoherentSets, OpenSetsOfAllWriters_HaveOneAccount) {
   constexpr std::uint8_t kWriters = 40;
   const auto payload = Payload::copy_of(Bytes(4 << 20));
@@ -269,8 +269,9 @@ TEST_F(CoherentSets, OpenSetsOfAllWriters_HaveOneAccount) {
   EXPECT_GE(one.lost, 4 * kWriters - Presenter::kMaxOctets / payload.size());
 }
 
-// Many writers of one identity, each below the set of another one. They may be of as many
-// participants: 40 of one certificate displaced all sets of an honest writer.
+// One identity has many writers, and each of them has less than the set of another identity. They
+// may belong to as many participants: otherwise 40 participants of one certificate displaced all
+// sets of an honest writer.
 TEST_F(CoherentSets, OpenSetsOfOneIdentity_DoNotDisplaceThoseOfAnother) {
   put(1, 1, 1);
   auto large = change(1, 2, 2, {{1}, {}, {}, {}});
@@ -297,7 +298,8 @@ TEST_F(CoherentSets, ASetThatWasGivenUp_IsNotSeenWithoutItsBeginning) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
-// Sets of 1001 samples for a reader of 1000 waited for ever, and were seen in part at the end.
+// Otherwise sets of 1001 samples would wait for ever for a reader of 1000, and would be seen in
+// part at the end.
 TEST_F(CoherentSets, ASetThatTheReaderCannotHold_IsGivenUpWhole) {
   one.most = 2;
   put(1, 1, 1), put(2, 2, 1), put(3, 3, 1), put(4, 4, 4), put(5, 0, 0);
@@ -319,8 +321,8 @@ TEST_F(CoherentSets, ASetWithoutRoomAtTheEndOfItsWriter_IsSeenWholeLater) {
   EXPECT_EQ(presenter.octets(), 0u);
 }
 
-// Whole sets of one identity that wait for the reader: the writers of others go on, and of its own
-// nothing is lost.
+// Whole sets of one identity wait for the reader. The writers of others go on, and nothing of this
+// identity is lost.
 TEST_F(CoherentSets, WaitingSetsOfOneIdentity_LeaveRoomForAnother) {
   one.room = 3;
   constexpr std::int64_t kSamples = 8;
@@ -354,7 +356,7 @@ struct GroupSets : Presenting {
     presenter.add_writer(one, writer(1), kGroup, identity(1));
     presenter.add_writer(two, writer(2), kGroup, identity(1));
   }
-  // `set`: of the writer; `group_set` of the group; value 0 is a marker.
+  // `set` is that of the writer, and `group_set` that of the group. The value 0 marks an end.
   void put(std::uint8_t from, std::int64_t number, std::uint8_t value, std::int64_t set,
            std::int64_t group_set, std::int64_t group) {
     auto next = change(from, number, value, {{set}, {group_set}, {group}, {}});
@@ -370,14 +372,14 @@ TEST_F(GroupSets, ASet_IsSeenWhenAllWritersEndedIt) {
   EXPECT_THAT(take(), IsEmpty());
   put(2, 2, 0, 0, 1, 4);
   EXPECT_THAT(take(), ElementsAre(1, 2, 3));
-  // In the next one the second has nothing to say.
+  // In the next set, the second writer has nothing.
   put(1, 4, 5, 4, 5, 5), put(1, 5, 0, 0, 5, 6), put(2, 3, 0, 0, 5, 6);
   EXPECT_THAT(take(), ElementsAre(5));
 }
 
 TEST_F(GroupSets, OneHole_SpoilsTheSetForAll) {
   put(1, 1, 1, 1, 1, 1), put(1, 2, 0, 0, 1, 4);
-  put(2, 2, 3, 1, 1, 3), put(2, 3, 0, 0, 1, 4);  // its first is missing
+  put(2, 2, 3, 1, 1, 3), put(2, 3, 0, 0, 1, 4);  // its first sample is missing
   EXPECT_THAT(take(), IsEmpty());
   EXPECT_EQ(one.lost + two.lost, 2u);
 }
@@ -388,7 +390,7 @@ TEST_F(GroupSets, SetsThatNotAllEnd_AreBounded) {
   EXPECT_EQ(one.lost, 0u);
   put(1, most + 1, 1, most + 1, most + 1, most + 1);
   EXPECT_EQ(one.lost, 1u);
-  put(2, 1, 0, 0, 1, most + 2);  // ends the one that was given up
+  put(2, 1, 0, 0, 1, most + 2);  // ends the set that was given up
   EXPECT_THAT(take(), IsEmpty());
 }
 
@@ -399,7 +401,7 @@ TEST_F(GroupSets, AWriterThatGoes_IsNotWaitedFor) {
   presenter.add_writer(two, writer(2), kGroup, identity(1));
   put(2, 1, 3, 1, 3, 3);
   put(1, 3, 0, 0, 3, 5);
-  presenter.remove_writer(two, writer(2), now);  // in the middle
+  presenter.remove_writer(two, writer(2), now);  // in the middle of the set
   EXPECT_THAT(take(), IsEmpty());
 }
 
@@ -417,7 +419,8 @@ TEST_F(GroupSets, WhatComesTooEarly_WaitsForWhatIsBefore) {
   EXPECT_THAT(take(), IsEmpty());
   put(1, 1, 1, 0, 0, 1);
   EXPECT_THAT(take(), ElementsAre(1, 2));
-  put(1, 2, 4, 0, 0, 4);  // 3 was for nobody here, as the other one's heartbeat shows
+  // Number 3 was for no reader here, as the heartbeat of the other writer shows.
+  put(1, 2, 4, 0, 0, 4);
   EXPECT_THAT(take(), IsEmpty());
   presenter.on_progress(two, writer(2), {4}, now);
   EXPECT_THAT(take(), ElementsAre(4));
@@ -431,7 +434,7 @@ TEST_F(GroupSets, AHole_IsWaitedForOnlySoLong) {
   EXPECT_THAT(take(), ElementsAre(3));
 }
 
-// While access is paused, equal group numbers were looked for one by one.
+// A search from number to number would take long if the access is paused.
 TEST_F(GroupSets, EqualGroupNumbers_ArePresentedAsTheyCame) {
   presenter.pause(true, now);
   for (std::int64_t number = 1; number <= 50'000; ++number)

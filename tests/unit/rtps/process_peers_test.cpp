@@ -1,4 +1,4 @@
-// Participants of one process: who finds whom, and which endpoints may go without the network.
+// Participants of one process: which of them find each other, and which endpoints need no network.
 #include "rtps/participant/process_peers.hpp"
 
 #include <gtest/gtest.h>

@@ -15,7 +15,7 @@ using namespace testing;
 
 Guid guid_of(std::uint8_t n) { return {GuidPrefix::from(Bytes(12, n)), EntityId{{0, 0, 1, 2}}}; }
 
-// -- ReadConditions
+// ---- ReadConditions
 
 struct ReadConditionsTest : Polled {};
 

@@ -34,7 +34,7 @@ struct Cache : ::testing::Test {
     return *made;
   }
   Moment moment() const { return {now, Time::from(now)}; }
-  /// A change of `key`, stamped `at` after the start.
+  /// Stores a change of `key` with the time `at` after the start.
   ReaderCache::Stored put(std::uint8_t key, std::uint8_t value, StatusInfo status = {},
                           std::uint8_t from = 1, std::optional<MonotonicTime> stamp = {}) {
     Change change;
@@ -55,7 +55,7 @@ struct Cache : ::testing::Test {
     return select({.states = states, .take = true});
   }
   std::vector<OctetSample> read(States states = {}) { return select({.states = states}); }
-  /// First octet of each: the value, or the key where there is no data.
+  /// Returns the first octet of each sample: the value, or the key where there is no data.
   static std::vector<int> values(const std::vector<OctetSample>& samples) {
     std::vector<int> out;
     for (const auto& sample : samples) out.push_back(sample.payload.view()[0]);

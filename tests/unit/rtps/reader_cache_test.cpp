@@ -1,4 +1,5 @@
-// What a reader holds, by itself: states, generations, ranks, limits, ownership, time.
+// The samples that a reader holds, tested alone: states, generations, ranks, limits, ownership,
+// time.
 #include <ctime>
 #include <random>
 
@@ -12,7 +13,7 @@ using namespace testing;
 
 using ReaderCacheTest = Cache;
 
-// Before, the instance ended with a keeper that had sent its sample first.
+// The instance must not end with a keeper that sent the writer's sample first.
 TEST_F(ReaderCacheTest, AWriter_WhoseSampleCameFromAnotherFirst_KeepsItsInstanceAlive) {
   put(1, 10, {}, 2);
   Change own;
@@ -25,7 +26,7 @@ TEST_F(ReaderCacheTest, AWriter_WhoseSampleCameFromAnotherFirst_KeepsItsInstance
   EXPECT_EQ(samples.back().info.instance_state, InstanceState::alive);
 }
 
-// What a durability service sends of another writer.
+// Returns a change of another writer, sent by a durability service.
 Change relayed(std::uint8_t relay, std::uint8_t from, std::int64_t number, std::uint8_t value) {
   Change change;
   change.writer = writer(relay);
@@ -36,7 +37,8 @@ Change relayed(std::uint8_t relay, std::uint8_t from, std::int64_t number, std::
   return change;
 }
 
-// Before: the late joiner ended with what the other durability service had missed an update of.
+// Otherwise a late joiner could end with an older sample, from a durability service that missed an
+// update.
 TEST_F(ReaderCacheTest, KeepLast_AnOlderSampleOfTheSameWriter_ReplacesNoLaterOne) {
   qos.history = {HistoryKind::keep_last, 1};
   const auto store = [&](Change change) { return cache().store(change, moment()).outcome; };
@@ -50,7 +52,7 @@ TEST_F(ReaderCacheTest, KeepLast_AnOlderSampleOfTheSameWriter_ReplacesNoLaterOne
   EXPECT_THAT(values(take()), ElementsAre(10));
 }
 
-// Before: a set that the reader could never hold was seen bit by bit.
+// Otherwise a set that the reader can never hold would be seen sample by sample.
 TEST_F(ReaderCacheTest, KeepLast_RoomForASet_IsThatOfItsHistory) {
   qos.history = {HistoryKind::keep_last, 2};
   qos.resource_limits.max_samples = 4;
@@ -71,7 +73,7 @@ TEST_F(ReaderCacheTest, KeepLast_RoomForASet_IsThatOfItsHistory) {
   EXPECT_EQ(room({{{1}, 9}, {{3}, 2}}), Room::now);
 }
 
-// Before: for each of them, all valid samples before it were looked at.
+// A malformed sample must not be compared with all valid samples before it.
 TEST_F(ReaderCacheTest, ManyMalformedSamples_BesideValidOnes_CostEachTheirOwn) {
   constexpr int kMany = 30'000;
   std::int64_t number = 0;
@@ -94,7 +96,7 @@ TEST_F(ReaderCacheTest, ManyMalformedSamples_BesideValidOnes_CostEachTheirOwn) {
   EXPECT_EQ(cache().discard(all), 0u);
 }
 
-// Before: each call looked at all samples that were read before.
+// A call must not look at all samples that were read before.
 TEST_F(ReaderCacheTest, SamplesThatAreTakenOneByOne_BesideReadOnes_CostEachTheirOwn) {
   constexpr int kMany = 30'000;
   for (int i = 0; i < kMany; ++i) put(1, 1);
@@ -108,7 +110,7 @@ TEST_F(ReaderCacheTest, SamplesThatAreTakenOneByOne_BesideReadOnes_CostEachTheir
   EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC * test::kSlowdown);
 }
 
-// Whatever was read, taken and inserted in between, a search for unread samples finds all of them.
+// A search for unread samples finds all of them, whatever was read, taken and inserted before.
 TEST_F(ReaderCacheTest, UnreadSamples_InAnyOrder_AreFound) {
   struct Expected {
     std::int64_t stamp;
@@ -154,8 +156,8 @@ TEST_F(ReaderCacheTest, UnreadSamples_InAnyOrder_AreFound) {
   }
 }
 
-// A clock that was an hour ahead for a moment: its writer goes on with the last timestamp, and all
-// samples were dropped for that hour.
+// The writer's clock was an hour ahead for a moment. The writer goes on with the last timestamp,
+// but its samples must not be dropped for that hour.
 TEST_F(ReaderCacheTest, AClockThatWasSetBack_DoesNotSilenceSourceOrder) {
   qos.destination_order = DestinationOrderKind::by_source;
   qos.history = {HistoryKind::keep_last, 1};
@@ -194,7 +196,7 @@ TEST_F(ReaderCacheTest, Samples_ReadKeepsAndTakeRemoves) {
   EXPECT_EQ(all[0].info.view_state, ViewState::not_new);
   EXPECT_THAT(take(), IsEmpty());
   EXPECT_EQ(cache().held().samples(), 0u);
-  EXPECT_EQ(cache().held().all().size(), 1u);  // its writer lives
+  EXPECT_EQ(cache().held().all().size(), 1u);  // its writer is alive
 }
 
 TEST_F(ReaderCacheTest, AnInstance_EndsAndComesBackAsANewGeneration) {
@@ -204,8 +206,8 @@ TEST_F(ReaderCacheTest, AnInstance_EndsAndComesBackAsANewGeneration) {
   EXPECT_EQ(samples[1].info.instance_state, InstanceState::not_alive_disposed);
   EXPECT_FALSE(samples[1].info.valid_data);
   EXPECT_TRUE(samples[1].is_key_only);
-  EXPECT_EQ(samples[1].payload.view()[0], 1);  // the key
-  put(1, 11);                                  // what said "disposed" was read: it is over
+  EXPECT_EQ(samples[1].payload.view()[0], 1);  // this is the key
+  put(1, 11);  // the sample that reported the end was read, so the end is over
   put(1, 0, kUnregister);
   put(1, 12);
   samples = take();
@@ -245,7 +247,8 @@ TEST_F(ReaderCacheTest, DisposedAndUnregisteredAtOnce_IsDisposed) {
   put(1, 10), put(1, 0, kBoth);
   EXPECT_EQ(take().back().info.instance_state, InstanceState::not_alive_disposed);
   EXPECT_EQ(cache().held().all().size(), 0u);
-  EXPECT_EQ(put(7, 0, kUnregister).outcome, StoreResult::dropped);  // never heard of
+  // This instance was never received.
+  EXPECT_EQ(put(7, 0, kUnregister).outcome, StoreResult::dropped);
   EXPECT_EQ(cache().held().all().size(), 0u);
 }
 
@@ -254,7 +257,7 @@ TEST_F(ReaderCacheTest, Lifespan_EndsSamplesFromTheirSourceTimeOn) {
   put(1, 10), put(1, 11, {}, 2);
   EXPECT_EQ(put(1, 12, {}, 1, now - milliseconds(100)).outcome, StoreResult::dropped);
   put(1, 13, {}, 1, now - milliseconds(60));
-  put(1, 14, {}, 1, now + std::chrono::hours(1));  // a clock ahead of ours
+  put(1, 14, {}, 1, now + std::chrono::hours(1));  // the writer's clock is ahead of ours
   EXPECT_EQ(cache().next_tick(), now + milliseconds(40));
   now += milliseconds(50);
   EXPECT_THAT(values(read()), ElementsAre(10, 11, 14));
@@ -293,7 +296,7 @@ TEST_F(ReaderCacheTest, Deadlines_AreOfEachInstance) {
   const auto one = cache().lookup(KeyHash{1}), two = cache().lookup(KeyHash{2});
   EXPECT_THAT(missed, ElementsAre(one));
   EXPECT_EQ(cache().next_tick(), now + milliseconds(40));
-  put(2, 0, kDispose);  // nothing is expected of it any more
+  put(2, 0, kDispose);  // nothing more is expected for this instance
   now += milliseconds(100);
   check();
   EXPECT_THAT(missed, ElementsAre(one, one));
@@ -312,7 +315,7 @@ TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstances_GrowNothing) {
     if (i % 50 == 0) take();
   }
   take();
-  EXPECT_EQ(cache().held().octets(), 7u);  // the keys
+  EXPECT_EQ(cache().held().octets(), 7u);  // those of the keys
   EXPECT_FALSE(cache().any({}));
 }
 

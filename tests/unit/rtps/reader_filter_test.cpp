@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using testing::reliable;
 using testing::taken;
 
-// A writer's GAPs would be holes.
+// If the writer filtered for the reader, its GAPs would be holes in the sets.
 TEST_P(Presenting, AFilteredReader_GetsWhatPassesOfAWholeSetOrGroup) {
   auto* large = *b.participant->create_contentfilteredtopic("large", *b.topic, {"value >= 2", {}});
   for (const auto& access : {Presentation{PresentationScope::topic, true, false},

@@ -83,7 +83,7 @@ TEST_F(ReaderPresentationTest, GroupScope_UsesTheSubscribersPresenter) {
   Presenter of_group(true, true, false);
   presentation.start(policy(PresentationScope::group, true, false), &of_group, false, now);
   EXPECT_TRUE(presentation.holds_back());
-  presentation.pause(true, now);  // not its own
+  presentation.pause(true, now);  // the presenter of the subscriber is not paused
   presentation.add_writer(guid_of(1), {}, guid_of(1).prefix);
   EXPECT_TRUE(put(1, 1));
   EXPECT_GT(of_group.octets(), 0u);

@@ -1,4 +1,4 @@
-// What a reader holds of each identity, and what its bookkeeping costs.
+// How much a reader holds for each identity, and what its bookkeeping costs.
 #include <ctime>
 
 #include "tests/unit/rtps/reader_cache_fixture.hpp"
@@ -9,7 +9,7 @@ namespace {
 using namespace testing;
 using ReaderCacheTest = Cache;
 
-// One identity took all 65,536, and no other writer was heard.
+// Otherwise one identity could take all 65,536 instances, and no other writer would be heard.
 TEST_F(ReaderCacheTest, OneIdentity_NeverTakesAllInstances) {
   const auto identity = [](std::uint8_t n) { return writer(n).prefix; };
   for (std::uint8_t i = 1; i <= 3; ++i)
@@ -52,7 +52,7 @@ struct Shares : Cache {
     change.payload = Payload::uninitialized(octets);
     return cache().store(change, moment());
   }
-  // How many samples are stored, each of an instance of its own.
+  // Returns how many samples are stored, each in an instance of its own.
   std::size_t fill(std::uint8_t from, std::size_t octets, std::size_t count) {
     std::size_t stored = 0;
     for (std::size_t i = 0; i < count; ++i, ++keys)
@@ -62,7 +62,8 @@ struct Shares : Cache {
   std::uint8_t keys = 0;
 };
 
-// One identity took all octets, and the samples of others were rejected as long as its own stayed.
+// Otherwise one identity could take all octets, and the samples of others would be rejected for as
+// long as its own stayed.
 TEST_F(Shares, OneIdentity_NeverTakesAllOctets) {
   constexpr auto kHalf = HeldInstances::kMaxOctetsOfOne / kLarge;
   EXPECT_EQ(fill(1, kLarge, 20), kHalf);
@@ -100,7 +101,7 @@ TEST_F(Shares, OneIdentity_NeverTakesAllOctetsWithKeys) {
   EXPECT_LE(cache().held().octets(), HeldInstances::kMaxOctets);
 }
 
-// A reader that does not take was full after 65,536 samples of one identity.
+// Otherwise a reader that does not take would be full after 65,536 samples of one identity.
 TEST_F(Shares, OneIdentity_NeverTakesAllPlaces) {
   const auto store = [&](std::uint8_t from, std::size_t count) {
     std::size_t stored = 0;
@@ -120,7 +121,8 @@ TEST_F(Shares, OneIdentity_NeverTakesAllPlaces) {
   EXPECT_EQ(cache().room_for({1, HeldInstances::kMaxOctetsOfOne + 1}, writer(1)), Room::never);
 }
 
-// What TIME_BASED_FILTER holds back is stored when its writer goes, and still counts for it.
+// A sample that TIME_BASED_FILTER holds back is stored when its writer goes, and still counts for
+// that writer.
 TEST_F(Shares, WhatIsKeptForLater_CountsForItsWriter) {
   qos.time_based_filter = Duration::from(std::chrono::seconds(1));
   made.reset();
@@ -143,7 +145,7 @@ TEST_F(Shares, WhatFindsNoRoomToBeKeptForLater_IsRejectedAndTheFormerStays) {
   qos.reliability.kind = ReliabilityKind::reliable;
   cache().set_writer(writer(1), 0, kDurationInfinite, writer(1).prefix);
   ASSERT_EQ(put_octets(1, 0, 1).outcome, StoreResult::stored);
-  ASSERT_EQ(put_octets(1, 0, 2).outcome, StoreResult::dropped);  // kept for later
+  ASSERT_EQ(put_octets(1, 0, 2).outcome, StoreResult::dropped);  // it is kept for later
   std::uint8_t key = 1;
   while (put_octets(1, key, kLarge).outcome == StoreResult::stored) ++key;
   EXPECT_EQ(put_octets(1, 0, kLarge).outcome, StoreResult::rejected);
@@ -155,8 +157,8 @@ TEST_F(Shares, WhatFindsNoRoomToBeKeptForLater_IsRejectedAndTheFormerStays) {
   EXPECT_EQ(kept[0].payload.size(), 2u);
 }
 
-// Two others that held back as much as they could made the reader forget 37 acknowledged samples of
-// 110.
+// Otherwise two other identities that hold back as much as they may would make the reader forget 37
+// of 110 acknowledged samples.
 TEST_F(Shares, WhatWasKeptForLater_IsNotLostWhenOthersFillTheirShares) {
   qos.time_based_filter = Duration::from(std::chrono::seconds(1));
   qos.reliability.kind = ReliabilityKind::reliable;
@@ -204,7 +206,8 @@ struct LeftInstances : Cache {
   static constexpr auto kHalf = static_cast<std::uint32_t>(HeldInstances::kMaxInstances / 2);
 };
 
-// The other one kept 65,536 instances in the first one's account, which was locked out for good.
+// Otherwise the other identity could keep 65,536 instances in the first one's account, which would
+// lock the first one out for good.
 TEST_F(LeftInstances, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
   std::uint32_t refused = 0, refused_of_other = 0;
   for (std::uint32_t key = 0; key < kHalf + 1000; ++key) {
@@ -269,7 +272,7 @@ TEST_F(ReaderCacheTest, Memory_IsBoundedWhateverTheLimits) {
   EXPECT_LE(cache().held().octets(), HeldInstances::kMaxOctets);
 }
 
-// Before: each end looked at all that was held, 16 s of CPU for so many.
+// If each end were compared with all that is held, so many would take 16 s of CPU.
 TEST_F(ReaderCacheTest, EndsOfManySamples_CostEachTheirOwn) {
   constexpr int kMany = 60'000;
   cache().set_writer(writer(1), 0, Duration::from(std::chrono::seconds(1)));
@@ -291,7 +294,7 @@ Guid writer_of(std::uint8_t identity, std::uint32_t number) {
 }
 
 struct InstanceJoins : Cache {
-  // Returns false if it was rejected.
+  // Returns false if the join was rejected.
   bool join(const Guid& by, std::uint32_t instance) {
     Change change;
     change.writer = by;
@@ -305,7 +308,8 @@ struct InstanceJoins : Cache {
   }
 };
 
-// Before: 1024 writers of one identity with 8192 instances took 649 MB, and 107 s when they left.
+// Without the bound, 1024 writers of one identity with 8192 instances took 649 MB, and 107 s when
+// they left.
 TEST_F(InstanceJoins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
   qos.history = {HistoryKind::keep_last, 1};
   constexpr std::uint32_t kWriters = 1024, kInstances = 1024;
@@ -329,7 +333,7 @@ TEST_F(InstanceJoins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
   EXPECT_TRUE(join(writer_of(1, 0), 9)) << "what has left makes room";
 }
 
-// Before: 83 s.
+// If the cost of a sample grew with their number, this would take 83 s.
 TEST_F(InstanceJoins, SamplesOfOneInstance_InTheOppositeOrderOfTheirTimes_CostEachTheirOwn) {
   qos.destination_order = DestinationOrderKind::by_source;
   constexpr int kCount = 60'000;
@@ -343,7 +347,7 @@ TEST_F(InstanceJoins, SamplesOfOneInstance_InTheOppositeOrderOfTheirTimes_CostEa
       all, {}, [](const OctetSample& sample) { return sample.info.source_timestamp; }));
 }
 
-// Before, each sample looked for the one that reports the end among all.
+// A sample must not search among all samples for the one that reports the end.
 TEST_F(InstanceJoins, SamplesAfterAnEndThatWasNotRead_CostEachTheirOwn) {
   constexpr int kCount = 60'000;
   for (int i = 0; i < kCount; ++i) put(1, 0);

@@ -1,4 +1,4 @@
-// Samples as they come: their keys, filters, writers and owners.
+// Received samples: their keys, filters, writers and owners.
 #include "rtps/dcps/received_samples.hpp"
 
 #include <gmock/gmock.h>
@@ -68,8 +68,8 @@ TEST_F(ReceivedSamplesTest, ProvenPayload_IsBelievedMoreThanTheHashBesideIt) {
   }
 }
 
-// An insider's copy of a sample of another writer, with a short LIFESPAN, ended unread, and the
-// sample itself had been dropped.
+// Otherwise an insider's copy of another writer's sample, with a short LIFESPAN, could end unread
+// after the sample itself was dropped.
 TEST_F(ReceivedSamplesTest, CopyWithAShorterLifespan_TakesNoPlaceOfTheSample) {
   using std::chrono::seconds;
   ReceivedSamples samples(qos, type);
@@ -88,7 +88,8 @@ TEST_F(ReceivedSamplesTest, CopyWithAShorterLifespan_TakesNoPlaceOfTheSample) {
   EXPECT_EQ(samples.cache().held().samples(), 1u);
 }
 
-// Each HEARTBEAT of its writer made the reader deserialize a refused sample of 60 MB twice.
+// Otherwise each HEARTBEAT of its writer would make the reader deserialize a refused sample of 60
+// MB twice.
 TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
   std::size_t hashes = 0, serialized = 0;
   auto counted = type;
@@ -121,7 +122,8 @@ TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
   EXPECT_FALSE(refused.is_examined) << "another reader has to examine it";
 }
 
-// What others keep of a writer is compared by its digest, for which the payload is read.
+// Copies that others keep of a writer's samples are compared by their digest, for which the payload
+// is read.
 TEST_F(ReceivedSamplesTest, RefusedChange_IsNotReadAgainForItsDigest) {
   qos.resource_limits.max_instances = 1;
   ReceivedSamples samples(qos, type);
@@ -191,7 +193,7 @@ TEST_F(ReceivedSamplesTest, WithHistory_ASampleOfTwoWriters_IsTakenOnce) {
   }
 }
 
-// A durability service (3) gives what the strong writer (1) wrote, in its name.
+// A durability service (3) sends what the strong writer (1) wrote, in that writer's name.
 struct ExclusiveSamplesTest : ReceivedSamplesTest {
   ExclusiveSamplesTest() {
     qos.ownership = OwnershipKind::exclusive;

@@ -44,7 +44,7 @@ TEST(RecentMessages, Unprotected_ACountFarAheadHidesNothing) {
   }
 }
 
-// Nor does a guess of the next count.
+// A guess of the next count suppresses no honest message.
 TEST(RecentMessages, Unprotected_TheSameCountWithOtherContentIsNew) {
   RecentMessages<Request> recent;
   EXPECT_TRUE(recent.accept({5, 1}, false));

@@ -1,4 +1,5 @@
-// What a writer and a reader make of strangers, recorded messages and what never completes.
+// How a writer and a reader treat messages of strangers, recorded messages, and samples that never
+// complete.
 #include <gmock/gmock.h>
 
 #include "tests/unit/rtps/reliability_fixture.hpp"
@@ -34,7 +35,8 @@ TEST(Reliability, AnAcknackForMoreThanWasWritten_IsNotBelieved) {
   EXPECT_EQ(pair.writer.history().size(), 1u);
 }
 
-// A pre-emptive one (base 0 of Fast DDS, count 0 of Cyclone DDS) is answered, and changes nothing.
+// A pre-emptive ACKNACK (base 0 of Fast DDS, count 0 of Cyclone DDS) is answered, and changes
+// nothing.
 TEST(Reliability, APreEmptiveAcknack_DoesNotMakeRecordedOnesNew) {
   Pair pair(keep_all());
   pair.match();
@@ -98,7 +100,7 @@ TEST(Reliability, ARequestForFragmentsOfALaterSample_MakesItNotIrrelevant) {
   EXPECT_THAT(pair.numbers(), ElementsAre(1));
 }
 
-// Two paths deliver each message twice, in some order.
+// With two paths, each message arrives twice, in some order.
 TEST(Reliability, UnprotectedRepetitions_AreNotAnsweredAgain) {
   Pair pair(keep_all());
   pair.is_protected = false;
@@ -113,7 +115,7 @@ TEST(Reliability, UnprotectedRepetitions_AreNotAnsweredAgain) {
   EXPECT_EQ(pair.net.b.sent.size(), 2u);
 }
 
-// Only what is new is a sign of life.
+// Only a new message is a sign of life.
 TEST(Reliability, WhatIsRepeated_IsNotNew) {
   for (const bool reliable : {true, false}) {
     Pair pair(keep_all(), reliable);
@@ -148,7 +150,7 @@ TEST(Reliability, WhatIsRepeated_IsNotNew) {
   }
 }
 
-// 1100 writers of another identity that come and go do not make what was recorded new.
+// 1100 writers of another identity that come and go do not make recorded samples new again.
 TEST(Reliability, ReadersThatComeAndGo_DoNotMakeOthersForgotten) {
   Pair pair(keep_all());
   auto& reader = pair.reader;
@@ -169,7 +171,8 @@ TEST(Reliability, ReadersThatComeAndGo_DoNotMakeOthersForgotten) {
   EXPECT_TRUE(reader.on_data(kA, sample(2), {}));
 }
 
-// A million early numbers, a GAP over 2^61 numbers ahead, fragments of samples that never complete.
+// The reader gets a million early numbers, a GAP over 2^61 numbers ahead, and fragments of samples
+// that never complete.
 TEST(Reliability, WhatNeverCompletes_StaysBounded) {
   Pair pair(keep_all());
   pair.match();
@@ -230,8 +233,8 @@ Qos durable() {
   return qos;
 }
 
-// An insider announces readers at any address, and asks for nothing. Before: each of them was sent
-// the whole history at once.
+// An insider announces readers at any address, and requests nothing. Without a common allowance,
+// each of them would be sent the whole history at once.
 TEST(BestEffortReaders, ManyReaders_ShareTheHistoryThatTheyGet) {
   constexpr std::size_t kSamples = 2 * HistoryAllowance::kMaxOctets / 32'000;
   Pair pair(durable());

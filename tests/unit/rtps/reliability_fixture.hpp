@@ -1,4 +1,4 @@
-// A writer and a reader over a network that loses, doubles and reorders.
+// A writer and a reader over a network that loses, duplicates and reorders messages.
 #pragma once
 
 #include <deque>
@@ -16,7 +16,7 @@ inline const GuidPrefix kA = GuidPrefix::from(Bytes(12, 0xaa));
 inline const GuidPrefix kB = GuidPrefix::from(Bytes(12, 0xbb));
 inline const Locator kHere = *Locator::parse("127.0.0.1", 1);
 
-/// Two ends; what one sends waits until the test carries it over.
+/// Two ends. What one of them sends waits until the test carries it over.
 struct Network {
   struct End final : Transport {
     std::deque<Bytes> sent;
@@ -50,10 +50,10 @@ struct Pair {
   MessageSender to_a{net.b, kB};
   StatefulWriter writer;
   std::vector<Change> delivered;
-  std::size_t most = 1'000'000;  ///< then the reader's history is full
+  std::size_t most = 1'000'000;  ///< above this, the reader's history is full
   StatefulReader reader;
   MonotonicTime now{};
-  bool is_protected = true;  ///< all messages, by keys of their senders
+  bool is_protected = true;  ///< all messages are protected, with keys of their senders
 
   explicit Pair(Qos offered = default_writer_qos(), bool reliable = true)
       : writer({kA, testing::kWriter}, offered, to_b),

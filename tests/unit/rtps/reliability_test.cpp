@@ -1,4 +1,4 @@
-// One writer and one reader over a network that loses, doubles and reorders.
+// One writer and one reader over a network that loses, duplicates and reorders messages.
 #include <gmock/gmock.h>
 
 #include "tests/unit/rtps/reliability_fixture.hpp"
@@ -63,7 +63,7 @@ TEST(Reliability, LargeSamples_ComeInFragmentsAndAreRepairedSelectively) {
   }
 }
 
-// Cyclone DDS asks for 256 fragments and then not again for 100 ms.
+// Cyclone DDS requests 256 fragments, and then nothing for 100 ms.
 TEST(Reliability, OneRequest_IsAnsweredInPortionsWithoutAnother) {
   Pair pair(keep_all());
   pair.match();

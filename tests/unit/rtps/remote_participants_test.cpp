@@ -14,7 +14,7 @@ using testing::socketless::World;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-// Ignores whatever it is told of, at once.
+// Ignores at once everything that it is notified of.
 struct Ignorer final : DiscoveryListener {
   explicit Ignorer(RtpsParticipant& participant) : own(participant) {}
   void on_participant(const ParticipantData& data) override { ignore(data.guid, participants); }
@@ -34,7 +34,7 @@ struct Ignorer final : DiscoveryListener {
   int told = 0;
 };
 
-// Under the address sanitizer: nothing is touched after it was forgotten.
+// Under the address sanitizer, this shows that nothing is used after it was forgotten.
 TEST(Participant, WhatAListenerIgnores_IsForgottenWhenTheCallIsOver) {
   for (const int kind : {0, 1, 2, 3})
     for (const bool listens_first : {true, false}) {

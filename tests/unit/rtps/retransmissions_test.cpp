@@ -1,5 +1,5 @@
-// What a writer sends besides new samples: GAPs of filtered changes, and what readers request
-// again.
+// What a writer sends besides new samples: GAPs of filtered changes, and changes that readers
+// request again.
 #include "rtps/reliability/retransmissions.hpp"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,8 @@ TEST_F(WriterParts, ARequest_IsAnsweredWithWhatIsHeld) {
   EXPECT_THAT(said(), IsEmpty());
 }
 
-// Before: one GAP for each number, so a late joiner of a writer that runs for days asked for hours.
+// With one GAP for each number, a late joiner would wait for hours for a writer that has run for
+// days.
 TEST(SparseHistory, NumbersThatWereUsedUp_AreOneGap) {
   Words words;
   MessageSender sender{words, kA};
@@ -64,7 +65,7 @@ struct CountingTransport final : Transport {
   void send(BytesView, std::span<const Locator>) override { ++messages; }
 };
 
-// Before: one step for each number, 4.8 s for a hundred million.
+// With one step for each number, a hundred million of them would take 4.8 s.
 TEST(SparseHistory, LateJoiner_CostsWhatIsHeld) {
   CountingTransport transport;
   MessageSender sender{transport, kA};

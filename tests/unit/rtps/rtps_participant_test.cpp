@@ -1,4 +1,4 @@
-// Two participants without sockets: discovery, matching, and what they make of forged messages.
+// Two participants without sockets: discovery, matching, and how they treat forged messages.
 #include <gmock/gmock.h>
 
 #include "tests/unit/rtps/participant_fixture.hpp"
@@ -15,7 +15,7 @@ using testing::socketless::World;
 
 EndpointDescription square(Qos qos) { return {"Square", "ShapeType", std::move(qos), true}; }
 
-// What waits to be read may be the answer.
+// The messages that wait to be read may contain the answer.
 TEST(Participant, BacklogUnread_NothingIsDue) {
   Node a(1);
   a.participant.note_backlog(true);
@@ -51,7 +51,8 @@ TEST(Participant, AWritersLeaseOfNoTime_CausesNoEndlessWork) {
   EXPECT_LT(ticks, 5000);
 }
 
-// Datagrams to services of this machine, for whoever can send one announcement.
+// Otherwise every host that can send one announcement could have datagrams sent to services of this
+// machine.
 TEST(Participant, LoopbackAddresses_CountOnlyIfTheyAreAnnouncedHere) {
   const auto at = [](const char* address) { return *Locator::parse(address, 7009); };
   auto config = Node::config(1, 0, {}, 10);

@@ -1,5 +1,5 @@
-// What one sample costs on its way from write to take: system calls, locks and allocations. The
-// limits are what was measured, and a little more; a change that needs more must say why.
+// The cost of one sample from write to take: system calls, locks and allocations. The limits are
+// slightly above the measured values. A change that needs more must say why.
 #include <future>
 #include <thread>
 
@@ -36,7 +36,7 @@ struct Side {
   bool is_matched() const {
     return !writer->matched_subscriptions().empty() && !reader->matched_publications().empty();
   }
-  // Waits as an application does. False: nothing came.
+  // Waits as an application does. Returns false if nothing arrives.
   bool take() {
     for (int i = 0; i < 100; ++i) {
       if (reader->take(taken, 1) == 1u && taken[0].info.valid_data) return true;
@@ -46,7 +46,7 @@ struct Side {
   }
 };
 
-// What is counted for one sample, of both sides.
+// The counted costs of one sample, for both sides together.
 struct Costs {
   double waits, receives, sends, timers, others, locks, allocations, sleeps;
 };
@@ -60,12 +60,12 @@ class SampleCost : public ::testing::TestWithParam<ReliabilityKind> {
   test::Silent events_;
   const EngineServices services_{clock_, random_, events_};
 
-  // Of `kRounds` answered samples, so of twice as many samples.
+  // Measures `kRounds` answered samples, which are twice as many samples.
   Costs measure() {
     Side a(services_, GetParam(), "There", "Back"), b(services_, GetParam(), "Back", "There");
     for (int i = 0; i < 2000 && !(a.is_matched() && b.is_matched()); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    std::promise<void> counted;  // what a thread has counted ends with it
+    std::promise<void> counted;  // the counts of a thread end with it
     std::thread answers([&] {
       for (int i = 0; i < kWarmUp + kRounds && b.take(); ++i)
         EXPECT_TRUE(b.writer->write(b.taken[0].data));
@@ -99,7 +99,7 @@ class SampleCost : public ::testing::TestWithParam<ReliabilityKind> {
 
 TEST_P(SampleCost, ThreadsThatWait_SampleTakesFewCallsAndNoOtherThread) {
   auto cost = measure();
-  // On a busy machine the participants' threads take over while a thread that waits gets no time.
+  // On a busy machine, the participants' own threads take over while a waiting thread gets no time.
   for (int i = 0; i < 3 && cost.sleeps >= 1.0; ++i) cost = measure();
   std::printf(
       "epoll %.3f recvmmsg %.3f sendmmsg %.3f timers %.3f read+write %.3f locks %.1f "
@@ -113,8 +113,8 @@ TEST_P(SampleCost, ThreadsThatWait_SampleTakesFewCallsAndNoOtherThread) {
   EXPECT_LT(cost.others, 0.5);
   EXPECT_LT(cost.locks, 24);
   EXPECT_LE(cost.allocations, 1.1);  // the vector that WaitSet::wait returns
-  // The answering thread sleeps once for each of its samples: half a time for each sample. Without
-  // waiting threads that serve, each sample would wake one thread more.
+  // The answering thread sleeps once for each of its samples, which is half a time for each sample.
+  // If waiting threads did not serve, each sample would wake one thread more.
   EXPECT_LT(cost.sleeps, 1.0);
 }
 

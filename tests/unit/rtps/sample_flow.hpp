@@ -1,6 +1,6 @@
-// Samples from a writer over the wire to a reader's take, with their allocations counted. Both
-// participants are served by the test (own_thread = false), whose clock stands between two of their
-// announcements: those do allocate.
+// Samples from a writer over the wire to a reader's take, with their allocations counted. The test
+// serves both participants (own_thread = false). Its clock stands still between two of their
+// announcements, because these do allocate.
 #pragma once
 
 #include <unistd.h>
@@ -43,7 +43,8 @@ struct TypeTraits<Plain> {
 
 namespace testing {
 
-/// On a loopback address of this process alone: what others announce would be counted too.
+/// Returns options for a loopback address that only this process uses, because announcements of
+/// others would be counted, too.
 inline DomainParticipantOptions undisturbed() {
   const auto octet = [](int shift) { return std::to_string(::getpid() >> shift & 0xff); };
   const auto address = "127.72." + octet(8) + "." + octet(0);
@@ -76,7 +77,7 @@ class SampleFlow {
     reader_ = *(*to.create_subscriber())->create_datareader<T>(**to.create_topic<T>("T"), qos);
   }
 
-  /// Allocations of all samples, once a tenth of them has flowed.
+  /// Returns the allocations of all samples, once a tenth of them has flowed.
   std::int64_t allocations() {
     const auto matched = [&] {
       return !writer_->matched_subscriptions().empty() && !reader_->matched_publications().empty();

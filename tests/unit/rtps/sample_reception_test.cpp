@@ -28,7 +28,7 @@ TEST_F(ReaderCacheTest, EachLimit_RejectsByItsNameAndChangesNothing) {
   EXPECT_EQ(cache().held().samples(), 3u);
   EXPECT_THAT(values(take()), ElementsAre(10, 11, 20));
   EXPECT_EQ(put(2, 21).outcome, StoreResult::stored);
-  // A limit of samples is none for what says that an instance ended.
+  // A limit of samples does not apply to the report that an instance ended.
   put(1, 12), put(1, 13);
   EXPECT_EQ(put(1, 0, kDispose).outcome, StoreResult::stored);
 }
@@ -44,7 +44,7 @@ TEST_F(ReaderCacheTest, BySource_OrdersAndNeverGoesBack) {
   EXPECT_THAT(values(take()), ElementsAre(14, 15));
 }
 
-// One sample from the far future ended what all others wrote to the instance.
+// Otherwise one sample from the far future would silence all other writers of the instance.
 TEST_F(ReaderCacheTest, BySource_ATimeFarAheadCountsAsArrival) {
   qos.destination_order = DestinationOrderKind::by_source;
   constexpr auto kMax = ReaderCache::kMaxAhead;

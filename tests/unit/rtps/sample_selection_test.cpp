@@ -1,4 +1,4 @@
-// Which samples a reader finds, in which order and with which ranks.
+// The samples that a reader finds, with their order and ranks.
 #include "rtps/dcps/sample_selection.hpp"
 
 #include "tests/unit/rtps/reader_cache_fixture.hpp"

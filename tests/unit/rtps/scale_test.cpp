@@ -1,4 +1,4 @@
-// What discovery costs as endpoints become many, in work and not in time: this program is built
+// The cost of discovery for many endpoints, measured in work and not in time. This program is built
 // with a call at every branch of the sources that tests/unit/rtps/CMakeLists.txt lists.
 #include <gtest/gtest.h>
 
@@ -23,12 +23,12 @@ std::uint64_t work_of(F&& f) {
   return work - before;
 }
 
-// Writers of one participant and readers of another, each pair on a topic of its own.
+// Writers of one participant and readers of another one, each pair on a topic of its own.
 struct Pairs {
   testing::socketless::Node a{1}, b{2};
   testing::socketless::World world{{&a, &b}};
   std::vector<Guid> writers, readers;
-  std::int64_t asked = 0;  // for the next tick, as dcps does after each change
+  std::int64_t asked = 0;  // asked for the next tick, as dcps does after each change
 
   void create(int count) {
     for (int i = 0; i < count; ++i) {
@@ -77,7 +77,7 @@ Work work_of_pairs(int count) {
   out.write = work_of([&] { pairs.write(); });
   EXPECT_EQ(pairs.b.listener.changes.size(), 1u);
   out.remove = work_of([&] { pairs.remove(); });
-  // Endpoints that were there before the participants met, and a participant that goes.
+  // The endpoints exist before the participants meet, and then one participant leaves.
   Pairs late;
   late.create(count);
   out.late = work_of([&] { EXPECT_TRUE(late.run_until_matched(count)); });
@@ -93,7 +93,7 @@ TEST(Scale, TheWorkOfAnEndpoint_DoesNotGrowWithTheirNumber) {
   ASSERT_GT(work_of([] { Pairs pairs; }), 0u) << "built without a call at every branch";
   constexpr int kFew = 250, kMany = 5000;
   const auto few = work_of_pairs(kFew), many = work_of_pairs(kMany);
-  // A search in n log n, and what a message brings of many, add a little.
+  // A search in n log n, and messages about many endpoints, add a little.
   const auto expect_alike = [&](const char* what, std::uint64_t Work::*part, int in_few,
                                 int in_many) {
     const auto one = static_cast<double>(few.*part) / in_few;
@@ -109,14 +109,15 @@ TEST(Scale, TheWorkOfAnEndpoint_DoesNotGrowWithTheirNumber) {
   expect_alike("one sample", &Work::write, 1, 1);
 }
 
-// Does not ask to hear of each assertion.
+// Does not ask to be notified of each assertion.
 struct Quiet final : testing::socketless::Listener {
   void on_signal(const Guid&, std::shared_ptr<LivelinessSignal>) override {}
 };
 
-// What a datagram of 20 octets costs a reader of so many writers with a finite lease.
+// Returns the work that a datagram of 20 octets causes for a reader of so many writers with a
+// finite lease.
 std::uint64_t work_of_a_sign_of_life(int writers) {
-  Quiet reader;  // outlives its endpoint
+  Quiet reader;  // it outlives its endpoint
   testing::socketless::Node a{1}, b{2};
   testing::socketless::World world{{&a, &b}};
   auto offered = default_writer_qos();
@@ -133,19 +134,21 @@ std::uint64_t work_of_a_sign_of_life(int writers) {
   return work_of([&] { b.participant.receive(message, world.now); });
 }
 
-// 16 ms for each datagram at 2000 writers, and about 1.1 s at the bound of 16,384.
+// Otherwise each datagram would cost 16 ms with 2000 writers, and about 1.1 s at the bound of
+// 16,384.
 TEST(Scale, ASignOfLife_CostsTheSameForAnyNumberOfWriters) {
   const auto few = work_of_a_sign_of_life(10), many = work_of_a_sign_of_life(1000);
   EXPECT_LT(many, 2 * few);
 }
 
 struct CrowdWork {
-  double match, part;  // of each endpoint
+  double match, part;  // for each endpoint
 };
 
-// So many writers of one participant on a topic that we read, and readers on one that we write.
+// Returns the work for so many writers of one participant on a topic that we read, and readers on
+// one that we write.
 CrowdWork work_of_a_crowd(int count) {
-  Quiet own, theirs;  // outlive their endpoints
+  Quiet own, theirs;  // they outlive their endpoints
   testing::socketless::Node a{1}, b{2};
   testing::socketless::World world{{&a, &b}};
   auto offered = default_writer_qos();
@@ -174,14 +177,16 @@ CrowdWork work_of_a_crowd(int count) {
   return out;
 }
 
-// 52 s of CPU to match 16,000 readers of one participant, and 48 s in one call when it went.
+// Otherwise matching 16,000 readers of one participant cost 52 s of CPU, and its end 48 s in one
+// call.
 TEST(Scale, AnEndpointOnOneTopic_CostsTheSameForAnyNumberOfThem) {
   const auto few = work_of_a_crowd(50), many = work_of_a_crowd(1000);
   EXPECT_LT(many.match, 2 * few.match) << few.match << " becomes " << many.match;
   EXPECT_LT(many.part, 2 * few.part) << few.part << " becomes " << many.part;
 }
 
-// What a reader does with so many writers for an assertion, and when the first lease would end.
+// Returns the work of a reader with so many writers for an assertion, and for the time at which the
+// first lease would end.
 std::uint64_t work_of_leases(int writers) {
   const auto signal = std::make_shared<LivelinessSignal>(milliseconds(0));
   LivelinessMonitor monitor;

@@ -1,4 +1,5 @@
-// The thread that waits serves the participant, and the participant's own thread when none does.
+// The thread that waits serves the participant. If no thread waits, the participant's own thread
+// does.
 #include <csignal>
 #include <future>
 
@@ -11,7 +12,7 @@ namespace {
 using namespace testing;
 using Turn = ServingTurn;
 
-// Serving lasts until it is ended.
+// A server that serves until it is told to end.
 struct Server final : Turn::Server {
   std::mutex mutex;
   std::condition_variable changed;
@@ -140,7 +141,7 @@ TEST_F(ServingTurns, ThreadThatServesIsHeldUp_ParticipantsThreadTakesTheTurn) {
   EXPECT_TRUE(turn.await());
   EXPECT_GE(Turn::Clock::now() - begin, Turn::kHeld);
   EXPECT_FALSE(turn.yield());
-  waiting->serve(1ns);  // it comes back
+  waiting->serve(1ns);  // it returns
   EXPECT_FALSE(server.worked);
   EXPECT_FALSE(waiting->serves());
 }
@@ -179,7 +180,7 @@ TEST_F(ServingTurns, CloseWhileAThreadIsHeldUp_ReturnsAfterThat) {
   closed.get();
 }
 
-// ---- participants -----------------------------------------------------------------------------
+// ---- participants
 
 struct ServingParticipants : ::testing::Test {
   const SystemClock clock;
@@ -207,7 +208,7 @@ struct ServingParticipants : ::testing::Test {
   std::unique_ptr<Side> a, b;
 
   void create(bool is_in_process = false, std::chrono::nanoseconds busy = {}) {
-    a.reset();  // former sides would count as matches of the new ones
+    a.reset();  // otherwise the former sides would count as matches of the new ones
     b.reset();
     a = std::make_unique<Side>(services, is_in_process, busy);
     b = std::make_unique<Side>(services, is_in_process, busy);
@@ -221,7 +222,7 @@ struct ServingParticipants : ::testing::Test {
       if (all(*a->reader) && all(*b->reader) && heard(*a->writer) && heard(*b->writer)) return;
     FAIL() << "the participants do not match";
   }
-  // The values that came so far, until `last`. Each side reads what both write.
+  // Waits for values up to `last`. Each side reads what both write.
   static bool wait_for(Side& side, std::int64_t last, bool by_set) {
     for (const auto end = Turn::Clock::now() + 20s; Turn::Clock::now() < end;) {
       if (by_set)
@@ -233,7 +234,7 @@ struct ServingParticipants : ::testing::Test {
     }
     return false;
   }
-  // `a` asks and `b` answers, both by waiting.
+  // `a` asks and `b` answers. Both wait for the messages.
   void exchange(int rounds, bool by_set) {
     if (by_set)
       for (auto* side : {a.get(), b.get()}) side->set.attach_condition(*side->unread);
@@ -295,7 +296,7 @@ TEST_F(ServingParticipants, GuardConditionWhileAThreadServes_EndsItsWait) {
   }
 }
 
-// Before, the process ended, or no other thread could wait by the set.
+// Otherwise the process would end, or no other thread could wait with the set.
 TEST_F(ServingParticipants, ThreadThatIsCancelled_LeavesSetAndParticipantInOrder) {
   create();
   exchange(50, true);  // from now on the waiting threads serve
@@ -319,7 +320,7 @@ TEST_F(ServingParticipants, ThreadThatIsCancelled_LeavesSetAndParticipantInOrder
   exchange(20, true);
 }
 
-// While one exists, the thread that gets SIGUSR2 is held up in a handler.
+// While an object of this class exists, the thread that gets SIGUSR2 is held up in a handler.
 class HeldUp {
  public:
   HeldUp() { ::signal(SIGUSR2, &hold); }
@@ -332,7 +333,7 @@ class HeldUp {
   }
 };
 
-// Before, the participant received and answered nothing meanwhile.
+// The participant must receive and answer while the waiting thread is held up.
 TEST_F(ServingParticipants, WaitingThreadIsHeldUp_ParticipantAnswersAllTheSame) {
   create();
   exchange(50, true);  // from now on the waiting threads serve
@@ -347,7 +348,7 @@ TEST_F(ServingParticipants, WaitingThreadIsHeldUp_ParticipantAnswersAllTheSame) 
       return a->set.wait(20s);
     });
     const auto thread = begun.get_future().get();
-    std::this_thread::sleep_for(20ms);  // so that it serves
+    std::this_thread::sleep_for(20ms);  // gives it time to begin to serve
     ASSERT_EQ(::pthread_kill(thread, SIGUSR2), 0);
     while (!HeldUp::begun) std::this_thread::sleep_for(1ms);
     ASSERT_TRUE(b->writer->write({"south", 3000 + i}));
@@ -376,7 +377,7 @@ TEST_F(ServingParticipants, SampleWithinTheProcessWhileAThreadServes_EndsItsWait
 TEST_F(ServingParticipants, NoThreadWaitsAnyMore_SamplesAreAcknowledgedAndTaken) {
   create();
   exchange(200, true);
-  // Nothing waits for data, but reliable samples still arrive and are acknowledged.
+  // No thread waits for data, but reliable samples still arrive and are acknowledged.
   for (int i = 1000; i < 1020; ++i) {
     ASSERT_TRUE(a->writer->write({"north", i}));
     ASSERT_TRUE(a->writer->wait_for_acknowledgments(10s));
@@ -409,7 +410,7 @@ TEST_F(ServingParticipants, SeveralThreadsWait_EachGetsItsData) {
   EXPECT_EQ(got, 400);
 }
 
-// Its listener needs a mutex that the waiting thread holds.
+// The listener needs a mutex that the waiting thread holds.
 struct Locking final : DataReaderListener {
   std::mutex& mutex;
   std::promise<std::thread::id> called;

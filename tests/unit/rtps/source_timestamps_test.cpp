@@ -1,4 +1,4 @@
-// Times that an application may give its samples.
+// The timestamps that an application may give its samples.
 #include "rtps/dcps/source_timestamps.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What a reader makes of its room, of losses and of unfinished samples.
+// How a reader uses its room, and treats losses and unfinished samples.
 #include "rtps/reliability/stateful_reader.hpp"
 
 #include <gmock/gmock.h>
@@ -69,7 +69,7 @@ TEST(Reliability, BestEffort_LosesWhatItMissesAfterItsFirstSample) {
   pair.match(false, false);
   pair.write({1});
   pair.run(1);
-  EXPECT_EQ(lost, 0);  // what was written before it came
+  EXPECT_EQ(lost, 0);  // samples that were written before it came do not count
   pair.net.loss_percent = 100;
   for (std::uint8_t i = 0; i < 3; ++i) pair.write({i});
   pair.run(1);
@@ -95,7 +95,7 @@ TEST(Reliability, Reliable_LosesWhatItsWriterNoLongerHas) {
   EXPECT_EQ(lost, 3);
 }
 
-// A keeper's: what it has taken is acknowledged when it is stored.
+// This is a reader of a keeper: a sample that it has taken is acknowledged once it is stored.
 TEST(Reliability, WhatIsUnfinished_IsNotAcknowledged) {
   Pair pair(keep_all());
   SequenceNumber unfinished{3};
@@ -118,7 +118,7 @@ TEST(Reliability, WhatIsUnfinished_IsNotAcknowledged) {
   EXPECT_THAT(pair.numbers(), ElementsAre(1, 2, 3, 4, 5));
 }
 
-// With losses: what is missing is asked for although what came before is not acknowledged.
+// Some messages are lost. Missing samples are requested although earlier ones are not acknowledged.
 TEST(Reliability, WhatIsUnfinished_HidesNoLoss) {
   Pair pair(keep_all());
   pair.reader.acknowledge_before([](const Guid&, SequenceNumber) { return SequenceNumber{1}; });

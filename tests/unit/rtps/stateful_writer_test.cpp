@@ -1,4 +1,4 @@
-// What a writer keeps, refuses and sends again.
+// Changes that a writer keeps, refuses and sends again.
 #include "rtps/reliability/stateful_writer.hpp"
 
 #include <gmock/gmock.h>
@@ -38,7 +38,7 @@ TEST(Reliability, ALateJoinerOfATransientLocalWriter_GetsItsHistory) {
 }
 
 TEST(Reliability, KeepLast_ReplacesUnacknowledgedChangesAndGapsThem) {
-  Pair pair;  // depth 1
+  Pair pair;  // the depth is 1
   pair.match();
   pair.run(3);
   pair.net.loss_percent = 100;
@@ -98,7 +98,7 @@ TEST(Reliability, WhatIsDiscarded_IsNeverSentAgain) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
-// What is sent depends on who reads; what is held does not.
+// The form in which a key is sent depends on the matched readers, but the held form does not.
 TEST(Reliability, AKey_GoesOutAsAllMatchedReadersReadIt) {
   Pair pair(keep_all());
   pair.writer.rewrite_keys_with([](BytesView) { return Bytes{0, 9, 0, 0, 'b', 'a', 'r', 'e'}; });

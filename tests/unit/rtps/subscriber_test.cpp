@@ -1,4 +1,4 @@
-// What is seen during an access.
+// The samples that are visible during an access.
 #include "rtps/dcps/subscriber.hpp"
 
 #include "tests/support/succeeds.hpp"
@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using testing::taken;
 
-// Each scope but GROUP has presenters of its own.
+// Each scope except GROUP has presenters of its own.
 TEST_P(Presenting, CoherentSetDuringAnAccess_IsNotSeenAtAnyScope) {
   for (const auto scope :
        {PresentationScope::instance, PresentationScope::topic, PresentationScope::group}) {

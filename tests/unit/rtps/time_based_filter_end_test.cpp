@@ -1,5 +1,5 @@
-// TIME_BASED_FILTER: an instance, or its writer, that ends while a sample of it is held back
-// (DDS 1.4, 2.2.3.12: a reliable reader gets the last sample in the end).
+// TIME_BASED_FILTER, when an instance or its writer ends while a sample is held back (DDS 1.4,
+// 2.2.3.12: a reliable reader gets the last sample in the end).
 #include <optional>
 
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@ using std::chrono::seconds;
 using ::testing::ElementsAre;
 using StoreResult = ReaderCache::StoreResult;
 
-constexpr int kEnd = -1;  // a sample without data
+constexpr int kEnd = -1;  // stands for a sample without data
 
 struct TimeBasedFilterEnd : ::testing::Test {
   TimeBasedFilterEnd() {
@@ -77,7 +77,7 @@ struct TimeBasedFilterEnd : ::testing::Test {
 
 TEST_F(TimeBasedFilterEnd, Unregister_LastSampleComesBeforeIt) {
   ASSERT_EQ(put(10), StoreResult::stored);
-  ASSERT_EQ(put(11), StoreResult::dropped);  // held back
+  ASSERT_EQ(put(11), StoreResult::dropped);  // it is held back
   EXPECT_EQ(put(kEnd), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
   EXPECT_THAT(taken_after(seconds(10)), ElementsAre());
@@ -140,15 +140,15 @@ TEST_F(TimeBasedFilterEnd, OneOfTwoUnregisters_ItsLastSampleComesAndTheInstanceL
   EXPECT_THAT(take(), ElementsAre(20, 10));
 }
 
-// ---- what may replace the sample that is held back
+// ---- samples that may replace the one that is held back
 
 TEST_F(TimeBasedFilterEnd, Exclusive_WeakerWriterReplacesNothing) {
   auto exclusive = qos();
   exclusive.ownership = OwnershipKind::exclusive;
   begin(exclusive);
   ASSERT_EQ(put(1, 1), StoreResult::stored);
-  ASSERT_EQ(put(2, 2), StoreResult::dropped);  // held back
-  ASSERT_EQ(put(3, 1), StoreResult::dropped);  // the second owns the instance
+  ASSERT_EQ(put(2, 2), StoreResult::dropped);  // it is held back
+  ASSERT_EQ(put(3, 1), StoreResult::dropped);  // the second writer owns the instance
   EXPECT_THAT(take(), ElementsAre(1));
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
 }
@@ -165,7 +165,7 @@ TEST_F(TimeBasedFilterEnd, BySource_OlderSampleOrDisposeReplacesNothing) {
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
 }
 
-// Before, a writer whose clock was late stayed one of the instance's writers.
+// A writer whose clock is slow must not remain one of the instance's writers.
 TEST_F(TimeBasedFilterEnd, BySource_UnregisterOfALateClock_CountsAllTheSame) {
   auto by_source = qos();
   by_source.destination_order = DestinationOrderKind::by_source;

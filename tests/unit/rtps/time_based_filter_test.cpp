@@ -1,5 +1,5 @@
-// TIME_BASED_FILTER in a reader that is full: what was held back is offered again, at a bounded
-// rate.
+// TIME_BASED_FILTER in a reader that is full: samples that were held back are offered again, at a
+// bounded rate.
 #include <gmock/gmock.h>
 
 #include "rtps/dcps/reader_cache.hpp"
@@ -44,7 +44,7 @@ struct TimeBasedFilter : ::testing::Test {
 
 TEST_F(TimeBasedFilter, SetToZeroInAFullReader_ReleaseEndsAndKeepsTheSample) {
   ASSERT_EQ(put(10), StoreResult::stored);
-  ASSERT_EQ(put(11), StoreResult::dropped);  // held back
+  ASSERT_EQ(put(11), StoreResult::dropped);  // it is held back
   cache.set_minimum_separation({});
   EXPECT_LE(cache.next_tick(), now);
   EXPECT_FALSE(cache.release(moment()));
@@ -57,7 +57,8 @@ TEST_F(TimeBasedFilter, SetToZeroInAFullReader_ReleaseEndsAndKeepsTheSample) {
   EXPECT_EQ(cache.next_tick(), kNever);
 }
 
-// Each take() made the reader compute the digest of a refused sample of 66 MB again.
+// Otherwise each take() would make the reader compute the digest of a refused sample of 66 MB
+// again.
 TEST_F(TimeBasedFilter, RefusedInTheQuietTime_IsRefusedAgainAtOnceUntilThereIsRoom) {
   const Guid writer{GuidPrefix::from(Bytes(12, 1)), EntityId{{0, 0, 1, 2}}};
   cache.set_writer(writer, 0, Duration::from(seconds(2)), writer.prefix);
@@ -95,7 +96,7 @@ TEST_F(TimeBasedFilter, VeryShortInAFullReader_IsOfferedAtABoundedRate) {
   EXPECT_THAT(take(), ElementsAre(11));
 }
 
-// Without a filter, a reliable reader loses nothing and does not go back.
+// Without a filter, a reliable reader loses nothing and does not go back in time.
 TEST_F(TimeBasedFilter, SetToZeroInAFullReader_NewSamplesAreRejectedAndReplaceTheOneHeldBack) {
   ASSERT_EQ(put(10), StoreResult::stored);
   ASSERT_EQ(put(11), StoreResult::dropped);

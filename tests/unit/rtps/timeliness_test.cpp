@@ -11,7 +11,7 @@ using namespace of_reliability;
 constexpr auto kMaxDelay = Timeliness::kMaxDelay;
 const Guid kSilent{GuidPrefix::from(Bytes(12, 0xcc)), testing::kReader};
 
-// A writer with many instances (KEEP_LAST 1), one honest reader and one that acknowledges nothing.
+// A writer with many instances (KEEP_LAST 1), one honest reader, and one that acknowledges nothing.
 struct TimelinessTest : ::testing::Test {
   Pair pair{default_writer_qos()};
   std::uint32_t written = 0;
@@ -22,7 +22,7 @@ struct TimelinessTest : ::testing::Test {
       pair.write(Bytes(10'000), KeyHash{static_cast<std::uint8_t>(written % 200)});
   }
   bool is_ahead() { return pair.writer.is_ahead(pair.now); }
-  // The writer is ahead at some time while samples are written in this time.
+  // True if the writer is ahead at some time while it writes samples for that long.
   bool is_ahead_during(MonotonicTime time) {
     bool out = false;
     for (const auto end = pair.now + time; pair.now < end; pair.run(1)) {
@@ -41,7 +41,8 @@ TEST_F(TimelinessTest, ReaderThatNeverAcknowledges_HoldsUpForABoundedTime) {
   EXPECT_TRUE(is_ahead());
   is_ahead_during(kMaxDelay + milliseconds(50));
   EXPECT_FALSE(is_ahead_during(milliseconds(10'000)));
-  EXPECT_GT(pair.writer.history().octets(), 1'000'000u);  // held for it, but nothing waits for it
+  // They are held for that reader, but no write waits for it.
+  EXPECT_GT(pair.writer.history().octets(), 1'000'000u);
 }
 
 TEST_F(TimelinessTest, AloneAndNeverAcknowledging_HoldsUpForABoundedTime) {

@@ -12,7 +12,7 @@ namespace ddssec::rtps::two_threads {
 
 using namespace testing;
 
-/// Does something the first time that there is data, in the participant's thread.
+/// Acts once, in the participant's thread, when data arrives for the first time.
 struct Once final : DataReaderListener {
   std::function<void()> act;
   std::promise<void> done;
@@ -52,7 +52,8 @@ struct TwoThreads : ::testing::Test {
   std::unique_ptr<Side> b = std::make_unique<Side>(services);
   std::barrier<> both{2};
 
-  /// Both listeners run at the same time. A deadlock cannot be undone: it ends the test program.
+  /// Lets both listeners run at the same time. A deadlock cannot be undone, so it ends the test
+  /// program.
   void run() {
     auto first = a->listener.done.get_future(), second = b->listener.done.get_future();
     ASSERT_TRUE(a->writer->write({"north", 1}));

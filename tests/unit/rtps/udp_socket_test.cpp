@@ -85,7 +85,7 @@ TEST(UdpSocket, ManyMessagesToMany_LeaveInOrder) {
   }
 }
 
-// The traffic class with which the next datagram came.
+// Returns the traffic class of the next datagram.
 int traffic_class_at(const UdpSocket& socket, int type) {
   std::array<std::uint8_t, 64> octets;
   alignas(cmsghdr) std::array<std::uint8_t, 64> control{};
@@ -111,7 +111,7 @@ TEST(UdpSocket, APriority_IsTheTrafficClassOfItsDatagrams) {
   for (const auto& family : {Family{"127.0.0.1", IPPROTO_IP, IP_RECVTOS, IP_TOS},
                              Family{"::1", IPPROTO_IPV6, IPV6_RECVTCLASS, IPV6_TCLASS}}) {
     const auto to = UdpSocket::bind(*Locator::parse(family.address, 0));
-    if (!to) continue;  // a machine without IPv6
+    if (!to) continue;  // this machine has no IPv6
     const auto from = *UdpSocket::bind(*Locator::parse(family.address, 0));
     const int on = 1;
     ASSERT_EQ(::setsockopt(to->fd(), family.level, family.option, &on, sizeof on), 0);
@@ -141,7 +141,8 @@ TEST(UdpSocket, AGroupThatCannotBeJoined_IsNamed) {
 }
 
 TEST(UdpSocket, WhatTheSystemRefuses_IsNamed) {
-  // A sanitizer needs descriptors to look at an error's type for the first time: here it has them.
+  // A sanitizer needs descriptors when it looks at an error's type for the first time. Here it
+  // still has them.
   ASSERT_FALSE(UdpSocket::join(*Locator::parse("239.255.0.1", 7400), *Locator::parse("::1", 0)));
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);

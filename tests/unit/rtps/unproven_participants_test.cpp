@@ -1,4 +1,4 @@
-// Participants that have proven nothing: which source gives way first.
+// Participants that have proven nothing, and which source must make room first.
 #include "rtps/participant/unproven_participants.hpp"
 
 #include <gtest/gtest.h>

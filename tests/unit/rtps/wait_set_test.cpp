@@ -50,11 +50,12 @@ TEST(WaitSet, TriggerOfAnotherThread_WakesIt) {
   }
   std::thread waiting([&] {
     auto woken = set.wait(std::chrono::seconds(10));
-    while (code_of(woken) == Code::rtps_precondition_not_met)  // the main thread was in it just now
+    // The main thread was in it a moment ago.
+    while (code_of(woken) == Code::rtps_precondition_not_met)
       woken = set.wait(std::chrono::seconds(10));
     EXPECT_TRUE(woken);
   });
-  GuardCondition late;  // attached while a thread waits
+  GuardCondition late;  // it is attached while a thread waits
   late.set_trigger_value(true);
   auto second = set.wait(milliseconds(0));
   for (int i = 0; i < 10'000 && code_of(second) == Code::rtps_timeout; ++i) {
@@ -82,8 +83,8 @@ TEST(WaitSet, Either_MayDieFirst) {
   EXPECT_TRUE(stays.trigger_value());
 }
 
-// Overwritten when it has died: nobody can lock what was its mutex, so that a thread that still
-// uses it ends the program without a sanitizer, too.
+// The memory of the condition is overwritten after its end. Its mutex can then not be locked, so a
+// thread that still uses it ends the program even without a sanitizer.
 struct Overwritten {
   alignas(GuardCondition) std::array<std::byte, sizeof(GuardCondition)> memory;
   GuardCondition& make() { return *new (memory.data()) GuardCondition; }

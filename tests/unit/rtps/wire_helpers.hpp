@@ -1,4 +1,4 @@
-// Shared by the wire tests: build one submessage, take it apart again.
+// What the wire tests share: functions that build one submessage and read it again.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace ddssec::rtps::testing {
 inline constexpr EntityId kReader{{0, 0, 1, 0x07}};
 inline constexpr EntityId kWriter{{0, 0, 2, 0x02}};
 
-/// The octets of one submessage.
+/// Returns the octets of one submessage.
 template <class S>
 Bytes written(const S& submessage, Endian endian = Endian::little) {
   std::array<std::uint8_t, 4096> buffer{};
@@ -23,7 +23,7 @@ Bytes written(const S& submessage, Endian endian = Endian::little) {
   return to_bytes(out.view());
 }
 
-/// A whole message around submessages.
+/// Returns a whole message with these submessages.
 inline Bytes message(std::initializer_list<Bytes> submessages) {
   std::array<std::uint8_t, 8192> buffer{};
   SpanWriter out(buffer);
@@ -32,7 +32,7 @@ inline Bytes message(std::initializer_list<Bytes> submessages) {
   return to_bytes(out.view());
 }
 
-/// The view a MessageReader gives of one submessage; `octets` must outlive it.
+/// Returns the view that a MessageReader gives of one submessage. `octets` must outlive it.
 inline SubmessageView view_of(const Bytes& octets) {
   return **MessageReader::over_submessages({}, octets).next();
 }

@@ -1,4 +1,4 @@
-// What a writer still holds, when changes in between are dropped.
+// The changes that a writer still holds when changes in between are dropped.
 #include "rtps/reliability/writer_history.hpp"
 
 #include <chrono>
@@ -33,7 +33,7 @@ std::vector<std::int64_t> held(const WriterHistory& history) {
   return out;
 }
 
-// Before: every change after the first took a place for ever, 200 octets each.
+// Otherwise every change after the first one would take a place for ever, with 200 octets each.
 TEST(WriterHistory, DroppedAfterOneThatStays_AreForgotten) {
   WriterHistory history(keep_last());
   history.add(change_of(1));
@@ -52,7 +52,7 @@ TEST(WriterHistory, DroppedAfterOneThatStays_AreForgotten) {
   EXPECT_EQ(history.size(), 3u);
 }
 
-// Against a list of what must be held.
+// The history is compared with a list of what must be held.
 TEST(WriterHistory, RandomDrops_LeaveTheLastOfEachInstance) {
   WriterHistory history(keep_last());
   std::map<int, std::int64_t> last;
@@ -105,7 +105,8 @@ Qos at_most(std::int32_t changes, std::int32_t depth = 1) {
   return qos;
 }
 
-// A late joiner lacked what was not written again, after 65,536 changes of others.
+// Otherwise a late joiner would lack instances that are not written again, after 65,536 changes of
+// others.
 TEST(WriterHistory, ManyInstancesEnd_LivingOnesAreKept) {
   WriterHistory history(at_most(16));
   const auto config = history.add(change_of(0));
@@ -143,7 +144,7 @@ TEST(WriterHistory, TooManyLivingInstances_OldestGoes) {
               ::testing::ElementsAre(5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20));
 }
 
-// A walk through the history for each change took milliseconds.
+// A walk through the history for each change would take milliseconds.
 TEST(WriterHistory, ManyMoreLivingInstances_CostNoMoreThanOthers) {
   constexpr std::int32_t kMax = 20'000;
   WriterHistory history(at_most(kMax));
@@ -158,7 +159,7 @@ TEST(WriterHistory, ManyMoreLivingInstances_CostNoMoreThanOthers) {
   EXPECT_EQ(history.size(), static_cast<std::size_t>(kMax));
 }
 
-// Before: each of these changes cost a walk through the history, to find one that was replaced.
+// A change must not cost a walk through the history to find one that was replaced.
 TEST(WriterHistory, DeepHistoriesOfVeryMany_CostNoMoreThanOthers) {
   constexpr std::uint32_t kMax = WriterHistory::kMaxChanges, kMore = 20'000;
   WriterHistory history(at_most(static_cast<std::int32_t>(kMax), 2));
@@ -179,7 +180,7 @@ TEST(WriterHistory, DeepHistoriesOfVeryMany_CostNoMoreThanOthers) {
   EXPECT_NE(history.find({kMore + 1}), nullptr) << "the last of its instance";
 }
 
-// What is remembered of the changes that were replaced does not grow with the changes.
+// The memory for replaced changes does not grow with the number of changes.
 TEST(WriterHistory, ADeepHistory_ThatIsReplacedForLong_HoldsItsLatest) {
   WriterHistory history(at_most(1000, 2));
   for (int i = 0; i < 100'000; ++i) history.add(change_of(static_cast<std::uint8_t>(i % 3)));

@@ -49,7 +49,7 @@ TEST_F(WriterLifespanTest, Shortened_LaterChangesExpireBeforeEarlierOnes) {
   EXPECT_EQ(lifespan.next_tick(), milliseconds(500));
 }
 
-// A writer of 1 kHz with a lifespan of a day kept 1.4 GB of numbers.
+// Otherwise a writer of 1 kHz with a lifespan of a day would keep 1.4 GB of numbers.
 TEST_F(WriterLifespanTest, ChangesLeftTheHistory_AreForgotten) {
   Qos qos;
   qos.history = {HistoryKind::keep_last, 2};

@@ -1,4 +1,4 @@
-// By which messages writers of each kind assert their liveliness.
+// The messages with which writers of each kind assert their liveliness.
 #include "rtps/participant/writer_liveliness.hpp"
 
 #include <gmock/gmock.h>

@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 
 inline const GuidPrefix kA = GuidPrefix::from(Bytes(12, 0xaa));
 
-/// What was said, in words: "data 3 unicast", "gap 1-4", ...
+/// Describes in words what was sent: "data 3 unicast", "gap 1-4", ...
 struct Words final : Transport {
   std::vector<std::string> said;
   void send(BytesView message, std::span<const Locator> to) override {

@@ -118,7 +118,7 @@ TEST_F(WriterProxyTest, WhatTheWriterNoLongerHas_IsLostAfterItsFirstHeartbeat) {
   EXPECT_THAT(delivered, ElementsAre(5));
 }
 
-// Before: they were counted with each HEARTBEAT.
+// Otherwise they would be counted with each HEARTBEAT.
 TEST_F(WriterProxyTest, WhatIsLostBehindARefusedChange_IsCountedOnce) {
   reliable.on_heartbeat(heartbeat(1, 5, 1));
   refuses_from = 1;
@@ -133,7 +133,8 @@ TEST_F(WriterProxyTest, WhatIsLostBehindARefusedChange_IsCountedOnce) {
   EXPECT_THAT(delivered, ElementsAre(1));
 }
 
-// A full reader took some of what it held, not all: that is over.
+// A full reader took some of the samples that it held, but not all of them. Those that it took are
+// finished.
 TEST_F(WriterProxyTest, WhatAFullReaderTook_IsNeitherLostNorTakenAgain) {
   reliable.on_heartbeat(heartbeat(1, 3, 1));
   add(reliable, 2);
@@ -183,7 +184,7 @@ TEST_F(WriterProxyTest, TheLatest_IsForgottenFirst) {
   EXPECT_EQ(reliable.held().octets(), 0u);
 }
 
-// What was sent before it left is not new, whoever sends it again.
+// Samples that were sent before it left are not new, whichever participant sends them again.
 TEST_F(WriterProxyTest, Resumed_GoesOnWhereItWas) {
   reliable.resume({{}, {5}, 7}, false);
   EXPECT_EQ(reliable.next(), SequenceNumber{5});
@@ -204,8 +205,8 @@ TEST_F(WriterProxyTest, ResumedWithHistory_WaitsForANewHeartbeat) {
   EXPECT_FALSE(reliable.waits_for_heartbeat());
 }
 
-// It may have been recorded. But a forged one may have had the latest count, too, so that no other
-// would ever come.
+// The HEARTBEAT may have been recorded. But a forged one may have had the latest count, too, and
+// then no honest one would ever be accepted.
 TEST_F(WriterProxyTest, ResumedWithHistory_AnUnprotectedOldHeartbeatContinuesWhereItWas) {
   reliable.resume({{}, {5}, 7}, true);
   add(reliable, 1);
