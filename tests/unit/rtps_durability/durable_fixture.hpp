@@ -33,7 +33,8 @@ struct DurableFixture : Polled {
     qos.durability = kind;
     return qos;
   }
-  /// All that a reader of b gets from `writer`'s participant, which is served as well.
+  /// Returns all samples that a reader of b gets from the participant of `writer`, which is served
+  /// as well.
   std::vector<std::int64_t> all_of(End& end, DataReader<Reading>& reader, std::size_t count) {
     std::vector<std::int64_t> out;
     for (int i = 0; i < 300 && out.size() < count; ++i) {

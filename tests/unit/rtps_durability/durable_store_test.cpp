@@ -45,7 +45,7 @@ TEST_F(DurableStoreTest, ANextWriter_GetsWhatTheOneBeforeLeft) {
   EXPECT_EQ(numbers(next.history), std::vector<std::uint32_t>{1});
 }
 
-// As on a disk without room: no file of this process may grow.
+// No file of this process may grow, as on a full disk.
 TEST_F(DurableStoreTest, WithoutRoom_SaysSoAndGoesOnWhenThereIsSome) {
   std::signal(SIGXFSZ, SIG_IGN);
   auto store = open();
@@ -78,7 +78,7 @@ TEST_F(DurableStoreTest, WithoutRoom_SaysSoAndGoesOnWhenThereIsSome) {
   for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(number_of(history[i]), i);
 }
 
-// Before: a topic that appeared while the disk was full was refused.
+// A topic that appears while the disk is full must not be refused.
 TEST_F(DurableStoreTest, AStream_OpenedWithoutRoom_IsStoredWhenThereIsSome) {
   std::signal(SIGXFSZ, SIG_IGN);
   auto store = open();
@@ -136,7 +136,7 @@ TEST_F(DurableStoreTest, LimitsThatAreReached_AreAnEvent) {
   EXPECT_EQ(events.all[0].error.details().field, "DURABILITY_SERVICE");
 }
 
-// Before: an exception of the application's sink ended the process.
+// An exception of the application's sink must not end the process.
 TEST_F(DurableStoreTest, ASinkThatThrows_DoesNotEndTheThread) {
   struct Throws final : EventSink {
     std::atomic<int> calls = 0;
@@ -165,8 +165,8 @@ TEST_F(DurableStoreTest, InMemory_LastsAsLongAsItself) {
   EXPECT_EQ(store->open_stream(kMap, keep_all(), at(1000))->history.size(), 1u);
 }
 
-// Before: an insider that wrote as fast as the disk takes kept all others from being stored for 8
-// s.
+// An insider that writes as fast as the disk allows must not keep others from being stored. Without
+// shares, this lasted for 8 s.
 TEST_F(DurableStoreTest, ChangesOfOneIdentity_LeaveRoomInTheQueue) {
   auto store = open();
   const auto stream = *store->open_stream(kMap, keep_last(1), at(1000));

@@ -1,4 +1,4 @@
-// DURABILITY TRANSIENT and PERSISTENT between participants, over the end of writers and of whole
+// DURABILITY TRANSIENT and PERSISTENT between participants, across the end of writers and of whole
 // participants.
 #include "tests/unit/rtps_durability/durable_fixture.hpp"
 
@@ -83,15 +83,14 @@ TEST_P(DurableWriterTest, DurabilityService_SaysHowMuchIsKept) {
     End end(services, with_store());
     auto& writer = end.writer(qos);
     for (int i = 0; i < 9; ++i) ASSERT_TRUE(writer.write({"north", i}));
-  }  // what is left is stored at the end
+  }  // the rest is stored at the end
   End end(services, with_store());
   end.writer(qos);
   EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 2),
             (std::vector<std::int64_t>{7, 8}));
 }
 
-// DDS 1.4, 2.2.3.5: HISTORY is for those that are there, DURABILITY_SERVICE for those that come
-// late.
+// DDS 1.4, 2.2.3.5: HISTORY is for readers that exist, DURABILITY_SERVICE for those that come late.
 TEST_P(DurableWriterTest, ALateJoiner_GetsMoreThanHistoryKeepsIfTheServiceKeepsMore) {
   auto qos = durable(DurabilityKind::transient, 1);
   for (const auto& [service, count] :

@@ -1,5 +1,4 @@
-// What a keeper remembers for the next process, besides samples. For writers:
-// sample_store_test.cpp.
+// What a keeper remembers for the next process besides samples. For writers: sample_store_test.cpp.
 #include "rtps/durability/heard_writers.hpp"
 
 #include <cstring>
@@ -12,8 +11,8 @@ namespace {
 using namespace testing;
 using HeardWritersTest = StoreTest;
 
-// Before, another keeper that had missed the end brought the instance back after a restart, or each
-// instance of which nothing was stored counted as ended.
+// A keeper that missed the end must not bring the instance back after a restart of this one. And an
+// instance of which nothing was stored must not count as ended.
 TEST_F(HeardWritersTest, EndsOfInstances_AreRememberedByKeepersOnly) {
   for (const bool by_keeper : {false, true}) {
     auto key = kMap;
@@ -45,7 +44,7 @@ TEST_F(HeardWritersTest, EndsOfInstances_AreRememberedByKeepersOnly) {
   }
 }
 
-// What one identity ends takes no more room than in memory.
+// The ends of one identity take no more room than in memory.
 TEST_F(HeardWritersTest, EndsOfInstances_AreBounded) {
   auto opened = *IndexedStore::open(path);
   const auto id = *opened.stream(kMap, keep_last(1));

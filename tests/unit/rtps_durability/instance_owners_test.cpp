@@ -1,4 +1,4 @@
-// Which writer owns an instance of a kept topic with OWNERSHIP EXCLUSIVE.
+// The writer that owns an instance of a kept topic with OWNERSHIP EXCLUSIVE.
 #include "rtps/keeper/instance_owners.hpp"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,8 @@ TEST_F(InstanceOwnersTest, ExpectedOwner_MakesOthersWait_ThenCountsOrIsReplaced)
   EXPECT_EQ(claim(9), Claim::owned);
 }
 
-// What it was expected to own did not count for it, but was taken off when it left.
+// Instances that a writer is expected to own count for its share, because they are taken off it
+// when it leaves.
 TEST_F(InstanceOwnersTest, ExpectedOwner_OnceItComes_HasUsedItsShare) {
   constexpr std::uint32_t kHalf = InstanceOwners::kMaxInstances / 2;
   for (std::uint32_t i = 0; i < kHalf; ++i) owners.expect(instance(i), writer(4));

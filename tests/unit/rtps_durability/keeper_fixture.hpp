@@ -21,14 +21,14 @@ struct KeeperTest : DurableFixture {
     both(keeper);
     return keeper.topics() == topics && keeper.flush(10s);
   }
-  /// Streams in the keeper's file, while no keeper has it open.
+  /// Returns the streams in the keeper's file, while no keeper has it open.
   std::size_t rows() const {
     auto file = Database::open(folder / "kept");
     EXPECT_TRUE(file);
     const auto count = file->number("SELECT count(*) FROM stream");
     return count ? static_cast<std::size_t>(*count) : 0;
   }
-  /// What a late reader of `end` gets, until nothing more comes.
+  /// Returns what a late reader of `end` gets, until nothing more arrives.
   std::vector<std::int64_t> late_joiner(Keeper& keeper, End& end, std::size_t count) {
     auto& reader = end.reader(late(DurabilityKind::transient));
     std::vector<std::int64_t> out;

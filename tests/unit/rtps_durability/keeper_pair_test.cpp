@@ -1,4 +1,4 @@
-// Two keepers of one topic, each of which misses what was written while it was down.
+// Two keepers of one topic. Each of them misses what is written while it is down.
 #include "tests/unit/rtps_durability/keeper_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -7,7 +7,7 @@ namespace {
 using namespace testing;
 
 struct KeeperPairTest : KeeperTest {
-  // Each has a store of its own.
+  // Starts a keeper. Each has a store of its own.
   void start(std::size_t which) {
     auto made =
         Keeper::create(options(), {.store = folder / ("kept" + std::to_string(which))}, services);
@@ -30,7 +30,7 @@ struct KeeperPairTest : KeeperTest {
     ASSERT_TRUE(a.publisher->delete_contained_entities());
     serve();
   }
-  // What a late joiner gets of this keeper alone.
+  // Returns what a late joiner gets from this keeper alone.
   Values of(std::size_t which, std::size_t count) {
     for (std::size_t i = 0; i < keepers.size(); ++i)
       if (i != which) stop(i);
@@ -42,7 +42,7 @@ struct KeeperPairTest : KeeperTest {
     serve();
     return out;
   }
-  // Keeper 1 misses what is written last. Then the writer leaves, and keeper 1 starts first.
+  // Keeper 1 misses the last samples. Then the writer leaves, and keeper 1 starts first.
   void miss_samples(int depth) {
     for (const std::size_t which : {0u, 1u}) start(which);
     auto& writer = writer_of(durable(DurabilityKind::transient, depth));
@@ -62,7 +62,8 @@ struct KeeperPairTest : KeeperTest {
   std::vector<std::unique_ptr<Keeper>> keepers{2};
 };
 
-// Before: after its restart, the keeper that missed nothing served what the other still had.
+// After its restart, the keeper that missed nothing must not serve the older samples of the other
+// one.
 TEST_P(KeeperPairTest, AfterARestart_TheLatestSampleWins) {
   miss_samples(1);
   EXPECT_EQ(keepers[0]->served(), 1u);
@@ -75,7 +76,7 @@ TEST_P(KeeperPairTest, AfterARestart_TheOneThatMissedSamplesGetsThem) {
   EXPECT_EQ(of(1, 3), (Values{3, 4, 5}));
 }
 
-// Before: a keeper that had heard the last one refused those before it.
+// A keeper that has the last sample must not refuse those before it.
 TEST_P(KeeperPairTest, AfterARestart_ItTakesWhatTheWriterDidNotHold) {
   start(0);
   auto qos = durable(DurabilityKind::transient, 1);
@@ -88,7 +89,7 @@ TEST_P(KeeperPairTest, AfterARestart_ItTakesWhatTheWriterDidNotHold) {
     serve();
   }
   stop(0);
-  for (int i = 0; i < 2; ++i) {  // the first time it hears the last sample
+  for (int i = 0; i < 2; ++i) {  // in the first turn it gets the last sample
     start(1);
     serve(100);
     stop(1);
@@ -102,7 +103,7 @@ TEST_P(KeeperPairTest, AfterARestart_ItTakesWhatTheWriterDidNotHold) {
   EXPECT_EQ(got, (Values{1, 2, 3}));
 }
 
-// Before: the instance was back.
+// The disposed instance must not come back.
 TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
   for (const std::size_t which : {0u, 1u}) start(which);
   auto qos = durable(DurabilityKind::transient, 1);
@@ -124,7 +125,7 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
   EXPECT_EQ(of(0, 1), (Values{2}));
 }
 
-// Before: once the disposed instance had been removed, it came back.
+// The instance must not come back after it was disposed and removed.
 TEST_P(KeeperPairTest, AfterARestart_WhatWasRemovedStaysSo) {
   for (const std::size_t which : {0u, 1u}) start(which);
   auto qos = durable(DurabilityKind::transient, 1);
@@ -147,7 +148,7 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasRemovedStaysSo) {
   EXPECT_EQ(of(0, 1), (Values{2}));
 }
 
-// Before: a keeper that had heard a later sample took the instance for ended.
+// A keeper that has a later sample must not treat the instance as ended.
 TEST_P(KeeperPairTest, AfterARestart_ItTakesInstancesThatItNeverStored) {
   start(0);
   auto qos = durable(DurabilityKind::transient, 1);
@@ -163,7 +164,7 @@ TEST_P(KeeperPairTest, AfterARestart_ItTakesInstancesThatItNeverStored) {
   serve();
   ASSERT_EQ(keepers[0]->served(), 2u);
   stop(0);
-  for (int i = 0; i < 2; ++i) {  // the first time it hears the last sample
+  for (int i = 0; i < 2; ++i) {  // in the first turn it gets the last sample
     start(1);
     serve(100);
     ASSERT_EQ(keepers[1]->served(), 1u);

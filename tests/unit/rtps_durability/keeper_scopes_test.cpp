@@ -1,5 +1,5 @@
-// What a keeper keeps apart: the samples of an instance's owner from those of others, and those of
-// one partition from those of another.
+// What a keeper keeps apart: the samples of an instance's owner from those of others, and the
+// samples of one partition from those of another.
 #include "tests/unit/rtps_durability/keeper_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -14,7 +14,7 @@ struct ExclusiveKeeperTest : KeeperTest {
     qos.ownership_strength = strength;
     return qos;
   }
-  // The late joiner of KeeperTest, with EXCLUSIVE ownership.
+  // Returns what the late joiner of KeeperTest gets, with EXCLUSIVE ownership.
   Values late_values(Keeper& keeper) {
     auto qos = late(DurabilityKind::transient);
     qos.ownership = OwnershipKind::exclusive;
@@ -33,7 +33,7 @@ struct ExclusiveKeeperTest : KeeperTest {
       both(keeper, 1);
     }
   }
-  // Served until it has what was written.
+  // Serves until the keeper has stored what was written.
   void stored(Keeper& keeper) {
     all(keeper);
     ASSERT_TRUE(keeper.flush(10s));
@@ -42,7 +42,7 @@ struct ExclusiveKeeperTest : KeeperTest {
   std::unique_ptr<End> other = std::make_unique<End>(services, options());
 };
 
-// Before: the keeper kept what came last, and late joiners got the value of the weaker writer.
+// Late joiners must not get the value of the weaker writer, even if it arrived last.
 TEST_P(ExclusiveKeeperTest, AWeakerWriter_WhileTheOwnerLives_IsNotKept) {
   const auto service = keeper();
   auto& strong = a.writer(exclusive(10));
@@ -167,8 +167,8 @@ struct KeeperPartitionTest : KeeperTest {
   }
 };
 
-// Before: whoever could read B got what was written in A alone, once another writer had announced
-// both.
+// A reader that may read partition B must not get what was written in A only, even if another
+// writer announced both.
 TEST_P(KeeperPartitionTest, ASample_OfOnePartition_IsNotServedInAnother) {
   auto service = keeper();
   auto& gateway = writer_in({"A", "B"});
@@ -236,7 +236,7 @@ TEST_P(KeeperPartitionTest, AWriter_ThatChangesItsPartitions_IsKeptInTheNewOnes)
   EXPECT_EQ(late_joiner_in(*service, {"B"}), (Values{1}));
 }
 
-// Before: the keeper saw no announcement of more than 14,720 octets, so the writer was not kept.
+// A keeper must see announcements of more than 14,720 octets, too.
 TEST_P(KeeperPartitionTest, AWriter_WithALongAnnouncement_IsKeptAndRemembered) {
   Names names;
   for (std::size_t i = 0; i < kMaxPartitions; ++i)

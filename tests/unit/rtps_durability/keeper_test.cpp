@@ -1,5 +1,5 @@
-// A durability service: late joiners get what writers that are gone have written, and nothing twice
-// from those that are there.
+// A durability service: late joiners get the samples of writers that are gone, and no sample twice
+// of writers that exist.
 #include <csignal>
 #include <sys/resource.h>
 
@@ -59,7 +59,7 @@ TEST_P(KeeperTest, WhileTheWriterIsThere_NothingComesTwice) {
   EXPECT_EQ(late_joiner(*service, b, 6), (Values{0, 1, 2, 3, 4, 5}));
 }
 
-// Before: the late joiner knew the last 256 of such samples, and got the others again.
+// The late joiner must know all of these samples, and not only the last 256.
 TEST_P(KeeperTest, NothingComesTwice_OfAHistoryWithManyGaps) {
   constexpr std::int64_t kMany = 600;
   auto& writer = a.writer(durable(DurabilityKind::transient, 1));
@@ -92,7 +92,7 @@ TEST_P(KeeperTest, WhatIsKept_OutlivesTheKeeper) {
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 
-// Before: the writer's history came again after the restart. Each old sample counted as a new one.
+// The writer's history arrives again after the restart. Its old samples must not count as new ones.
 TEST_P(KeeperTest, ARestart_BringsNothingBackThatWasReplacedOrEnded) {
   auto& one = a.writer(durable(DurabilityKind::transient, 1));
   auto several = durable(DurabilityKind::transient, 1);
@@ -119,7 +119,7 @@ TEST_P(KeeperTest, ARestart_BringsNothingBackThatWasReplacedOrEnded) {
   EXPECT_EQ(late_joiner(*service, b, 1), (Values{15}));
 }
 
-// Files of this process that may not grow: a disk without room.
+// While it lives, no file of this process may grow, as on a full disk.
 class NoRoom {
  public:
   NoRoom() {
@@ -144,7 +144,7 @@ TEST_P(NetworkKeeperTest, WhatIsNotStored_IsNotAcknowledged) {
   auto& writer = a.writer(durable(DurabilityKind::transient, 100));
   ASSERT_TRUE(keeps(*service, 1));
   const auto acknowledged = [&] {
-    static_cast<void>(writer.wait_for_acknowledgments(0ms));  // asks
+    static_cast<void>(writer.wait_for_acknowledgments(0ms));  // asks for acknowledgments
     both(*service);
     return writer.wait_for_acknowledgments(0ms).has_value();
   };
@@ -162,7 +162,8 @@ TEST_P(NetworkKeeperTest, WhatIsNotStored_IsNotAcknowledged) {
   EXPECT_EQ(late_joiner(*service, b, 30).size(), 30u);
 }
 
-// Before: its first announcement was refused, no event named it, and nothing considered it again.
+// The topic must be considered again after its first announcement was refused, and an event must
+// name it.
 TEST_P(KeeperTest, ATopic_ThatAppearsWithoutRoom_IsKeptWhenThereIsSome) {
   const auto service = keeper();
   auto& first = a.writer(durable(DurabilityKind::transient));
@@ -193,7 +194,7 @@ TEST_P(KeeperTest, ATopic_ThatAppearsWithoutRoom_IsKeptWhenThereIsSome) {
   EXPECT_EQ(taken(reader), (Values{2}));
 }
 
-// Before: `topics` counted only for writers that appeared later.
+// `topics` must also count for topics that are stored already.
 TEST_P(KeeperTest, AStoredTopic_ThatIsNotWanted_IsNotServedAndStays) {
   {
     const auto service = keeper();
@@ -222,7 +223,7 @@ TEST_P(KeeperTest, WithoutRoom_StartsAndServes) {
     both(*service);
     ASSERT_TRUE(service->flush(10s));
     ASSERT_TRUE(a.publisher->delete_contained_entities());
-    // As a process that is killed leaves it: the write-ahead log beside the file.
+    // A process that is killed leaves the write-ahead log beside the file.
     for (const auto* suffix : {"", "-wal"})
       std::filesystem::copy(folder / ("kept" + std::string(suffix)),
                             folder / ("killed" + std::string(suffix)));
@@ -241,16 +242,16 @@ TEST_P(KeeperTest, DurabilityService_SaysHowMuchIsKept) {
   ASSERT_TRUE(keeps(*service, 1));
   for (int i = 0; i < 9; ++i) ASSERT_TRUE(writer.write({"north", i}));
   both(*service);
-  ASSERT_TRUE(service->flush(10s));  // what the store drops is served until then
+  ASSERT_TRUE(service->flush(10s));  // until then, samples that the store drops are served
   both(*service);
   ASSERT_TRUE(a.publisher->delete_contained_entities());
   EXPECT_EQ(late_joiner(*service, b, 2), (Values{7, 8}));
 }
 
-// It takes long, and the keeper over the network is the same.
+// This takes long, and over the network the keeper is the same.
 struct InProcessKeeperTest : KeeperTest {};
 
-// Beyond 65,536 samples, the next ones were stored and acknowledged, and given to no late joiner.
+// More than 65,536 samples are stored and acknowledged, so late joiners must get all of them.
 TEST_P(InProcessKeeperTest, AllThatIsStored_IsServed) {
   constexpr std::uint64_t kCount = WriterHistory::kMaxChanges + 500;
   auto service = Keeper::create(options(), {}, services).value();
@@ -288,7 +289,7 @@ TEST_P(KeeperTest, WhatTheStoreRemoves_IsNoLongerServed) {
   EXPECT_EQ(late_joiner(*service, b, 1), (Values{9}));
 }
 
-// A lease of some nanoseconds kept the keeper busy with assertions for good.
+// A lease of some nanoseconds would keep the keeper busy with assertions for ever.
 TEST_P(KeeperTest, AVeryShortLease_IsNotOffered) {
   const auto service = keeper();
   auto qos = durable(DurabilityKind::transient);
@@ -325,7 +326,7 @@ TEST_P(KeeperTest, OnlyDurableWritersOfTheWantedTopics_AreKept) {
   EXPECT_EQ((*all)->topics(), 1u);
 }
 
-// 256 topics without a sample filled a keeper for good, and so did its file for the next one.
+// Otherwise 256 topics without samples would fill a keeper and its file for good.
 TEST_P(KeeperTest, TopicsWithoutSamples_GiveWay) {
   constexpr std::size_t kJunk = 280, kOfOne = Keeper::kMaxTopics / 2;
   {
@@ -354,7 +355,7 @@ TEST_P(KeeperTest, TopicsWithoutSamples_GiveWay) {
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 
-// Before: a topic that had given way to another of the same identity was never kept again.
+// A topic that had to make room for another one of the same identity must be kept again later.
 TEST_P(KeeperTest, TopicThatFoundNoRoom_IsKeptWhenThereIs) {
   constexpr std::size_t kAll = 280, kLeave = 100, kOfOne = Keeper::kMaxTopics / 2;
   const auto service = keeper();
@@ -380,7 +381,7 @@ TEST_P(KeeperTest, TopicThatFoundNoRoom_IsKeptWhenThereIs) {
   EXPECT_EQ(until(kAll - kLeave), kAll - kLeave);
 }
 
-// Before: the first writer to announce a topic decided for ever how it is kept.
+// The first writer that announces a topic must not decide for ever how it is kept.
 TEST_P(KeeperTest, ATopicWithoutSamples_GoesWithTheWriterThatAnnouncedIt) {
   const auto service = keeper();
   auto first = std::make_unique<End>(services, options());
@@ -405,7 +406,7 @@ TEST_P(KeeperTest, ATopicWithoutSamples_GoesWithTheWriterThatAnnouncedIt) {
   EXPECT_EQ(late_joiner(*service, b, 3), (Values{0, 1, 2}));
 }
 
-// Before: the same file served one domain tag what was kept in another.
+// A file must not serve one domain tag what it keeps for another one.
 TEST_P(KeeperTest, ADomainTag_IsNotServedWhatAnotherWrote) {
   {
     const auto service = keeper();

@@ -1,5 +1,5 @@
-// A process that stores is killed at random moments; whatever it had been told was stored is there,
-// and nothing but whole samples in their order.
+// A process that stores is killed at random moments. What was reported as stored is there, and the
+// file has only whole samples in their order.
 #include <csignal>
 #include <random>
 #include <sys/wait.h>
@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t kInstances = 3;
 
-// Stores until it is killed; says through `out` which samples are safe.
+// Stores until it is killed. Reports through `out` which samples are safe.
 [[noreturn]] void child(const std::string& path, std::uint32_t next,
                         const DurabilityService& service, int out) {
   test::RecordedEvents events;
@@ -32,7 +32,8 @@ constexpr std::uint32_t kInstances = 3;
 }
 
 struct KillTest : StoreTest, ::testing::WithParamInterface<DurabilityService> {
-  // Runs a child and kills it after so long: the number behind the last that is safe.
+  // Runs a child and kills it after that time. Returns the number after the last sample that is
+  // safe.
   std::uint32_t run_and_kill(std::uint32_t next, std::chrono::microseconds after) {
     int ends[2];
     EXPECT_EQ(::pipe(ends), 0);
@@ -71,7 +72,7 @@ TEST_P(KillTest, KilledAtAnyTime_LosesNothingStoredAndLeavesNothingHalf) {
     ASSERT_FALSE(held.empty());
     next = held.back() + 1;
     EXPECT_GE(next, safe);
-    // The last that is there, and all before it that were to be kept.
+    // The last samples are there, and all before them that had to be kept.
     const auto count = all ? next : 2 * kInstances;
     ASSERT_EQ(held.size(), count);
     for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ(held[i], next - count + i);

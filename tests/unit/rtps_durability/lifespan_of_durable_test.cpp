@@ -1,5 +1,5 @@
-// LIFESPAN and service_cleanup_delay of durable writers and of the keeper, over restarts: what has
-// ended makes room in the store, and late joiners do not get it.
+// LIFESPAN and service_cleanup_delay of durable writers and of the keeper, across restarts. Expired
+// samples make room in the store, and late joiners do not get them.
 #include "tests/unit/rtps_durability/keeper_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -25,7 +25,8 @@ struct DurableLifespanTest : DurableFixture {
   const std::vector<std::uint8_t> octets = std::vector<std::uint8_t>(2000);
 };
 
-// Before, such a writer ended after about 100 samples: its store was full.
+// Otherwise the store of such a writer would be full after about 100 samples, and the writer would
+// end.
 TEST_P(DurableLifespanTest, AStoreOfLittleRoom_WithAShortLifespan_GoesOn) {
   for (int restart = 0; restart < 2; ++restart) {
     End end(services, with_little_room());
@@ -57,7 +58,7 @@ TEST_P(DurableLifespanTest, ARestartedWriter_WithALongerLifespan_DoesNotServeWha
   EXPECT_EQ(all_of(end, b.reader(late(DurabilityKind::persistent)), 1), (Values{2}));
 }
 
-// Without a timer, a writer that writes nothing would keep it.
+// Without a timer, a writer that writes nothing would keep them.
 TEST_P(DurableLifespanTest, DisposedInstances_LeaveTheStoreWhenTheirDelayIsOver) {
   auto qos = living(kDurationInfinite);
   qos.durability_service.cleanup_delay = Duration{{10, 0}};
@@ -122,7 +123,7 @@ TEST_P(KeeperLifespanTest, ALateJoiner_GetsNothingExpired) {
   EXPECT_EQ(late_joiner(*service, b, 0), Values{});
 }
 
-// The keeper serves several writers of a topic: the first does not decide for the others.
+// The keeper serves several writers of a topic, and the first one does not decide for the others.
 TEST_P(KeeperLifespanTest, EachWriter_HasItsOwnLifespan) {
   auto service = keeper();
   auto& first = a.writer(living(Duration{{2, 0}}));
@@ -139,8 +140,8 @@ TEST_P(KeeperLifespanTest, EachWriter_HasItsOwnLifespan) {
   EXPECT_EQ(service->topics(), 1u);
 }
 
-// A late joiner applied the LIFESPAN of the topic's first writer to the samples of all, and got
-// nothing of a writer whose samples are kept for longer.
+// A late joiner must not apply the LIFESPAN of the topic's first writer to all samples, or it would
+// get nothing of a writer whose samples are kept for longer.
 TEST_P(KeeperLifespanTest, FirstWriterWithAShortLifespan_LateJoiner_GetsTheSamplesOfOthers) {
   auto service = keeper();
   auto& first = a.writer(living(Duration{{2, 0}}));

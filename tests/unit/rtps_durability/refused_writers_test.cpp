@@ -1,4 +1,5 @@
-// Writers that a keeper had no room for are considered again, and take no more places than fair.
+// Writers for which a keeper had no room are considered again, and take only a fair share of the
+// places.
 #include "rtps/keeper/refused_writers.hpp"
 
 #include <atomic>

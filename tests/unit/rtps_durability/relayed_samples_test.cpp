@@ -1,4 +1,4 @@
-// What a store keeps of the samples that another durability service sends.
+// What a store keeps of samples that another durability service sends.
 #include "tests/unit/rtps_durability/store_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -113,7 +113,8 @@ TEST_F(RelayedSamplesTest, KeepAll_AnOlderSample_IsKept) {
   EXPECT_EQ(stored(), (Numbers{5, 7}));
 }
 
-// Rows of one writer that a damaged or former store holds twice, or in any order, are all kept.
+// A damaged or former store may hold rows of one writer twice, or in any order. All of them are
+// kept.
 TEST_F(RelayedSamplesTest, AStore_InAnyOrder_IsOpenedAsItIs) {
   open(keep_last(50));
   for (const auto number : {9u, 3u, 9u, 3u, 5u, 9u, 1u}) direct(number);

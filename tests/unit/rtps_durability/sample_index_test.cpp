@@ -1,4 +1,5 @@
-// What a store keeps, and of whom: DURABILITY_SERVICE and the shares of identities.
+// The samples that a store keeps, and of which writers: DURABILITY_SERVICE and the shares of
+// identities.
 #include "rtps/durability/sample_index.hpp"
 
 #include <ctime>
@@ -25,7 +26,7 @@ TEST_F(SampleIndexTest, KeepLast_KeepsTheLastOfEachInstance) {
   };
   write(0, 10, 2);
   EXPECT_EQ(stored(), (Numbers{4, 5, 6, 7, 8, 9}));
-  write(10, 11, 1);  // less from now on
+  write(10, 11, 1);  // from now on it keeps less
   EXPECT_EQ(stored(), (Numbers{5, 6, 8, 9, 10}));
 }
 
@@ -40,9 +41,9 @@ TEST_F(SampleIndexTest, Limits_LeaveOutWhatDoesNotFit) {
     ASSERT_TRUE(opened.commit({{StoredChange{id, change}}}, seconds(0)));
   };
   for (std::uint32_t i = 0; i < 4; ++i) write(i, 1);
-  EXPECT_EQ(opened.size(id), 3u);  // of an instance
+  EXPECT_EQ(opened.size(id), 3u);  // the limit of an instance
   for (std::uint32_t i = 0; i < 3; ++i) write(i, 2);
-  EXPECT_EQ(opened.size(id), 5u);  // in all
+  EXPECT_EQ(opened.size(id), 5u);  // the limit of all samples
   EXPECT_EQ(opened.left_out(), 2u);
   auto end = dispose(0);
   end.key_hash->fill(1);
@@ -50,7 +51,7 @@ TEST_F(SampleIndexTest, Limits_LeaveOutWhatDoesNotFit) {
   EXPECT_EQ(opened.size(id), 2u);
   write(0, 3);
   write(0, 4);
-  EXPECT_EQ(opened.size(id), 3u);  // instances
+  EXPECT_EQ(opened.size(id), 3u);  // the limit of instances
   EXPECT_EQ(opened.left_out(), 3u);
 }
 
@@ -100,7 +101,7 @@ TEST_F(SampleIndexTest, AnInstanceThatCameBack_StaysInAStoreThatIsOpenedAgain) {
   EXPECT_EQ(opened.size(id), 3u);
 }
 
-// With each one that was ended, samples of all topics were stored later.
+// Each ended instance must not delay the samples of all topics.
 TEST_F(SampleIndexTest, ManyEndedInstances_CostEachTheirOwn) {
   constexpr std::uint32_t kMany = 60'000;
   auto service = keep_all();
@@ -129,14 +130,13 @@ TEST_F(SampleIndexTest, WithoutDelay_DisposedInstancesGoAtOnce) {
   EXPECT_EQ(opened.size(id), 0u);
 }
 
-// No file of this process may grow beyond a size, as on a disk without room.
 GuidPrefix identity(std::uint8_t number) {
   GuidPrefix out;
   out.octets[0] = number;
   return out;
 }
 
-// Changes of identities, each ten in a commit.
+// Changes of several identities, ten in each commit.
 struct ShareTest : StoreTest {
   static constexpr std::size_t kMax = std::size_t{4} << 20;
   void open() {
@@ -144,7 +144,7 @@ struct ShareTest : StoreTest {
     store.emplace(*IndexedStore::open(path, kMax));
     id = *store->stream(kMap, service);
   }
-  // How many samples of so many octets are kept of those it writes, a commit for each ten.
+  // Returns how many of the samples of that many octets are kept. There is a commit for each ten.
   std::size_t fill(std::uint8_t who, std::size_t octets, std::size_t count,
                    std::size_t instances = 1) {
     const auto before = store->size(id);
@@ -167,7 +167,7 @@ struct ShareTest : StoreTest {
   StreamId id;
 };
 
-// One identity filled a store, and nothing of any topic was kept from then on.
+// One identity must not fill a store, or nothing of any topic would be kept from then on.
 TEST_F(ShareTest, OneIdentity_LeavesRoomForAnother) {
   for (const std::size_t octets : {0uz, 10uz, 1400uz, 2100uz, 5000uz, 60000uz}) {
     std::filesystem::remove(path);
@@ -182,14 +182,14 @@ TEST_F(ShareTest, OneIdentity_LeavesRoomForAnother) {
     const auto second = fill(2, octets, most);
     EXPECT_GT(second * cost, kMax / 12) << octets;
     EXPECT_EQ(store->left_out(), 0u);
-    open();  // it is known of before, too
+    open();  // the share is also known after a restart
     EXPECT_EQ(fill(1, octets, 10), 0u) << octets;
     EXPECT_GT(fill(3, octets, most), 0u);
   }
 }
 
-// A restarted store counted less for a sample than is given back when the sample goes. The share
-// then wrapped around, and its identity had no room for anything.
+// A restarted store must count as much for a sample as is returned when the sample goes. Otherwise
+// the share wraps around, and its identity has no room for anything.
 TEST_F(ShareTest, ReopenedStore_CountsAsMuchAsBefore) {
   for (const std::size_t octets : {0uz, 1000uz, 1889uz, 2000uz, 5000uz}) {
     std::filesystem::remove(path);
@@ -205,8 +205,8 @@ TEST_F(ShareTest, ReopenedStore_CountsAsMuchAsBefore) {
   }
 }
 
-// One identity filled a stream with a million small samples. Samples of others were acknowledged
-// and not stored.
+// One identity must not fill a stream with a million small samples, or samples of others would be
+// acknowledged and not stored.
 TEST_F(ShareTest, OneIdentity_LeavesPlacesOfAStreamForAnother) {
   open();
   store->index.limit_samples(100);
@@ -248,7 +248,7 @@ TEST_F(ShareTest, AReplacement_NamesTheRowsThatGo) {
   }
 }
 
-// What the sample replaces makes room. Before, it did not count, and the writer waited for good.
+// The replaced sample makes room, so the writer must not wait for ever.
 TEST_F(ShareTest, AReplacement_ThatWaits_FitsWhenOthersLeave) {
   service = keep_last(1);
   open();
@@ -310,14 +310,14 @@ TEST_F(ShareTest, OwnSamples_HaveNoBound) {
   EXPECT_GT(own, share / 2);
 }
 
-// Before: the first one could take the whole store.
+// The first identity must not take the whole store.
 TEST_F(ShareTest, ALargeSample_LeavesAsMuchRoomAsItTakes) {
   open();
   EXPECT_EQ(fill(1, kMax * 3 / 4, 10), 0u);
   EXPECT_EQ(fill(2, kMax / 3, 10, 10), 1u);
 }
 
-// Before: what was stored without an identity, by an earlier version, was nobody's room.
+// Samples that an earlier version stored without an identity must count as room, too.
 TEST_F(ShareTest, AnUpdate_ThatNeedsNoMoreRoom_IsTaken) {
   service = keep_last(1);
   open();
@@ -332,7 +332,7 @@ TEST_F(ShareTest, AnUpdate_ThatNeedsNoMoreRoom_IsTaken) {
   EXPECT_EQ(store->waited, 0u);
 }
 
-// Before: it was acknowledged and left out, and the instance lived for good.
+// Otherwise the end would be acknowledged and left out, and the instance would exist for ever.
 TEST_F(SampleIndexTest, AnEnd_ForWhichTheLimitsHaveNoPlace_RemovesItsInstance) {
   auto service = keep_all();
   service.cleanup_delay = kDurationInfinite;
@@ -347,7 +347,7 @@ TEST_F(SampleIndexTest, AnEnd_ForWhichTheLimitsHaveNoPlace_RemovesItsInstance) {
   EXPECT_EQ(opened.left_out(), 0u);
 }
 
-// Before: it read beyond the samples of the instance.
+// A depth of 0 must not make the index read beyond the samples of the instance.
 TEST_F(SampleIndexTest, AHistoryWithoutDepth_KeepsOneSample) {
   auto opened = *IndexedStore::open("");
   const auto id = *opened.stream(kMap, keep_last(0));
@@ -359,7 +359,7 @@ TEST_F(SampleIndexTest, AHistoryWithoutDepth_KeepsOneSample) {
 }
 
 struct LateSamplesTest : StoreTest {
-  // What is late comes of another identity than the rest, unless `who` says otherwise.
+  // Late samples come from another identity than the rest, unless `who` says otherwise.
   SampleIndex::Decision put(Change change, std::int32_t time, bool is_late = false,
                             std::uint8_t who = 0) {
     change.source_time = seconds(time);
@@ -375,7 +375,8 @@ struct LateSamplesTest : StoreTest {
 };
 using Decision = SampleIndex::Decision;
 
-// Before: a sample that had waited, or came with a history, replaced what was written meanwhile.
+// A sample that waited, or arrived with a history, must not replace a sample that was written in
+// the meantime.
 TEST_F(LateSamplesTest, ALateSample_DoesNotReplaceALaterOne) {
   EXPECT_EQ(put(sample(0), 20), Decision::stored);
   EXPECT_EQ(put(sample(0), 10, true), Decision::overtaken);
@@ -403,7 +404,8 @@ TEST_F(LateSamplesTest, ATimestampFromTheFuture_CountsAsTheTimeOfArrival) {
   EXPECT_EQ(put(sample(0), 51, true), Decision::stored);
 }
 
-// Before, after a restart it kept out all that had waited, until its time came.
+// Otherwise, after a restart, such a timestamp would keep out all samples that waited, until its
+// time came.
 TEST_F(LateSamplesTest, AStoredTimestampFromTheFuture_OvertakesNothing) {
   put(sample(0), 5000);
   ASSERT_TRUE(store.close(id));

@@ -83,7 +83,7 @@ TEST_F(SampleRowTest, Dispose_IsAKeyWithoutASample) {
   EXPECT_TRUE(row->change.is_key_only);
 }
 
-// The identity alone is not covered: an earlier version stored none.
+// The sum does not cover the identity alone, because an earlier version stored none.
 TEST_F(SampleRowTest, DamagedColumn_IsNotRead) {
   for (const std::string damage :
        {"id = 8", "key = x'00'", "keyed = 0", "disposed = 1", "seconds = seconds + 1",
@@ -96,7 +96,7 @@ TEST_F(SampleRowTest, DamagedColumn_IsNotRead) {
   }
 }
 
-// A calendar time is added to it: the sum must stay a number.
+// The calendar time is added to the expiry, so the sum must stay a number.
 TEST_F(SampleRowTest, ExpiryOutsideTheClock_IsNotRead) {
   constexpr auto kFar = std::int64_t{1} << 62;
   for (const StoredExpiry expiry :

@@ -13,7 +13,7 @@ using namespace testing;
 using Numbers = std::vector<std::uint32_t>;
 
 struct SampleStoreTest : StoreTest {
-  // What the stream holds when the store is opened anew.
+  // Returns what the stream holds when the store is opened again.
   Numbers stored(std::uint32_t instances = 1, const DurabilityService& service = keep_all()) {
     auto store = IndexedStore::open(path);
     EXPECT_TRUE(store) << store.error().to_sentence();
@@ -63,7 +63,7 @@ TEST_F(SampleStoreTest, File_IsReadableByItsOwnerAlone) {
   EXPECT_EQ(status.st_mode & 0777, 0600u);
 }
 
-// Before: such a file was used without a word, with samples of secured topics in it.
+// Such a file may hold samples of secured topics, so it must not be used.
 TEST_F(SampleStoreTest, AFile_ThatOthersMayRead_IsRefusedAndNamed) {
   const auto expect_refused = [&](const std::string& file, const char* mode) {
     const auto opened = IndexedStore::open(path);
@@ -102,8 +102,8 @@ TEST_F(SampleStoreTest, AFile_OfAnotherUser_IsRefusedAndNamed) {
   EXPECT_EQ(opened.error().details().found, "user 1");
 }
 
-// Before: another user could make `samples-wal` there between the check and SQLite's open, and got
-// every sample of secured topics in it.
+// Otherwise another user could make `samples-wal` in the folder between the check and SQLite's
+// open, and would get every sample of secured topics.
 TEST_F(SampleStoreTest, AFolder_InWhichOthersCanMakeFiles_IsRefusedAndNamed) {
   const auto expect_refused = [&](const std::filesystem::path& named, const char* mode) {
     const auto opened = IndexedStore::open(path);
@@ -185,7 +185,7 @@ TEST_F(SampleStoreTest, StreamsWithoutSamples_LeaveNothingBehind) {
   for (std::size_t i = 1; i < SampleStore::kMaxStreams; ++i)
     ASSERT_TRUE(opened.close(*opened.stream(junk(i), keep_all())));
   EXPECT_EQ(*opened.store.streams(), 1u);
-  // Those that had samples and lost them.
+  // This stream had samples and lost them.
   const auto emptied = *opened.stream(junk(0), keep_all());
   ASSERT_TRUE(opened.commit({{StoredChange{emptied, sample(0)}, StoredChange{emptied, dispose(0)}}},
                             seconds(0)));
@@ -197,7 +197,7 @@ TEST_F(SampleStoreTest, StreamsWithoutSamples_LeaveNothingBehind) {
   EXPECT_EQ(numbers(opened.store.load(*opened.stream(kMap, keep_all()))->changes), Numbers{0});
 }
 
-// 1024 announcements filled a store for good.
+// 1024 announcements must not fill a store for good.
 TEST_F(SampleStoreTest, AStoreThatWasFilledWithEmptyStreams_HasRoomAgain) {
   store(0, 3);
   {
@@ -285,8 +285,8 @@ TEST_F(SampleStoreTest, UpToWhereAWriterWasHeard_IsRemembered) {
   EXPECT_EQ(heard[1].number.value, 9);
 }
 
-// Before, what a writer sent before it was replaced and ended came back after a restart, if nothing
-// else was stored of the topic.
+// Otherwise samples that a writer sent before it was replaced and ended would come back after a
+// restart, if nothing else of the topic is stored.
 TEST_F(SampleStoreTest, AStreamWithoutSamples_RemembersItsWritersUntilItsPlaceIsNeeded) {
   const auto heard = [](IndexedStore& opened) {
     const auto id = *opened.stream(kMap, keep_last(1));
@@ -332,8 +332,7 @@ TEST_F(SampleStoreTest, WritersThatAreRemembered_AreBounded) {
             static_cast<std::int64_t>(2 * kMax));
 }
 
-// Before: those of a commit that failed counted each time, until writers were forgotten without
-// need.
+// Writers of a failed commit must not count each time, or others would be forgotten without need.
 TEST_F(SampleStoreTest, ACommitThatFails_RemembersNoWriter) {
   constexpr std::size_t kStore = 64 << 10, kMax = kStore / 1024;
   auto opened = *IndexedStore::open(path, kStore);
@@ -448,7 +447,7 @@ TEST_F(SampleStoreTest, FoldersAndLinks_AreRefused) {
   EXPECT_EQ(code_of(IndexedStore::open(folder / "link")), Code::rtps_store_unusable);
 }
 
-// Either it is noticed, or what is read is what was written.
+// Either the damage is noticed, or the samples are read as they were written.
 TEST_F(SampleStoreTest, Damage_IsNoticed) {
   store(0, 200);
   const auto whole = octets();
@@ -488,7 +487,7 @@ TEST_F(SampleStoreTest, ATruncatedStore_IsRefusedOrWhole) {
       EXPECT_EQ(opened.error().code(), Code::rtps_store_unusable) << size;
       continue;
     }
-    // Of the last sample's octets some are missing, which only its sum tells.
+    // Some of the last sample's octets are missing, which only its sum shows.
     EXPECT_GT(size + 1000, whole.size());
     EXPECT_EQ(code_of(opened->stream(kMap, keep_all())), Code::rtps_store_unusable);
   }

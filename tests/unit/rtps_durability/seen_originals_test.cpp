@@ -24,7 +24,7 @@ Change heard(std::uint32_t writer, std::int64_t number) {
   return change;
 }
 
-// The same, as `relay` says it.
+// Returns the same change as `relay` claims it.
 Change claimed(std::uint32_t relay, Change change) {
   change.original = {change.writer, change.sequence_number};
   change.writer = guid_of(relay);
@@ -59,7 +59,7 @@ TEST(SeenOriginals, BeyondItsBounds_TheOldestIsForgotten) {
   EXPECT_FALSE(many.contains(heard(1, 1)));
 }
 
-// One range for each number.
+// Adds numbers that need a range each.
 void add_apart(SeenOriginals& seen, std::uint32_t writer, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i)
     add(seen, heard(writer, static_cast<std::int64_t>(1 + 2 * i)));
@@ -73,8 +73,7 @@ std::size_t count_known(const SeenOriginals& seen, std::uint32_t writer, std::si
   return out;
 }
 
-// Before: of a history with more than 256 gaps, the samples before the last 256 came again from a
-// durability service.
+// Samples before the last 256 gaps of a history must not come again from a durability service.
 TEST(SeenOriginals, AHistoryWithManyGaps_WithinTheBound_IsKnownCompletely) {
   constexpr std::size_t kMany = 60'000;
   SeenOriginals seen;
@@ -92,11 +91,12 @@ TEST(SeenOriginals, BeyondTheBoundOfRanges_TheWriterWithTheMostLosesItsOldest) {
   EXPECT_EQ(known, seen.ranges() - 256);
   EXPECT_GT(known, SeenOriginals::kMaxRanges * 9 / 10);
   EXPECT_TRUE(seen.contains(heard(1, 2 * SeenOriginals::kMaxRanges - 1)));
-  for (std::uint32_t i = 3; i < 1026; ++i) add(seen, heard(i, 1));  // forgets writers as well
+  // Makes it forget writers as well.
+  for (std::uint32_t i = 3; i < 1026; ++i) add(seen, heard(i, 1));
   EXPECT_LE(seen.ranges(), SeenOriginals::kMaxRanges);
 }
 
-// A copy with a short LIFESPAN took the place of the sample, and ended unread.
+// Otherwise a copy with a short LIFESPAN could take the place of the sample, and end unread.
 TEST(SeenOriginals, ClaimThatEndsEarlier_IsNoReasonToDropALaterCopy) {
   using std::chrono::milliseconds;
   SeenOriginals seen;
@@ -120,7 +120,7 @@ TEST(SeenOriginals, WhatTheWriterSaidItself_IsNotAcceptedFromAnother) {
   EXPECT_FALSE(seen.contains(claimed(2, heard(1, 6))));
 }
 
-// Who may write a topic must not keep others' samples away by saying that they were there.
+// A writer of a topic must not keep others' samples away by claiming that they arrived already.
 TEST(SeenOriginals, AClaim_TakesThePlaceOfWhatSaysTheSameOnly) {
   const auto honest = heard(1, 5);
   const auto changed = [&](auto&& change_it) {
@@ -158,7 +158,7 @@ TEST(SeenOriginals, AClaim_TakesThePlaceOfWhatSaysTheSameOnly) {
   }
 }
 
-// Padding that a submessage brought does not make it another sample; what is cut off does.
+// Padding that a submessage adds does not make it another sample, but missing octets do.
 TEST(SeenOriginals, PaddingOnTheWay_IsNoDifference) {
   auto at_home = heard(1, 5), on_the_way = at_home;
   at_home.payload = Payload::copy_of(Bytes{0, 1, 0, 0, 7});

@@ -1,4 +1,4 @@
-// A store on a disk of its own, of a few megabytes.
+// A store on a small disk of its own.
 #include "rtps/durability/store_disk.hpp"
 
 #include <sched.h>
@@ -15,7 +15,7 @@ using namespace testing;
 constexpr int kNoDisk = 77;
 
 struct StoreDiskTest : StoreTest {
-  // Runs it in a process whose `folder` is a disk of so many megabytes. Fails if an expectation
+  // Runs it in a process whose `folder` is a disk of that many megabytes. Fails if an expectation
   // fails there.
   template <class Run>
   void on_disk(int megabytes, Run run) {
@@ -38,7 +38,7 @@ struct StoreDiskTest : StoreTest {
     EXPECT_TRUE(WIFEXITED(status)) << status;
     EXPECT_EQ(WEXITSTATUS(status), 0);
   }
-  // Commits samples of an instance each, until one fails.
+  // Commits samples, each of an instance of its own, until one fails.
   static std::uint32_t fill(IndexedStore& store, StreamId id, std::size_t octets, Time now) {
     for (std::uint32_t number = 0; number < 20'000; ++number) {
       auto change = sample(number, 20'000);
@@ -53,7 +53,8 @@ struct StoreDiskTest : StoreTest {
   }
 };
 
-// The removal of what had expired found no room: nothing was stored any more, nor after a restart.
+// The removal of expired samples must find room, or nothing would be stored any more, even after a
+// restart.
 TEST_F(StoreDiskTest, FullDisk_OnceAllHasExpired_HasRoomAgain) {
   on_disk(8, [&] {
     auto store = IndexedStore::open(path);
@@ -89,7 +90,7 @@ TEST_F(StoreDiskTest, FullDisk_WhatWasStored_IsReadAndExpiresAtTheNextStart) {
   });
 }
 
-// The log alone filled the disk, although KEEP_LAST kept a few kilobytes.
+// The log alone must not fill the disk if KEEP_LAST keeps only a few kilobytes.
 TEST_F(StoreDiskTest, SmallDisk_FewSamplesThatReplaceOthers_AreStoredForever) {
   on_disk(2, [&] {
     auto store = IndexedStore::open(path);

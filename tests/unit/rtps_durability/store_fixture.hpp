@@ -1,4 +1,4 @@
-// A folder of its own for each test, and samples that say what they are.
+// A folder of its own for each test, and samples whose content shows their number.
 #pragma once
 
 #include <filesystem>
@@ -26,7 +26,7 @@ struct StoreTest : ::testing::Test {
 };
 
 inline Time seconds(std::int32_t count) { return Time{{count, 0}}; }
-/// Both clocks show the same.
+/// Returns a moment at which both clocks show this time.
 inline Moment on_both(Time time) { return {time.to_nanoseconds(), time}; }
 inline Moment at(std::int32_t count) { return on_both(seconds(count)); }
 
@@ -52,8 +52,8 @@ class IndexedStore {
     index.close(stream);
     return store.close(stream);
   }
-  /// Stores the changes, except those that wait for room. After an error they are stored by the
-  /// next call.
+  /// Stores the changes, except those that wait for room. After an error, the next call stores
+  /// them.
   Status commit(const std::vector<StoredChange>& changes, const Moment& now) {
     for (const auto& change : changes) {
       pending.push_back(change);
@@ -70,7 +70,7 @@ class IndexedStore {
   Status commit(const std::vector<StoredChange>& changes, Time now) {
     return commit(changes, on_both(now));
   }
-  /// Everything that is due at `now` on both clocks.
+  /// Removes everything that is due at `now` on both clocks.
   Status clean_up(StreamId stream, Time now) {
     do {
       pending.push_back({stream});
@@ -111,7 +111,7 @@ inline DurabilityService keep_last(std::int32_t depth) {
   return service;
 }
 
-/// The n-th sample: of instance n % instances, with octets that follow from n.
+/// Returns the n-th sample: of instance n % instances, with octets that are derived from n.
 inline Change sample(std::uint32_t number, std::uint32_t instances = 1) {
   Change change;
   change.key_hash.emplace().fill(static_cast<std::uint8_t>(number % instances));
@@ -128,7 +128,7 @@ inline Change dispose(std::uint32_t instance) {
   change.is_key_only = true;
   return change;
 }
-/// Its number, or nothing if it is not as it was made.
+/// Returns the number of a sample, or nothing if its content was changed.
 inline std::optional<std::uint32_t> number_of(const Change& change, std::uint32_t instances = 1) {
   const auto octets = change.payload.view();
   if (octets.size() < 8) return std::nullopt;

@@ -1,4 +1,4 @@
-// LIFESPAN of what is stored (DDS 1.4, 2.2.3.16): expired samples leave memory, the file, and the
+// LIFESPAN of stored samples (DDS 1.4, 2.2.3.16): expired samples leave memory, the file, and the
 // shares of their identities.
 #include <limits>
 
@@ -35,11 +35,11 @@ struct StoredLifespanTest : StoreTest {
     EXPECT_TRUE(store) << store.error().to_sentence();
     return *std::move(store);
   }
-  // The samples in a store that is opened at `now`.
+  // Returns the samples in a store that is opened at `now`.
   Numbers stored(const Moment& now) {
     return numbers(open(now.wall)->open_stream(kMap, keep_all(), now)->history);
   }
-  // In the file, while no store has it open.
+  // Returns the number of samples in the file, while no store has it open.
   std::int64_t rows() const {
     auto file = Database::open(path);
     return file->number("SELECT count(*) FROM sample").value_or(-1);
@@ -88,7 +88,7 @@ TEST_F(StoredLifespanTest, AnyAnnouncedLifespan_IsHarmless) {
     ASSERT_TRUE(opened.commit({early}, Time{{kMax, 0}}));
     EXPECT_EQ(opened.size(id), size) << to_string(lifespan);
   }
-  ASSERT_TRUE(opened.store.load(id));  // what was written is what is accepted
+  ASSERT_TRUE(opened.store.load(id));  // the store accepts what it wrote
 }
 
 TEST_F(StoredLifespanTest, ASourceTimestampFromTheFuture_GivesNoMoreThanTheLifespan) {
@@ -166,7 +166,7 @@ TEST_F(StoredLifespanTest, AStepOfTheCalendar_NeitherRemovesNorKeeps) {
   }
 }
 
-// Over a restart there is only the calendar.
+// After a restart, only the calendar can tell how much time has passed.
 TEST_F(StoredLifespanTest, ACalendarThatIsBehindAtARestart_KeepsForNoMoreThanTheLifespan) {
   {
     auto store = open();
@@ -213,9 +213,9 @@ TEST_F(StoredLifespanTest, WhatExpires_FreesTheShareOfItsIdentity) {
   }
 }
 
-// Once a group did not fit, nothing was ever stored again.
+// A group that did not fit must not stop the store for ever.
 TEST_F(StoredLifespanTest, AFullStore_GoesOnWhenItsSamplesExpire) {
-  for (const bool fails_before : {true, false}) {  // otherwise what is removed is in the same group
+  for (const bool fails_before : {true, false}) {  // otherwise the removal is in the same group
     std::filesystem::remove(path);
     auto store = open();
     const auto id = store->open_stream(kMap, keep_all(), at(0))->id;
@@ -254,7 +254,7 @@ TEST_F(StoredLifespanTest, ARestart_RemovesWhatHasExpired) {
   EXPECT_EQ(rows(), 1);  // although no writer opened its stream
 }
 
-// In a store of an earlier version, no sample says when it expires.
+// In a store of an earlier version, samples have no time of expiry.
 TEST_F(StoredLifespanTest, AStoreOfAnEarlierVersion_FollowsTheLifespanOfItsWriter) {
   for (const auto lifespan : {kDurationInfinite, kTenSeconds}) {
     const bool is_infinite = lifespan.is_infinite();
@@ -277,7 +277,7 @@ TEST_F(StoredLifespanTest, AStoreOfAnEarlierVersion_FollowsTheLifespanOfItsWrite
   }
 }
 
-// Otherwise a changed bit would remove a sample without a word.
+// Otherwise a changed bit would remove a sample without a report.
 TEST_F(StoredLifespanTest, AChangedExpiry_IsNoticedAndRemovesNothing) {
   for (const auto* change : {"expires=1", "expires=1000000000000", "lifespan=1", "lifespan=-1",
                              "expires=-9223372036854775808, lifespan=9223372036854775807"}) {
@@ -295,7 +295,7 @@ TEST_F(StoredLifespanTest, AChangedExpiry_IsNoticedAndRemovesNothing) {
   }
 }
 
-// The checksum has no key: another program can write one that fits.
+// The checksum has no key, so another program can write one that fits.
 TEST_F(StoredLifespanTest, AnExpiryThatIsNoTime_IsRefused) {
   constexpr auto kMax = std::numeric_limits<std::int64_t>::max();
   constexpr std::int64_t kSecond = 1'000'000'000;

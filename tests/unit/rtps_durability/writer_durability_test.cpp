@@ -38,7 +38,7 @@ TEST_F(WriterDurabilityTest, NextWriter_GetsWhatTheOneBeforeLeft_WithItsName) {
     EXPECT_TRUE(first.open(store, kMap, keep_all(), at(1000))->history.empty());
     auto change = sample(7);
     first.append(change, writer, {41}, at(0));
-    EXPECT_EQ(change.original.number.value, 0);  // what is sent names no other writer
+    EXPECT_EQ(change.original.number.value, 0);  // messages name no other writer
     ASSERT_TRUE(first.flush(10s));
     WriterDurability beside_it;
     EXPECT_TRUE(beside_it.open(store, kMap, keep_all(), at(1000))->history.empty());
@@ -50,7 +50,7 @@ TEST_F(WriterDurabilityTest, NextWriter_GetsWhatTheOneBeforeLeft_WithItsName) {
   EXPECT_EQ(opened->history.front().original.writer, writer);
 }
 
-// Otherwise it would not fit, and would be left out for good.
+// Otherwise the sample would not fit, and would be left out for good.
 TEST_F(WriterDurabilityTest, Append_MakesRoomOfWhatHasExpired) {
   auto& store = **stores.of(DurabilityKind::transient);
   auto service = keep_all();
