@@ -1,4 +1,4 @@
-// What filters look like in discovery and in samples (RTPS 2.5, 9.6.4.1).
+// The form of filters in discovery and in samples (RTPS 2.5, 9.6.4.1).
 #include "rtps/discovery/content_filter_property.hpp"
 
 #include "base/hash.hpp"
@@ -47,7 +47,7 @@ TEST(ContentFilterPropertyTest, TheLongest_Fits) {
   EXPECT_EQ(read_subscription_data(payload_of(subscription(longest)))->content_filter, longest);
 }
 
-// Who announces it filters itself; it is no reason not to match.
+// A reader that announces such a filter applies it itself, so this is no reason not to match.
 TEST(ContentFilterPropertyTest, WhatIsTooLongOrEmpty_IsNone) {
   const auto none = [](auto change) {
     auto changed = property();
@@ -70,14 +70,14 @@ TEST(ContentFilterPropertyTest, PropertyCutAnywhere_IsRefusedOrNone) {
   std::array<std::uint8_t, 512> buffer{};
   SpanWriter out(buffer);
   write_content_filter_property(out, property());
-  // the last octet is padding
+  // The last octet is padding.
   for (std::size_t size = 4; size + 1 < out.size(); ++size) {
     Reader reader(out.view().subspan(4, size - 4), Endian::little);
     EXPECT_FALSE(read_content_filter_property(reader)) << size;
   }
 }
 
-// All strings with their NULs, in their order; no length between them.
+// The input is all strings with their NULs, in their order, without lengths between them.
 TEST(ContentFilterPropertyTest, TheSignature_IsTheMd5OfItsStrings) {
   constexpr std::string_view all("Few\0Square\0DDSSQL\0x < %0\0005\0'BLUE'\0", 34);
   EXPECT_EQ(signature_of(property()), md5(as_bytes(all)));

@@ -18,7 +18,8 @@ struct ContentFilteredTopicTest : Polled {
   DataReader<Reading>& reader(ContentFilteredTopic& topic, const Qos& qos = reliable()) {
     return **b.subscriber->create_datareader<Reading>(topic, qos);
   }
-  // Reads until there are so many, and then a while longer: nothing else comes.
+  // Reads until there are that many samples, and then a while longer to show that nothing else
+  // arrives.
   std::vector<std::int64_t> all_of(DataReader<Reading>& reader, std::size_t count) {
     std::vector<std::int64_t> out;
     const auto take = [&] {
@@ -47,7 +48,7 @@ TEST_P(ContentFilteredTopicTest, Readers_GetWhatPasses) {
   EXPECT_EQ(all.content_filtered_topic(), nullptr);
 }
 
-// RTPS 2.5, 8.7.3: the writer applies the filter, and says GAP; everything is acknowledged.
+// RTPS 2.5, 8.7.3: the writer applies the filter and sends GAP. Everything is acknowledged.
 TEST_P(ContentFilteredTopicTest, SamplesThatDoNotPass_AreNotSent) {
   auto& writer = a.writer();
   auto& few = reader(filtered("value > 97"));
@@ -103,7 +104,7 @@ TEST_P(ContentFilteredTopicTest, Parameters_ChangeForTheSamplesToCome) {
   ASSERT_TRUE(topic.set_expression_parameters({"2"}));
   EXPECT_EQ(topic.expression_parameters(), std::vector<std::string>{"2"});
   EXPECT_EQ(topic.filter_expression(), "value = %0");
-  run(100ms);  // the writer hears of it
+  run(100ms);  // the writer learns of the change
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer.write({"north", i}));
   EXPECT_EQ(all_of(few, 1), (std::vector<std::int64_t>{2}));
   EXPECT_EQ(code_of(topic.set_expression_parameters({})), Code::rtps_filter_invalid);
@@ -111,7 +112,7 @@ TEST_P(ContentFilteredTopicTest, Parameters_ChangeForTheSamplesToCome) {
   EXPECT_EQ(topic.expression_parameters(), std::vector<std::string>{"2"});
 }
 
-// RTPS 2.5, 8.7.4: only of instances that it saw.
+// RTPS 2.5, 8.7.4: the reader learns only of the ends of instances that it saw.
 TEST_P(ContentFilteredTopicTest, AReader_HearsOfTheEndOfWhatItSaw) {
   auto& writer = a.writer();
   auto& few = reader(filtered("value > 3"));
@@ -140,7 +141,7 @@ TEST_P(ContentFilteredTopicTest, SamplesInFragments_AreFilteredToo) {
   EXPECT_EQ(all_of(few, 1), (std::vector<std::int64_t>{2}));
 }
 
-// Its writer sends everything, without a result, and the reader filters itself.
+// The writer sends everything without a filter result, and the reader filters itself.
 TEST_P(ContentFilteredTopicTest, AnExpressionThatTakesTooLong_IsAppliedByItsReaderAlone) {
   auto& writer = a.writer();
   std::string expression = "value = 2";
@@ -302,7 +303,7 @@ TEST_P(TimeBasedFilterTest, EachInstance_ComesAtMostSoOften) {
   EXPECT_EQ(std::ranges::count_if(few, [](auto v) { return v >= 100; }), 5);
 }
 
-// DDS 1.4, 2.2.3.12: in the end a reliable reader has the last sample.
+// DDS 1.4, 2.2.3.12: a reliable reader has the last sample in the end.
 TEST_P(TimeBasedFilterTest, AReliableReader_GetsTheLastSample) {
   auto& writer = a.writer();
   auto& slow = b.reader(separated(ReliabilityKind::reliable));

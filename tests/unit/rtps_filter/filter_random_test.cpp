@@ -1,4 +1,4 @@
-// Random expressions, evaluated by the compiled program and by a tree that is walked naively.
+// Random expressions, evaluated by the compiled program and by a simple walk through the tree.
 #include <functional>
 #include <random>
 
@@ -14,7 +14,7 @@ struct Expression {
   Truth holds;
 };
 
-// LIKE, as one would define it.
+// LIKE by its definition.
 bool like(std::string_view text, std::string_view pattern) {
   if (pattern.empty()) return text.empty();
   if (pattern.front() == '%')
@@ -71,7 +71,7 @@ class Maker {
     for (int i = pick(4); i > 0; --i) out += static_cast<char>('a' + pick(2));
     return out;
   }
-  // As it is, or as a parameter.
+  // Returns the literal itself, or a parameter with this value.
   std::string shown(std::string literal) {
     if (pick(3) != 0 || parameters.size() == Filter::kMaxParameters) return literal;
     parameters.push_back(std::move(literal));

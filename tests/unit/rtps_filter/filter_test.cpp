@@ -27,7 +27,7 @@ class FilterTest : public ::testing::Test {
     }
     return filter->passes(view);
   }
-  // The refusal's place, what was expected and what was found.
+  // Expects a refusal with this place, this expected value and this found value.
   void expect_refused(const std::string& expression, const std::string& field,
                       const std::string& expected, const std::string& found,
                       std::vector<std::string> parameters = {}) {
@@ -134,11 +134,11 @@ TEST_F(FilterTest, Like_KnowsTwoWildcards) {
   EXPECT_TRUE(matches_pattern("abcabd", "%ab_"));
   EXPECT_TRUE(matches_pattern("mississippi", "m%iss%ip%i"));
   EXPECT_FALSE(matches_pattern("mississippi", "m%iss%ipp%z"));
-  // No exponential time.
+  // This must not take exponential time.
   EXPECT_FALSE(matches_pattern(std::string(5000, 'a'), "%a%a%a%a%a%a%a%a%a%a%a%a%a%a%a%b"));
 }
 
-// 240 tests of a text of 100 characters took 0.7 ms of the writer's time for each sample.
+// 240 tests of a text of 100 characters would take 0.7 ms of the writer's time for each sample.
 TEST_F(FilterTest, PassesWithin_AnExpressionThatTakesMoreSteps_SaysNothing) {
   vehicle.name = std::string(100, 'a');
   std::string expression = "name LIKE '%ab'";
@@ -183,7 +183,7 @@ TEST_F(FilterTest, NotANumber_ComparesAsIeee754Says) {
   EXPECT_TRUE(passes("place.north NOT BETWEEN -1e300 AND 1e300"));
 }
 
-// What lies behind the last member that is compared is not looked at.
+// Members after the last one that is compared are not read.
 TEST_F(FilterTest, UnneededMembers_AreNotLookedAt) {
   EXPECT_EQ(compile("name = 'x'")->members(), 1u);
   EXPECT_EQ(compile("gear = 0 OR name = 'x'")->members(), 7u);
@@ -197,7 +197,8 @@ TEST_F(FilterTest, UnneededMembers_AreNotLookedAt) {
   EXPECT_LT(least, payload.size() - 100);
 }
 
-// XTypes 7.6.3.4: an older writer's sample, behind one that had all members.
+// XTypes 7.6.3.4: a sample of an older writer has fewer members, and comes after one that had all
+// of them.
 TEST_F(FilterTest, MembersThatAreAbsent_HaveTheirDefaults) {
   EXPECT_TRUE(passes("odometer = -1"));
   Bytes payload;
@@ -295,7 +296,7 @@ TEST_F(FilterTest, LengthDepthAndParameters_AreBounded) {
                  "a pattern of at most 256", std::string(40, '%') + "...");
 }
 
-// Text of a remote reader goes into logs.
+// The text of a remote reader goes into logs.
 TEST_F(FilterTest, TextThatATerminalWouldObey_IsNotShown) {
   const auto filter = compile("speed = \x1b[2J\x07");
   ASSERT_FALSE(filter);

@@ -1,5 +1,5 @@
-// QueryConditions: how often samples are evaluated, and what is found when samples, their states
-// and the parameters change.
+// QueryConditions: how often samples are evaluated, and which samples are found when samples, their
+// states and the parameters change.
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -51,7 +51,7 @@ struct QueryMatchesTest : Polled {
   void arrive(DataWriter<Reading>& all_of) {
     EXPECT_TRUE(eventually([&] { return all_of.wait_for_acknowledgments(0ms).has_value(); }));
   }
-  // `count` samples of as many instances, or of one.
+  // Writes `count` samples of as many instances, or of one.
   void write(std::int64_t first, std::int64_t count, bool one_instance = false) {
     for (auto i = first; i < first + count; ++i)
       ASSERT_TRUE(writer->write({one_instance ? "one" : std::to_string(i), i}));
@@ -97,7 +97,7 @@ TEST_P(QueryMatchesTest, WithoutQueryConditions_NothingIsEvaluated) {
   auto& found = query("value > 100");
   EXPECT_TRUE(reader->delete_readcondition(found));
   const auto before = evaluations;
-  EXPECT_EQ(before, 10u);  // when it was created
+  EXPECT_EQ(before, 10u);  // from the time when it was created
   write(10, 10);
   EXPECT_TRUE(every.trigger_value());
   EXPECT_EQ(evaluations, before);
@@ -175,7 +175,7 @@ TEST_P(QueryMatchesTest, BySourceTime_SamplesOfAnInstanceStayInOrder) {
   qos.destination_order = DestinationOrderKind::by_source;
   start(qos);
   auto& found = query("value >= 100");
-  auto& late = another_writer();  // since the times of one writer never go back
+  auto& late = another_writer();  // another writer, because the times of one writer never go back
   const auto begin = clock.wall();
   const auto write_at = [&](DataWriter<Reading>& from, int i) {
     for (const int value : {i, 100 + i})

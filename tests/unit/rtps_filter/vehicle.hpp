@@ -36,7 +36,7 @@ struct Vehicle {
   std::int32_t speed = 0;
   Gear gear = Gear::park;
   Place place = {};
-  std::uint32_t secret = 0;  // without a name
+  std::uint32_t secret = 0;  // has no name in the type
   std::int64_t odometer = 0;
   std::vector<std::uint8_t> image = {};
 };

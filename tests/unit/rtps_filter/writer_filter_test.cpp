@@ -1,4 +1,4 @@
-// Which filters of readers a writer applies, and to what.
+// The filters of readers that a writer applies, and the samples to which it applies them.
 #include "rtps/dcps/writer_filter.hpp"
 
 #include <gtest/gtest.h>
