@@ -22,7 +22,7 @@ enum { descriptor_count = sizeof descriptors / sizeof descriptors[0] };
 
 struct cyclone_type {
   const dds_topic_descriptor_t* descriptor;
-  struct ddsi_serdata* sample;  // any one: it knows its type
+  struct ddsi_serdata* sample;  // any sample, because it knows its type
 };
 
 static dds_entity_t participant(void) {
@@ -33,7 +33,8 @@ static dds_entity_t participant(void) {
   return made;
 }
 
-// A zero sample, written and read within the participant, knows the type that serializes it.
+// Writes a zero sample and reads it within the participant. The sample knows the type that
+// serializes it.
 static struct ddsi_serdata* any_sample(const dds_topic_descriptor_t* descriptor, bool xcdr2) {
   dds_qos_t* qos = dds_create_qos();
   const dds_data_representation_id_t id =
@@ -55,7 +56,7 @@ static struct ddsi_serdata* any_sample(const dds_topic_descriptor_t* descriptor,
 }
 
 const struct cyclone_type* cyclone_type(const char* name, bool xcdr2) {
-  static struct cyclone_type types[descriptor_count][2];  // [xcdr2], each made when first asked for
+  static struct cyclone_type types[descriptor_count][2];  // [xcdr2]; each is made at its first use
   for (size_t i = 0; i < descriptor_count; ++i) {
     if (strcmp(descriptors[i]->m_typename, name) != 0) continue;
     struct cyclone_type* type = &types[i][xcdr2];

@@ -1,4 +1,4 @@
-// What Fast DDS's CDR makes of values, with the encapsulation of XCDR1, little-endian.
+// Values serialized by Fast DDS's CDR, with the encapsulation of XCDR1, little-endian.
 #pragma once
 
 #include <fastcdr/Cdr.h>
@@ -20,7 +20,7 @@ inline std::size_t size_of(const eprosima::fastcdr::Cdr& cdr) {
 }
 #endif
 
-/// `write(cdr)` puts the values.
+/// Returns the values that `write(cdr)` puts.
 template <class F>
 Bytes fast_cdr(F&& write) {
   std::vector<char> room(65536);
@@ -29,7 +29,7 @@ Bytes fast_cdr(F&& write) {
   cdr.serialize_encapsulation();
   write(cdr);
   Bytes out(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size_of(cdr)));
-  // Our payloads are padded and say so in their options.
+  // Our payloads are padded, and their options say so.
   const auto padding = -out.size() & 3u;
   out.resize(out.size() + padding);
   out[3] = static_cast<std::uint8_t>(padding);

@@ -1,5 +1,5 @@
-// The types that ddssec_idl_generate makes of rich.idl, octet for octet against Cyclone DDS's own
-// serializer and Fast DDS's CDR.
+// The types that ddssec_idl_generate makes from rich.idl, compared octet for octet with Cyclone
+// DDS's own serializer and Fast DDS's CDR.
 #include "rich.hpp"
 
 #include <gmock/gmock.h>
@@ -75,7 +75,7 @@ rich::Everything everything() {
   return out;
 }
 
-// What Cyclone DDS makes of our octets, and its key hash for them.
+// Our octets after Cyclone DDS read and wrote them, and its key hash for them.
 struct Again {
   Bytes octets;
   KeyHash hash{};
@@ -90,7 +90,7 @@ Again cyclone(std::string_view type_name, XcdrVersion version, const Bytes& octe
   return out;
 }
 
-// Cyclone DDS 0.10 has appendable types in XCDR2 only.
+// Cyclone DDS 0.10 supports appendable types in XCDR2 only.
 template <class T>
 void expect_same(const T& value) {
   constexpr bool plain = TypeTraits<T>::extensibility == Extensibility::final_type;
@@ -191,7 +191,7 @@ TEST(Idl, TheHeader_SaysWhatTheFileSays) {
                                    "tiny", "with_default", "switched", "class", "last"));
 }
 
-// Every bound that the file names, one above it.
+// Every bound in the file is exceeded by one.
 TEST(Idl, EachBoundExceeded_IsRefused) {
   const auto refuses = [](auto change) {
     auto value = collections();

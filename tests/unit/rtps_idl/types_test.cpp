@@ -1,4 +1,4 @@
-// Types that agree and types that do not, by what the generator says of them.
+// Types that agree and types that do not, judged by the descriptions of the generator.
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(Types, OtherMembersAnotherOrderOrAnotherInnerType_IsAnotherType) {
   EXPECT_EQ((verdict<one::Where, other::Where>()), TypeVerdict::different);
 }
 
-// By the reader's policy, as a word of what it refuses.
+// Returns the part of the reader's policy that refuses the types, or "".
 template <class Writer, class Reader>
 std::string refused(const TypeConsistency& policy) {
   const auto judged = judge_types(description<Writer>(), description<Reader>(), policy);
@@ -109,8 +109,8 @@ TEST(Types, WithoutTypeInformationOrTheObjects_NamesDecide) {
   EXPECT_EQ(judge_types({}, {}).verdict, TypeVerdict::unknown);
 }
 
-// Cut off anywhere or with any octet changed: never a crash, and never "the same" with another
-// hash.
+// If a description is cut off anywhere, or any octet changes, there is no crash, and never "the
+// same" with another hash.
 TEST(Types, HostileDescriptions_AreJudgedWithoutHarm) {
   const auto good = description<one::Track>();
   for (std::size_t size = 0; size < good.information.size(); ++size) {
