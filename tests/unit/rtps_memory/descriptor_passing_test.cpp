@@ -1,4 +1,4 @@
-// The thread that passes descriptors on: what it does, and that nothing waits for it.
+// The thread that passes descriptors on: what it does, and that no other thread waits for it.
 #include "rtps/memory/descriptor_passing.hpp"
 
 #include <functional>
@@ -101,9 +101,9 @@ TEST(DescriptorPassing, Wiped_NothingIsLeft) {
   const auto prepared = passing.next_prepared();
   ASSERT_TRUE(prepared && prepared->slots);
   EXPECT_EQ(reader.check(reference).error(), MemoryRefusal::gone);
-  // A reference that has the right generation finds nothing but zeros.
+  // A reference with the right generation finds only zeros.
   auto again = reference;
-  again.generation += 4;  // freed, and wiped
+  again.generation += 4;  // it was freed and wiped
   Bytes out(10'000, 1);
   while (!reader.check(again) && again.generation < 100) again.generation += 2;
   (void)reader.copy(again, out);
@@ -135,8 +135,8 @@ TEST(DescriptorPassing, StrangerSendsASlowDescriptor_ReadersAreStillServed) {
   EXPECT_TRUE(fetched && fetched->segment);
 }
 
-// A passing whose thread waits for a socket that lingers: no descriptor number was left for it, so
-// that the system itself dropped it.
+// A passing whose thread waits for a socket that lingers. No descriptor number was left for the
+// socket, so the system itself dropped it.
 struct HeldUp {
   HeldUp() {
     EXPECT_TRUE(passing.it->fetch(std::move(impostor.offer)).has_value());
@@ -157,7 +157,7 @@ struct HeldUp {
   Passing passing;
 };
 
-// Tries until the thread is the last that has the descriptor.
+// Tries until the thread is the last one that has the descriptor.
 std::unique_ptr<HeldUp> held_up() {
   auto held = std::make_unique<HeldUp>();
   while (!held->is_held) held = std::make_unique<HeldUp>();
@@ -196,7 +196,7 @@ TEST(DescriptorPassing, End_IsQuick) {
   EXPECT_LT(real_now() - before, 2s);
 }
 
-// A child has no thread, and must not wait for it for ever.
+// A child has no such thread, and must not wait for it for ever.
 TEST(DescriptorPassing, ChildOfFork_Ends) {
   Passing passing;
   const pid_t child = ::fork();

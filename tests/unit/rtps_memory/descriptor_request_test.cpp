@@ -29,7 +29,7 @@ using namespace testing;
 constexpr MonotonicTime kStart = std::chrono::seconds(5);
 constexpr std::uint64_t kSegmentId = 7;
 
-// What comes of an answer with these descriptors.
+// Returns the result of an answer with these descriptors.
 MemoryResult<std::optional<MappedSegment>> answered_with(const std::vector<int>& descriptors,
                                                          MemoryId memory) {
   Impostor impostor(memory);
@@ -39,7 +39,7 @@ MemoryResult<std::optional<MappedSegment>> answered_with(const std::vector<int>&
   return request->take();
 }
 
-// How many descriptors are open: a leaked one may have any number.
+// Returns how many descriptors are open, because a leaked one may have any number.
 std::ptrdiff_t open_descriptors() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
 }
@@ -61,7 +61,7 @@ TEST(DescriptorRequestTest, Answer_WithADescriptorOfAnotherKind_IsRefused) {
   EXPECT_EQ(answered_with({null.number()}, {}).error(), MemoryRefusal::wrong_kind);
 }
 
-// A relay in another network namespace, which puts memory of its own in the place of the writer's.
+// A relay in another network namespace puts memory of its own in the place of the writer's.
 TEST(DescriptorRequestTest, Answer_WithSealedMemoryOfARelay_IsRefused) {
   const auto writers = *Segment::make(kSegmentId, 64, 1);
   const auto relays = *Segment::make(kSegmentId, 64, 1);

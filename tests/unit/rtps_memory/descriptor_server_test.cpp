@@ -38,7 +38,7 @@ DescriptorOffer copy_of(const DescriptorOffer& offer) {
           .memory = offer.memory};
 }
 
-// Octets that the server sent; 0 if it closed the connection, -1 if it says nothing.
+// Returns the octets that the server sent; 0 if it closed the connection, -1 if it sends nothing.
 ssize_t answer_on(const FileDescriptor& socket) {
   std::array<char, 64> octets{};
   return ::recv(socket.number(), octets.data(), octets.size(), MSG_DONTWAIT);
@@ -51,7 +51,7 @@ class DescriptorServerTest : public ::testing::Test {
     EXPECT_TRUE(out.has_value());
     return *std::move(out);
   }
-  // What a request for the offer ends with.
+  // Returns the result of a request for the offer.
   MemoryResult<std::optional<MappedSegment>> fetch(const DescriptorOffer& offer,
                                                    MonotonicTime now = kStart) {
     auto request = DescriptorRequest::send(offer);
@@ -209,7 +209,7 @@ TEST_F(DescriptorServerTest, Process_OtherThanTheOffered_GetsNoToken) {
   auto made = offer();
   made.process = ::getppid();
   EXPECT_EQ(refusal_of(made), MemoryRefusal::wrong_process);
-  made.process = 0;  // what a process of another PID namespace looks like
+  made.process = 0;  // the id of a process of another PID namespace
   EXPECT_EQ(refusal_of(made), MemoryRefusal::wrong_process);
 }
 
@@ -236,7 +236,7 @@ TEST_F(DescriptorServerTest, Descriptors_Exhausted_PauseTheServer) {
   server_.serve(kStart);
   EXPECT_EQ(server_.offer(segment_, random_, kStart).error(), MemoryRefusal::no_memory);
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
-  // The waiting connection does not wake the caller meanwhile.
+  // The waiting connection does not wake the caller before its deadline.
   EXPECT_FALSE(is_readable());
   EXPECT_EQ(server_.deadline(), kStart + std::chrono::seconds(1));
   server_.serve(kStart + std::chrono::seconds(1));
@@ -267,7 +267,7 @@ TEST_F(DescriptorServerTest, Stranger_SendsASlowDescriptor_HoldsNobodyUp) {
   });
 }
 
-// SOCK_SEQPACKET has empty messages, which look like the end.
+// SOCK_SEQPACKET has empty messages, which look like the end of the connection.
 TEST_F(DescriptorServerTest, SlowDescriptor_AfterEmptyMessages_HoldsNobodyUp) {
   const auto made = offer();
   for (const int count : {1, 2, 5}) {
@@ -282,7 +282,7 @@ TEST_F(DescriptorServerTest, SlowDescriptor_AfterEmptyMessages_HoldsNobodyUp) {
   }
 }
 
-// The other side leaves what we sent unread, so that an error stands before its messages.
+// The other side leaves what we sent unread, so its socket reports an error before its messages.
 TEST_F(DescriptorServerTest, SlowDescriptor_BehindAnError_HoldsNobodyUp) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
@@ -352,7 +352,7 @@ TEST_F(DescriptorServerTest, SlowDescriptors_Many_ServerTakesNoMoreUntilTheyAreC
   EXPECT_EQ(DescriptorRequest::send(made).error(), MemoryRefusal::held_up);
   hostile.clear();
   auto now = kStart;
-  for (int i = 0; i < 4; ++i) {  // those that waited to be accepted
+  for (int i = 0; i < 4; ++i) {  // those that wait to be accepted
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     server_.serve(now += std::chrono::seconds(1));
   }
@@ -361,7 +361,7 @@ TEST_F(DescriptorServerTest, SlowDescriptors_Many_ServerTakesNoMoreUntilTheyAreC
 
 // ---- strangers of other users, and shares
 
-// Shows the token as a process of another user; true if a descriptor comes.
+// Shows the token as a process of another user. True if a descriptor arrives.
 bool gets_descriptor(const DescriptorOffer& made, DescriptorServer& server) {
   std::array<int, 2> ends{};
   EXPECT_EQ(::pipe(ends.data()), 0);

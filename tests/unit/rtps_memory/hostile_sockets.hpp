@@ -35,7 +35,7 @@ struct SocketAddress {
   socklen_t size = 0;
 };
 
-/// A socket that is connected to `name` (SOCK_SEQPACKET), as an outsider opens it.
+/// Returns a socket that is connected to `name` (SOCK_SEQPACKET), as an outsider opens it.
 inline FileDescriptor connected(const SocketName& name) {
   FileDescriptor out(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const SocketAddress address(name);
@@ -43,7 +43,7 @@ inline FileDescriptor connected(const SocketName& name) {
   return out;
 }
 
-/// Sends one octet with the descriptors.
+/// Sends one octet with these descriptors.
 inline ssize_t send_with(const FileDescriptor& socket, const std::vector<int>& descriptors) {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(64 * sizeof(int))> control{};
   char octet = 1;
@@ -75,7 +75,7 @@ struct Impostor {
     EXPECT_EQ(::bind(listener.number(), address.generic(), address.size), 0);
     EXPECT_EQ(::listen(listener.number(), 1), 0);
   }
-  /// Answers the request that waits, or comes.
+  /// Answers the request that waits or arrives.
   void answer(const std::vector<int>& descriptors) {
     socket = FileDescriptor(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
     EXPECT_EQ(send_with(socket, descriptors), 1);
@@ -85,7 +85,7 @@ struct Impostor {
   DescriptorOffer offer{.token = *Token::copy_of(Bytes(32)), .process = ::getpid()};
 };
 
-/// A TCP socket with octets that the other side never takes: its close waits for a minute.
+/// A TCP socket with octets that the other side never reads, so its close waits for a minute.
 struct SlowToClose {
   SlowToClose() {
     const FileDescriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
@@ -104,20 +104,20 @@ struct SlowToClose {
     other = FileDescriptor(::accept4(listener.number(), nullptr, nullptr, SOCK_CLOEXEC));
     const linger wait{.l_onoff = 1, .l_linger = 60};
     ::setsockopt(slow.number(), SOL_SOCKET, SO_LINGER, &wait, sizeof wait);
-    // Until the other side has taken all that it takes.
+    // Sends until the other side accepts nothing more.
     const Bytes octets(1 << 16);
     for (int quiet = 0; quiet < 5; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
       ++quiet;
       while (::send(slow.number(), octets.data(), octets.size(), MSG_DONTWAIT) > 0) quiet = 0;
     }
   }
-  /// The reset ends the close.
+  /// Resets the connection, which ends the close.
   ~SlowToClose() {
     { const FileDescriptor last(other.release()); }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  /// Afterwards the descriptor is with the receiver alone. False: the receiver dropped it at once,
-  /// so that our own close was the slow one.
+  /// Sends the descriptor, and closes our own. False if the receiver dropped it at once, so that
+  /// our own close was the slow one.
   bool send_over(const FileDescriptor& socket) {
     EXPECT_EQ(send_with(socket, {slow.number()}), 1);
     auto closed = std::async(std::launch::async, [own = slow.release()] { ::close(own); });

@@ -1,4 +1,4 @@
-// Why memory is not used, in words.
+// The texts of the reasons why memory is not used.
 #include "rtps/memory/memory_refusal.hpp"
 
 #include <set>

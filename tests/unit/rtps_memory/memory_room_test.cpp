@@ -9,7 +9,7 @@
 namespace ddssec::rtps::memory {
 namespace {
 
-// Files as /proc and /sys have them.
+// A folder with files in the form of /proc and /sys.
 struct Root {
   Root() { std::filesystem::create_directories(path); }
   ~Root() { std::filesystem::remove_all(path); }
@@ -37,7 +37,7 @@ TEST(MemoryRoom, VersionTwo_LeastOfAllGroupsAbove) {
   EXPECT_EQ(root.room(), 400u);
 }
 
-// Beyond it (MemoryHigh= of systemd) nothing is refused, and the processes nearly stand.
+// Beyond this limit (MemoryHigh= of systemd) nothing is refused, but the processes nearly stop.
 TEST(MemoryRoom, LimitBeyondWhichProcessesAreSlowed_Counts) {
   Root root;
   root.write("/proc/self/cgroup", "0::/a\n");
@@ -66,7 +66,7 @@ TEST(MemoryRoom, MoreUsedThanAllowed_IsNone) {
   EXPECT_EQ(root.room(), 0u);
 }
 
-// In a container the path is that of the host, and only the top is mounted.
+// In a container the path is that of the host, and only the top of the hierarchy is mounted.
 TEST(MemoryRoom, VersionOne_PathThatIsNotThere) {
   Root root;
   root.write("/proc/self/cgroup", "5:cpu,cpuacct:/x\n4:memory:/docker/1\n0::/\n");

@@ -1,4 +1,4 @@
-// When the slot of a sample is used again.
+// When the slot of a sample is reused.
 #include "rtps/memory/sample_slots.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 struct Slots {
   explicit Slots(std::size_t largest = 100'000)
       : slots(SampleSlots::make(5, largest).value()), count(slots.segment().slots()) {}
-  // Puts the next sample. Empty: there is no place.
+  // Puts the next sample. Returns nothing if there is no place.
   std::optional<Reference> put(std::int64_t needed_from) {
     const auto place = slots.begin({needed_from}, now);
     if (!place) {

@@ -48,7 +48,7 @@ MemoryRefusal refusal_of(const MappedSegment& segment, const Reference& referenc
   return status ? MemoryRefusal::no_socket : status.error();
 }
 
-// Memory of a hostile writer: `size` octets, of which the first `taken` are there.
+// Makes the memory of a hostile writer: `size` octets, of which the first `taken` exist.
 FileDescriptor memory(off_t size, off_t taken, int seals, unsigned flags = MFD_ALLOW_SEALING) {
   FileDescriptor out(::memfd_create("test", flags));
   EXPECT_EQ(::ftruncate(out.number(), size), 0);
@@ -122,7 +122,7 @@ TEST(Segment, Slot_FreedLongestAgo_IsUsedFirst) {
   auto writer = segment(64, 3);
   const auto first = writer.store(Bytes(1));
   ASSERT_TRUE(writer.release(*first));
-  // Two slots were free before this one.
+  // Two other slots were free before this one, and are used first.
   EXPECT_NE(writer.store(Bytes(1))->offset, first->offset);
   EXPECT_NE(writer.store(Bytes(1))->offset, first->offset);
   EXPECT_EQ(writer.store(Bytes(1))->offset, first->offset);
@@ -200,7 +200,7 @@ TEST(Segment, Copy_FromAnotherSegment_IsRefused) {
   EXPECT_EQ(refusal_of(reader, reference), MemoryRefusal::other_segment);
 }
 
-// Each payload is one octet many times: a copy that mixes two of them is noticed.
+// Each payload repeats one octet, so a copy that mixes two payloads is noticed.
 TEST(Segment, Copy_WhileTheSlotIsUsedAgain_IsWholeOrGone) {
   constexpr std::size_t kSize = 20000;
   auto writer = segment(kSize, 2);
@@ -209,7 +209,7 @@ TEST(Segment, Copy_WhileTheSlotIsUsedAgain_IsWholeOrGone) {
   std::atomic<bool> ended = false;
   std::atomic<std::size_t> whole = 0;
   std::thread writing([&] {
-    // Longer if this machine gave the reader no time yet, but not for good.
+    // The loop goes on if this machine gave the reader no time yet, but not for ever.
     for (int i = 0; i < 20000 || (whole == 0 && i < 5000000); ++i) {
       const auto reference = writer.store(Bytes(kSize, static_cast<std::uint8_t>(i)));
       generations[reference->offset == 0 ? 0 : 1] = reference->generation;
@@ -217,7 +217,7 @@ TEST(Segment, Copy_WhileTheSlotIsUsedAgain_IsWholeOrGone) {
     }
     ended = true;
   });
-  bool mixed = false;  // no ASSERT here: the thread must be joined
+  bool mixed = false;  // no ASSERT here, because the thread must be joined
   Bytes out(kSize);
   while (!ended) {
     const Reference reference{
@@ -252,7 +252,7 @@ TEST(SegmentSeals, Memory_OfASegment_CannotBeWrittenOrResizedByAReader) {
   }
 }
 
-// A writer that turns hostile after the reader has mapped its memory cannot take a page away.
+// A writer that becomes hostile after the reader mapped its memory cannot take a page away.
 TEST(SegmentSeals, Memory_ThatAReaderMapped_CannotBePunchedByTheWriter) {
   const auto descriptor = memory(8192, 8192, 0);
   void* const own =
@@ -286,7 +286,7 @@ TEST(SegmentMapping, File_OfASharedFolder_IsRefused) {
   EXPECT_TRUE(refusal == MemoryRefusal::not_sealed || refusal == MemoryRefusal::wrong_kind);
 }
 
-// Its pages may be missing although the seals are there.
+// The pages may be missing although the memory is sealed.
 TEST(SegmentMapping, Memory_OfHugePages_IsRefused) {
   const FileDescriptor huge(::memfd_create("test", MFD_ALLOW_SEALING | MFD_HUGETLB));
   if (!huge || ::fcntl(huge.number(), F_ADD_SEALS, kAllSeals) != 0) GTEST_SKIP() << "no huge pages";
@@ -310,7 +310,7 @@ TEST(SegmentMapping, Memory_WithAHole_IsRefused) {
   EXPECT_EQ(refusal_of_map(memory(16384, 8192, kAllSeals)), MemoryRefusal::wrong_size);
 }
 
-// Such blocks count as memory of the file, but are not where the reader looks.
+// Such blocks count as memory of the file, but lie where the reader never looks.
 TEST(SegmentMapping, Memory_WithBlocksBeyondItsEnd_IsRefused) {
   const auto beyond = memory(16384, 0, 0);
   ASSERT_EQ(::fallocate(beyond.number(), FALLOC_FL_KEEP_SIZE, 16384, 16384), 0);
@@ -336,7 +336,7 @@ TEST(SegmentMapping, Memory_OtherThanTheOffered_IsRefused) {
   EXPECT_EQ(out.error(), MemoryRefusal::other_memory);
 }
 
-// Runs in a process of its own, since a limit that was lowered stays.
+// Runs in a process of its own, because a limit that was lowered cannot be raised again.
 int status_of_child(int (*run)()) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(run());

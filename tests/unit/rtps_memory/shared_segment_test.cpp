@@ -1,4 +1,4 @@
-// What other processes do with a segment: crashes, forks, and who still has it.
+// Other processes that have a segment: they crash, fork, and keep it or not.
 #include <array>
 #include <csignal>
 #include <fcntl.h>
@@ -27,7 +27,7 @@ MappedSegment mapped(const Segment& segment) {
   return *MappedSegment::map(segment.for_reader(), segment.id(), segment.memory());
 }
 
-// A descriptor that another process has.
+// Opens a descriptor that another process has.
 FileDescriptor descriptor_of(pid_t process, int number) {
   const auto path = "/proc/" + std::to_string(process) + "/fd/" + std::to_string(number);
   return FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -59,7 +59,8 @@ TEST(CrashedWriter, Writer_KilledWhileItWrites_LeavesReadersUnharmed) {
   ASSERT_EQ(::kill(child, SIGKILL), 0);
   ASSERT_EQ(::waitpid(child, nullptr, 0), child);
   Bytes out(100000);
-  // One of the generations is the last one; all others are gone, and none ends this process.
+  // One of these generations is the last one. All others are gone, and reading them does not end
+  // this process.
   int whole = 0;
   for (std::uint64_t generation = 2; generation < 200000; generation += 2) {
     const Reference reference{
@@ -91,7 +92,7 @@ TEST(Fork, Child_HasNeitherSidesMapping) {
   }
 }
 
-// ---- whether others have it
+// ---- whether other processes have it
 
 TEST(SegmentsHeldByOthers, NobodyElse_HasIt) {
   auto writer = segment();
@@ -131,7 +132,7 @@ TEST(SegmentsHeldByOthers, SentAndNotReceived_IsSeen) {
   EXPECT_FALSE(writer.is_with_others());
 }
 
-// A reader may open what it has once more, also for writing: the memory stays sealed.
+// A reader may open its descriptor again, even for writing. The memory stays sealed.
 TEST(SegmentsHeldByOthers, OpenedOnceMoreByAReader_IsSeen) {
   const auto writer = segment();
   for (const int flags : {O_RDONLY, O_RDWR}) {
