@@ -1,5 +1,5 @@
-// Which files of a folder secure a participant, and what is said when they are not there. That two
-// of them talk is shown with the installed examples (tests/install).
+// The files of a folder that secure a participant, and the errors if they are missing. The
+// installed examples show that two participants talk (tests/install).
 #include "secured/participant.hpp"
 
 #include <array>
@@ -68,7 +68,7 @@ TEST(FolderProperties, FilesOfEitherLayout_AreNamed) {
   EXPECT_THAT(value_of(*properties, spi::property::kIdentityCa), EndsWith("/identity_ca.cert.pem"));
 }
 
-// A list of revoked certificates that somebody meant to be there must not go missing in silence.
+// A revocation list that a user wanted to be there must not be missing without an error.
 TEST(FolderProperties, AListOfRevokedCertificates_CountsEvenAsABrokenLink) {
   const Folder folder;
   fs::create_symlink("nowhere", folder.path / "crl.pem");
@@ -189,7 +189,7 @@ TEST(SecuredParticipant, TopicThatTwoThreadsUseFirst_IsCreatedOnce) {
   test::Silent quiet;
   auto participant = Participant::join(folder.path, {.domain_id = 122}, &quiet);
   ASSERT_TRUE(participant) << participant.error().to_sentence();
-  // Both threads spin until the other has come, so that they look the name up at the same time.
+  // Both threads wait in a loop for each other, so that they look the name up at the same time.
   constexpr int kTopics = 60;
   std::atomic<int> arrived = 0;
   std::array<int, 2> refused = {};
@@ -208,7 +208,7 @@ TEST(SecuredParticipant, TopicThatTwoThreadsUseFirst_IsCreatedOnce) {
   EXPECT_EQ(refused, (std::array<int, 2>{}));
 }
 
-// The program that gets the error prints it: or_exit does.
+// The program that gets the error prints it, as or_exit does.
 TEST(SecuredParticipant, WhatJoinReturns_IsNotPrintedByTheDefaultSinkToo) {
   const Folder folder;
   ::testing::internal::CaptureStderr();
@@ -248,7 +248,7 @@ TEST(StandardErrorEvents, RenewedDocuments_ArePrinted) {
   EXPECT_THAT(printed, HasSubstr("[permissions_renewed 1435]\n"));
 }
 
-// Before, the variable had no effect for an embedded participant.
+// The variable must have its effect for an embedded participant, too.
 TEST(SecuredParticipant, EventLogOfTheEnvironment_HasEachEvent) {
   const Folder folder;
   const auto file = folder.path / "events";

@@ -1,5 +1,5 @@
-// Two participants on one set of engines, on sockets: one is deleted while a third one writes to
-// both, and the other goes on.
+// Two participants share one set of engines and use sockets. One of them is deleted while a third
+// one writes to both, and the other one goes on.
 #include <unistd.h>
 
 #include "secured/engines.hpp"
@@ -34,7 +34,7 @@ using rtps::Tick;
 using rtps::testing::everything;
 using rtps::testing::properties_of;
 
-// The calendar of the documents, and time that passes.
+// A clock with the calendar of the documents, whose monotonic time passes.
 struct TestClock final : Clock {
   SystemClock system;
   WallTime now() const override { return pki::kNow; }
@@ -48,7 +48,7 @@ struct World {
   const EngineServices services{clock, random, events};
   Engines shared{services}, own{services};
 
-  // Tests run in parallel processes: each takes a domain of its own.
+  // Tests run in parallel processes, so each takes a domain of its own.
   std::unique_ptr<rtps::DomainParticipant> join(Engines& engines, const std::string& subject) {
     rtps::DomainParticipantOptions options{
         .domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
@@ -88,7 +88,7 @@ void write(DataWriter<Tick>& writer, std::int32_t from, std::int32_t to) {
   for (; from <= to; ++from) ASSERT_TRUE(writer.write({from}));
 }
 
-// Takes `from` to `to`, in order.
+// Expects the ticks `from` to `to`, in order.
 void expect_ticks(DataReader<Tick>& reader, std::int32_t from, std::int32_t to) {
   while (from <= to && reader.wait_for_unread(20s))
     while (const auto sample = reader.take_next_sample())
