@@ -1,4 +1,4 @@
-// The interface headers compile on their own, and handles of different kinds stay apart.
+// Each interface header compiles on its own, and handles of different kinds cannot be mixed up.
 #include <type_traits>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Properties with a number, and those that are made of them.
+// Properties with a number, and values that are computed from them.
 #include "plugins/spi/number_property.hpp"
 
 #include <gtest/gtest.h>

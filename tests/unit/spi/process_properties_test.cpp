@@ -1,4 +1,4 @@
-// Properties that Cyclone DDS cannot pass: of the environment and of a file.
+// Properties that Cyclone DDS cannot pass on: from the environment and from a file.
 #include "plugins/spi/process_properties.hpp"
 
 #include <cstdlib>
@@ -29,7 +29,7 @@ class ProcessProperties : public testing::Test {
   void file_says(const std::string& text) const {
     ::setenv(kPropertiesVariable, folder_.write("properties", text).c_str(), 1);
   }
-  // What it is with that of the host.
+  // Returns the value of a property together with those of the host.
   static std::string value(std::string_view name, PropertyList of_host = {}) {
     const auto all = with_process_properties(std::move(of_host));
     EXPECT_TRUE(all) << all.error().to_sentence();
@@ -72,7 +72,7 @@ TEST_F(ProcessProperties, FileThatIsMissingOrWrong_IsAnError) {
   EXPECT_CODE(with_process_properties({}), property_unknown);
 }
 
-// Cyclone DDS cannot protect messages before authentication: without an error, they would go
+// Cyclone DDS cannot protect messages before authentication. Without an error they would be sent
 // unprotected.
 TEST_F(ProcessProperties, PreSharedKeys_AreRefusedByName) {
   for (const auto name :

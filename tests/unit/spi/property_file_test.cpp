@@ -38,7 +38,7 @@ TEST(PropertyFile, RefusedLine_IsNamed) {
   }
 }
 
-// A mistyped name would have no effect, and nothing else would say so.
+// A mistyped name would have no effect, and no other check would find it.
 TEST(PropertyFile, AnUnknownName_IsRefusedWithTheOneThatWasMeant) {
   const std::pair<std::string, std::string_view> unknown[] = {
       {"org.ddssec.files_poll_intervall", property::kFilesPollInterval},
@@ -61,7 +61,8 @@ TEST(PropertyFile, AnUnknownName_IsRefusedWithTheOneThatWasMeant) {
   }
 }
 
-// The path may be a link to any file that the process may read.
+// The path may be a link to any file that the process may read, so its content must not get into an
+// error.
 TEST(PropertyFile, WhatIsNoFileOfProperties_IsNotQuoted) {
   for (const std::string text :
        {"hunter2\n", "root:$6$hunter2:1:2\n", "hunter2==\n", "hunter2 = 1\n", "TOKEN=hunter2\n",

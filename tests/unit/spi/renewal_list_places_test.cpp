@@ -1,4 +1,4 @@
-// Where a renewal list is looked for.
+// The places where a renewal list is looked for.
 #include "plugins/spi/renewal_list_places.hpp"
 
 #include <gmock/gmock.h>

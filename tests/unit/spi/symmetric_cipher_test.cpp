@@ -22,7 +22,7 @@ TEST(SymmetricCipher, AList_MayNameUnknownCiphers) {
     EXPECT_EQ(ciphers_in(nothing), 0u) << nothing;
 }
 
-// DDS-Security 1.2, clause 7.3.9
+// DDS-Security 1.2, clause 7.3.9.
 TEST(SymmetricCipher, PeersCiphers_MustHoldAllOrInCompatibilityModeAny) {
   constexpr CipherMask kCompatible = CipherMask{1} << 31;
   EXPECT_TRUE(is_supported_by(0x2, 0x3));

@@ -36,7 +36,7 @@ TEST(Token, EveryTruncation_IsRefused) {
   }
 }
 
-// CVE-2025-62599, -62600, -62602: lying lengths inside tokens.
+// CVE-2025-62599, -62600, -62602: false lengths inside tokens.
 TEST(Token, LyingCountsAndLengths_AreRefusedBeforeAllocating) {
   Writer writer;
   write_token(writer, sample());
