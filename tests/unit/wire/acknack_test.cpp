@@ -1,4 +1,4 @@
-// ACKNACK: its set of missing numbers.
+// ACKNACK and its set of missing numbers.
 #include "wire/acknack.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// DATA_FRAG: fragments lie inside their sample.
+// DATA_FRAG: fragments must lie inside their sample.
 #include "wire/data_frag.hpp"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ DataFrag sample_frag(BytesView payload) {
 }
 
 TEST(DataFrag, DataFrag_RoundTripsAndTruncationsAreRefused) {
-  const Bytes payload(12, 0xaa);  // fragment 2 whole, fragment 3 with the last 4 octets
+  const Bytes payload(12, 0xaa);  // all of fragment 2, and the last 4 octets in fragment 3
   for (auto endian : {Endian::big, Endian::little}) {
     const auto octets = written(sample_frag(payload), endian);
     const auto view = view_of(octets);

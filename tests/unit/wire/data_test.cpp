@@ -1,4 +1,4 @@
-// DATA: its payload, and the way to it.
+// DATA: its payload, and the fields before it.
 #include "wire/data.hpp"
 
 #include <gmock/gmock.h>

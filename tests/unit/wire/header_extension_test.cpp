@@ -1,4 +1,4 @@
-// HEADER_EXTENSION: its length, and parts that are stepped over.
+// HEADER_EXTENSION: its length, and parts that are skipped.
 #include "wire/header_extension.hpp"
 
 #include <gmock/gmock.h>

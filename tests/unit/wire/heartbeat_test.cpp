@@ -30,7 +30,7 @@ TEST(Heartbeat, HeartbeatOfAGroup_RoundTripsAndInvalidNumbersAreRefused) {
     for (std::size_t size = 0; size < view.body.size(); ++size) {
       auto cut = view;
       cut.body = view.body.first(size);
-      // Some say nothing of the writers.
+      // A HEARTBEAT may leave out the fields about writers.
       const bool without_writers = size == view.body.size() - 8;
       EXPECT_EQ(read_heartbeat(cut).has_value(), without_writers) << size;
     }

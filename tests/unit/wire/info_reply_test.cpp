@@ -14,7 +14,7 @@ TEST(InfoReply, InfoReply_RoundTrips) {
                     read_info_reply);
 }
 
-// Found by fuzzing: an address of no kind of transport is none.
+// Found by fuzzing: an address without a kind of transport counts as none.
 TEST(InfoReply, AnInfoReplyToALocatorWithoutAKind_IsToNone) {
   Bytes octets = {0x0f, 1, 28, 0, 1, 0, 0, 0, 0xff, 0xff, 0xff, 0xff};
   octets.resize(32, 0xff);

@@ -76,7 +76,7 @@ TEST(InlineQos, UnknownParametersThatMatterAndShortValues_AreRefused) {
             Code::rtps_parameter_invalid);
 }
 
-// Neither the first nor the last of two counts (SingleParameters).
+// Neither the first nor the last one of two counts (SingleParameters).
 TEST(InlineQos, AParameterThatComesTwice_IsRefused) {
   InlineQos qos;
   qos.key_hash.emplace().fill(7);
@@ -109,7 +109,7 @@ TEST(InlineQos, AnUnknownParameterThatComesTwice_IsSkipped) {
   EXPECT_TRUE(
       read_inline_qos(list({{0x05, 0x77, 0, 0}, {0x05, 0x77, 0, 0}, kSentinel}), Endian::big)
           ->empty());
-  // Numbers of ours, with lengths that are not ours.
+  // These have the ids of our parameters, but other lengths.
   EXPECT_TRUE(
       read_inline_qos(list({{0x8d, 0x5e, 0, 0}, {0x8d, 0x5e, 0, 0}, kSentinel}), Endian::big)
           ->empty());

@@ -1,4 +1,4 @@
-// What a locator is.
+// The forms of a locator.
 #include "wire/locator.hpp"
 
 #include "tests/unit/rtps/wire_helpers.hpp"

@@ -35,7 +35,7 @@ TEST(MemoryReference, WithoutIt_DataHasNoFurtherOctet) {
   EXPECT_FALSE(read_data(view_of(octets))->inline_qos.memory);
 }
 
-// The DATA with the parameter's value made longer or shorter by a whole number of words.
+// Returns the DATA with the parameter's value made longer or shorter by a whole number of words.
 Bytes with_length_of(std::size_t size) {
   auto octets = written(referring(), Endian::little);
   const auto id = std::ranges::search(octets, Bytes{0x5f, 0x8d, 28, 0});

@@ -20,7 +20,7 @@ using testing::code_of;
 using testing::message;
 using testing::written;
 
-// Cyclone DDS #2402: datagrams of 0 to 40 octets.
+// Cyclone DDS issue 2402: datagrams of 0 to 40 octets.
 TEST(Message, EveryTruncation_IsAShorterWalkOrARefusal) {
   const auto whole = message({written(InfoDestination{}), written(Heartbeat{{}, {}, {1}, {2}, 1})});
   for (std::size_t size = 0; size < whole.size(); ++size) {
@@ -40,7 +40,7 @@ TEST(Message, EveryTruncation_IsAShorterWalkOrARefusal) {
 
 TEST(Message, LengthZero_MeansToTheEndExceptWhereAnEmptyBodyIsLegal) {
   auto octets = message({written(InfoTimestamp{}), written(InfoDestination{})});
-  octets[26] = 0;  // INFO_DST's length
+  octets[26] = 0;  // the length of INFO_DST
   auto reader = *MessageReader::open(octets);
   EXPECT_EQ((*reader.next())->body.size(), 0u);
   EXPECT_EQ((*reader.next())->body.size(), 12u);
@@ -73,7 +73,7 @@ Bytes content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Reads every submessage of the kinds that the capture has.
+// Reads every submessage of the kinds that are in the capture.
 Status read_all(BytesView octets) {
   auto reader = MessageReader::open(octets);
   if (!reader) return std::unexpected(reader.error());

@@ -1,4 +1,4 @@
-// NACK_FRAG: the fragments that are missing.
+// NACK_FRAG and its set of missing fragments.
 #include "wire/nack_frag.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Parameter lists: walked to their end, or refused.
+// Parameter lists are walked to their end, or refused.
 #include "wire/parameter_list.hpp"
 
 #include "tests/unit/rtps/wire_helpers.hpp"
@@ -22,7 +22,7 @@ TEST(ParameterList, SentinelAndPadding_EndAndDoNotEndTheWalk) {
   EXPECT_EQ(parameter_list_prefix(octets, Endian::big)->size(), octets.size() - 3);
 }
 
-// Cyclone DDS #1555: the scan for a list's end.
+// Cyclone DDS issue 1555 was in the scan for the end of a list.
 TEST(ParameterList, EveryTruncation_IsRefused) {
   const auto octets =
       list({{0, 5, 0, 4, 1, 2, 3, 4}, {0x40, 0, 0, 8, 1, 2, 3, 4, 5, 6, 7, 8}, kSentinel});

@@ -1,4 +1,4 @@
-// Every submessage: written and read alike in both byte orders, refused at every truncation.
+// Every submessage is written and read in both byte orders, and refused at every truncation.
 #include <functional>
 
 #include <gmock/gmock.h>

@@ -19,7 +19,8 @@ inline SequenceNumberSet set_of(std::initializer_list<std::int64_t> numbers) {
   return set;
 }
 
-/// Round trip in both byte orders, and every truncation of the body is refused.
+/// Expects that the submessage is read as it was written in both byte orders, and that every
+/// truncation of the body is refused.
 template <class S, class Read>
 void expect_round_trip(const S& submessage, Read read) {
   for (auto endian : {Endian::big, Endian::little}) {
