@@ -1,4 +1,4 @@
-// One contract for all AEAD implementations, with others' vectors.
+// One contract for all AEAD implementations, with vectors of other projects.
 #include "plugins/cryptography/aead.hpp"
 
 #include <fstream>
@@ -65,7 +65,8 @@ nlohmann::json json_file(const std::string& name) {
   return nlohmann::json::parse(file);
 }
 
-// Tries the file's tests with a nonce of ours; what has another is not for this interface.
+// Calls `f` for the file's tests with a nonce of our size, because the interface takes no other
+// one. Returns their number.
 template <class F>
 std::size_t for_each_wycheproof(const std::string& name, F&& f) {
   std::size_t tried = 0;
@@ -97,7 +98,7 @@ TEST_P(Aead, WycheproofVectors_AreReproduced) {
   }
 }
 
-// RFC 8439 2.8.2
+// RFC 8439, section 2.8.2.
 TEST_P(Aead, Rfc8439Example_IsReproduced) {
   const auto text = as_bytes(
       "Ladies and Gentlemen of the class of '99: If I could offer you only one tip for the future, "
@@ -116,7 +117,7 @@ TEST_P(Aead, Rfc8439Example_IsReproduced) {
   EXPECT_TRUE(opens(one));
 }
 
-// RFC 8439 appendix A.5
+// RFC 8439, appendix A.5.
 TEST_P(Aead, Rfc8439DecryptionExample_IsReproduced) {
   const Case one{
       kChacha,

@@ -1,5 +1,5 @@
-// Every entry of kat-crypto.json that concerns what is built: derivations, key material, payloads,
-// submessages, messages, key exchange.
+// Every entry of kat-crypto.json that is about something that ddssec implements: derivations, key
+// material, payloads, submessages, messages, key exchange.
 #include <fstream>
 #include <queue>
 
@@ -35,7 +35,7 @@ const Json& kat() {
 Bytes hex(const Json& digits) { return from_hex(digits.get<std::string>()).value(); }
 Bytes input(const char* name) { return hex(kat()["inputs"][name]); }
 
-// Salt and keys of the kind's size.
+// Returns a salt or key of the size of the kind.
 template <class Key>
 Key key_input(const char* name, std::size_t size) {
   return Key::copy_of(BytesView(input(name)).first(size)).value();
@@ -109,7 +109,7 @@ TEST(Kat, KeyExchange_IsReproduced) {
             kat()["kx"]["session_key_for_session_id_01020304"].get<std::string>());
 }
 
-// Gives out what the vectors were made with, in the order in which the engine asks.
+// Returns the values with which the vectors were made, in the order in which the engine asks.
 struct ScriptedRandom final : Random {
   Status fill(MutableBytes out) override {
     if (script.empty() || script.front().size() != out.size()) return fail_here();
@@ -130,7 +130,7 @@ struct ScriptedRandom final : Random {
     script.push(to_bytes(BytesView(input("master_sender_key32")).first(size)));
     start();
   }
-  // Session id and IV suffix are drawn together.
+  // The session id and the IV suffix are drawn together.
   void start(std::uint32_t session = 0x01020304, std::uint64_t suffix = 0xa0a1a2a3a4a5a6a7) {
     Bytes octets(sizeof session + sizeof suffix);
     std::memcpy(octets.data(), &session, sizeof session);
@@ -149,7 +149,7 @@ ProtectionKind protection(const Json& entry, bool origin = false) {
 }
 
 std::size_t key_octets(const Json& entry) { return entry["kind"].get<int>() <= 2 ? 16 : 32; }
-// For an endpoint or a participant.
+// Returns the property for an endpoint or a participant.
 PropertyList cipher_property(const Json& entry) {
   if (entry["kind"] > 4) return cipher(spi::kChaCha20Poly1305Name, true);
   return key_size(key_octets(entry) == 16 ? "128" : "256");
@@ -160,7 +160,7 @@ class KatTransform : public ::testing::TestWithParam<AeadChoice> {
   static CryptographyOptions options() { return {.aead = GetParam()}; }
 };
 
-// An engine whose first key is the vectors' one.
+// An engine whose first key is that of the vectors.
 struct Scripted {
   explicit Scripted(const CryptographyOptions& options) : services{clock, random, events} {
     random.number<std::uint64_t>(0);
@@ -206,7 +206,8 @@ TEST_P(KatTransform, Payloads_Decode) {
 
 TEST_P(KatTransform, Submessages_Encode) {
   for (const auto& entry : kat()["submessage"]) {
-    if (entry["receiver_specific"]) continue;  // a receiver key id of our own choice: decoded below
+    // The receiver key id is our own choice; decoded below.
+    if (entry["receiver_specific"]) continue;
     Scripted side(options());
     auto& factory = side.engine->key_factory();
     const auto participant = factory.register_local_participant({}, {}, {}, {}).value();
@@ -258,7 +259,7 @@ TEST_P(KatTransform, Messages_Encode) {
   }
 }
 
-// The decoded message keeps INFO_SRC in front.
+// The decoded message begins with INFO_SRC.
 Bytes with_info_source(const Bytes& plain) {
   Bytes out(plain.begin(), plain.begin() + 20);
   for (const std::uint8_t octet : {0x0c, 0x01, 0x14, 0x00, 0, 0, 0, 0}) out.push_back(octet);
@@ -303,7 +304,7 @@ TEST_P(KatTransform, VolatileSubmessage_EncodesAndDecodes) {
                                                                    plain, out);
   });
   EXPECT_EQ(to_hex(*encoded), entry["volatile_secure_submessage"].get<std::string>());
-  // One key for both directions.
+  // There is one key for both directions.
   const auto [to, from_remote] = matched(receiver);
   auto& at_receiver = receiver.engine->key_factory();
   const auto reader =
@@ -345,7 +346,7 @@ TEST(Kat, PreSharedKeyExample_IsReproduced) {
   EXPECT_EQ(hex_of(half.sender_key), hex_of(material.sender_key).substr(0, 32));
 }
 
-// Additional authenticated data (flag A) is not ours.
+// ddssec does not send additional authenticated data (flag A).
 TEST_P(KatTransform, PreSharedKeyMessages_Encode) {
   for (const auto& entry : kat()["psk_messages"]) {
     Scripted side(options());
@@ -374,8 +375,7 @@ TEST_P(KatTransform, PreSharedKeyMessages_Encode) {
   }
 }
 
-// Kinds with a key revision other than 0, as pre-shared keys have, and their flags are not those
-// of participants' keys.
+// The key revision and the flags of a pre-shared key are not those of a participant's key here.
 TEST_P(KatTransform, ParticipantsKeys_RefusePreSharedKeyMessages) {
   TwoSides two(ProtectionKind::encrypt, {}, options());
   for (const auto& entry : kat()["psk_messages"])

@@ -20,7 +20,7 @@ DocumentVerifier verifier(const std::string& ca) { return *DocumentVerifier::mak
 struct CycloneRow {
   std::string file;
   bool signature_ok;
-  std::string ca;  // "-" = none of those at hand
+  std::string ca;  // "-" if none of the CAs here fits
 };
 
 std::vector<CycloneRow> cyclone_rows() {
@@ -40,7 +40,7 @@ std::vector<CycloneRow> cyclone_rows() {
   return rows;
 }
 
-// The CA file of that name beside the document, or where the folder has none, the common one.
+// Returns the CA file of that name beside the document, or the common one if the folder has none.
 std::string ca_beside(const CycloneRow& row) {
   const auto folder = row.file.substr(0, row.file.rfind('/') + 1);
   const bool there = std::filesystem::exists(test::data_path(folder + row.ca));
@@ -91,7 +91,7 @@ TEST(Sros2Documents, GoodAndBadDocuments_AreToldApart) {
   };
   EXPECT_TRUE(check("keystore/enclaves/governance.p7s"));
   EXPECT_TRUE(check("keystore/enclaves/talker_listener/talker/permissions.p7s"));
-  // Signed well; the dates and the subject inside are access control's business.
+  // The signatures are good. The dates and the subject inside are checked by access control.
   EXPECT_TRUE(check("negative/permissions.expired.p7s"));
   EXPECT_TRUE(check("negative/permissions.other_subject.p7s"));
   EXPECT_CODE(check("negative/permissions.tampered.p7s"), smime_signature_invalid);

@@ -1,4 +1,4 @@
-// Botan's distinguished names. Where our verdict differs, the test says why.
+// Botan's distinguished names. Where our result differs, the test says why.
 #include <map>
 #include <sstream>
 
@@ -11,7 +11,7 @@ namespace {
 
 using Record = std::map<std::string, std::string>;
 
-// "Key = value" lines; a new record begins when its first key comes again.
+// Reads "Key = value" lines. A new record begins when its first key comes again.
 std::vector<Record> records(const std::string& file, const std::string& first_key) {
   const auto octets = data_file("botan-x509-dn/" + file);
   std::istringstream lines{std::string(as_text(octets))};
@@ -28,7 +28,7 @@ std::vector<Record> records(const std::string& file, const std::string& first_ke
   return out;
 }
 
-// A certificate's name from DER, in our form.
+// Returns a certificate's name from DER, in our form.
 SubjectName name_from_der(const Bytes& der) {
   const auto* position = der.data();
   const NamePtr name(d2i_X509_NAME(nullptr, &position, static_cast<long>(der.size())));
@@ -40,7 +40,8 @@ TEST(BotanNames, ValidOnes_MeanWhatTheirDerSays) {
   for (const auto& record : records("x509_dn_valid.vec", "Input")) {
     const auto& input = record.at("Input");
     const auto name = SubjectName::parse(input);
-    // The empty name, which would match nobody, and a NUL, which reads as a shorter name.
+    // The empty name would match no certificate, and a name with a NUL would be read as a shorter
+    // name.
     if (input.empty() || input.find("\\00") != input.npos) {
       EXPECT_CODE(name, subject_name_malformed);
       continue;
@@ -53,7 +54,7 @@ TEST(BotanNames, ValidOnes_MeanWhatTheirDerSays) {
 }
 
 TEST(BotanNames, InvalidOnes_AreRefused) {
-  // DDS-Security 1.2 lets blanks stand around '='; RFC 4514 lets '#' and '=' stand inside a value.
+  // DDS-Security 1.2 allows blanks around '='. RFC 4514 allows '#' and '=' inside a value.
   const std::map<std::string, bool> allowed = {
       {"CN =Alice", true}, {"CN=A#B", true}, {"CN=A=B", true}};
   int refused = 0;
@@ -70,17 +71,18 @@ TEST(BotanNames, UnequalPairs_DoNotMatch) {
   for (const auto& record : records("x509_dn_ordering.vec", "DN1")) {
     const auto one = SubjectName::parse(record.at("DN1"));
     const auto two = SubjectName::parse(record.at("DN2"));
-    if (!one || !two) continue;  // the empty names
+    if (!one || !two) continue;  // one of the names is empty
     const bool reordered =
         record.at("DN1") == "CN=\"abc\",CN=\"foo\"" && record.at("DN2") == "CN=\"foo\",CN=\"abc\"";
     if (record.at("section") == "[Unequal]" && !reordered) {
       EXPECT_FALSE(one->matches(*two)) << record.at("DN1") << " | " << record.at("DN2");
       ++differ;
     } else if (reordered) {
-      EXPECT_TRUE(one->matches(*two));  // DDS-Security 1.2: the order is irrelevant
+      EXPECT_TRUE(one->matches(*two));  // in DDS-Security 1.2 the order is irrelevant
     } else {
-      // Botan folds case and blanks as X.520 allows. We compare octets: DDS-Security wants equal
-      // values, peers compare octets, and folding would let two certificates share permissions.
+      // Botan folds case and blanks, as X.520 allows. We compare octets, because DDS-Security wants
+      // equal values, peers compare octets, and folding would let two certificates share
+      // permissions.
       EXPECT_FALSE(one->matches(*two)) << record.at("DN1") << " | " << record.at("DN2");
       ++same;
     }

@@ -1,5 +1,5 @@
-// NIST PKITS without its policy tests, as S/MIME messages: each brings its certificates along,
-// which here stand for a configured CA file.
+// NIST PKITS without its policy tests, as S/MIME messages. Each message contains its certificates,
+// which stand for a configured CA file here.
 #include <filesystem>
 #include <set>
 #include <sstream>
@@ -15,7 +15,7 @@ namespace {
 struct Message {
   std::vector<Certificate> cas;
   std::optional<Certificate> end_entity;
-  std::optional<Error> refused;  // a certificate that does not even parse by our rules
+  std::optional<Error> refused;  // set if a certificate does not even parse by our rules
 };
 
 Certificate anchor() {
@@ -71,7 +71,7 @@ std::vector<Crl> all_crls() {
   return out;
 }
 
-// Empty = accepted.
+// Returns the code of the refusal; empty if the message is accepted.
 std::string verdict(const Message& message, const std::vector<Crl>& crls) {
   if (message.refused) return std::string(info(message.refused->code()).name);
   auto cas = message.cas;
@@ -82,11 +82,11 @@ std::string verdict(const Message& message, const std::vector<Crl>& crls) {
   return proof ? "" : std::string(info(proof.error().code()).name);
 }
 
-// Where our rules differ from `openssl smime -verify -crl_check_all`.
+// True if we accept the message. The rules differ from `openssl smime -verify -crl_check_all`.
 bool expected(const std::string& name, bool openssl) {
   if (name == "SignedValidDSASignaturesTest4.eml") return false;  // DSA keys are not allowed
-  // Delta lists are refused when they are read, so the complete list alone decides. It does not yet
-  // hold the certificate of test 4, still holds the one of test 5, and is out of date in test 10.
+  // Delta lists are refused when they are read, so only the complete list decides. It does not have
+  // the certificate of test 4 yet, still has that of test 5, and is out of date in test 10.
   if (name == "SignedInvaliddeltaCRLTest4.eml") return true;
   if (name == "SignedValiddeltaCRLTest5.eml" || name == "SignedInvaliddeltaCRLTest10.eml")
     return false;

@@ -1,4 +1,4 @@
-// Google's Wycheproof vectors for what a handshake does with keys.
+// Google's Wycheproof vectors for the operations of a handshake.
 #include <nlohmann/json.hpp>
 
 #include "pki/known_key.hpp"
@@ -17,7 +17,7 @@ nlohmann::json vectors(const std::string& name) {
 
 Bytes octets(const nlohmann::json& hex) { return *from_hex(hex.get<std::string>()); }
 
-// A certificate around somebody else's public key, so that it passes our own door.
+// Makes a certificate with another owner's public key, so that our own functions accept the key.
 Result<Certificate> certificate_for(const PkeyPtr& key) {
   static const auto ca = make_ca();
   const X509Ptr x509(X509_new());
@@ -57,7 +57,8 @@ TEST_P(Signatures, ValidOnes_PassAndInvalidOnesDoNot) {
     for (const auto& test : group["tests"]) {
       const bool ok = verify(*certificate, octets(test["msg"]), octets(test["sig"])).has_value();
       if (test["result"] == "acceptable") continue;
-      // Any salt length is taken (DDS-Security 1.2 wants it detected); the vectors fix it to 32.
+      // Any salt length is accepted (DDS-Security 1.2 wants it detected), but the vectors demand
+      // 32.
       const auto flags = test["flags"].dump() + test["comment"].dump();
       if (test["result"] == "invalid" && flags.find("s_len") != flags.npos) continue;
       EXPECT_EQ(ok, test["result"] == "valid") << test.dump();
@@ -83,7 +84,7 @@ TEST_P(Points, ValidOnes_GiveTheSharedSecretAndInvalidOnesAreRefused) {
       const auto key = KnownKey::from_private(kind, octets(test["private"]));
       ASSERT_TRUE(key) << test.dump();
       const auto secret = key->derive(octets(test["public"]));
-      // "acceptable" here are compressed points: DDS-Security wants uncompressed ones.
+      // "acceptable" means compressed points here. DDS-Security demands uncompressed ones.
       if (test["result"] != "valid") {
         EXPECT_FALSE(secret) << test.dump();
         ++invalid;
