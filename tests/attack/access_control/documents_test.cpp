@@ -1,5 +1,5 @@
-// Attacks on permissions and governance (T1 to T10): forged, exchanged, outdated, hostile
-// documents.
+// Attacks on permissions and governance: forged, exchanged, outdated and hostile documents (T1 to
+// T10 in docs/attacks.md).
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -20,7 +20,7 @@ class ForgedDocuments : public AccessControlTest {
     log.all.clear();
   }
 
-  // Signs as an attacker would: with openssl, and the certificate and key that it has.
+  // Signs with openssl and a certificate and key that the attacker has.
   std::string signed_with_openssl(const std::string& xml, const pki::Certificate& certificate,
                                   const pki::PrivateKey& key) const {
     const auto folder = std::filesystem::temp_directory_path() /
@@ -49,8 +49,7 @@ class ForgedDocuments : public AccessControlTest {
   std::string governance_xml() const { return governance::to_xml(protected_governance()); }
 };
 
-// T1, CVE-2023-24011: one CA issues identities and signs permissions, and an owner of an identity
-// signs permissions.
+// T1, CVE-2023-24011: one CA for identities and permissions, and permissions that a leaf signed.
 TEST_F(ForgedDocuments, PermissionsSignedByALeafOfTheSameCa_AreRefused) {
   const auto& ca = authorities().permissions_ca;
   const auto insider = pki::make_leaf(ca, kListener);
@@ -85,14 +84,14 @@ TEST_F(ForgedDocuments, DocumentsSignedByAnUnlistedSubordinateCa_AreRefused) {
   ASSERT_TRUE(sub);
   const auto file = signed_by(*sub, open_xml(kListener));
   EXPECT_REFUSED(remote(file), smime_signer_not_permissions_ca);
-  // If the subordinate CA is listed, its documents count.
+  // If the subordinate CA is in the permissions CA file, its documents are accepted.
   auto list = properties(signed_by(*sub, governance_xml()), signed_by(*sub, open_xml(kTalker)));
   list[1].value += sub->certificate().pem();
   EXPECT_TRUE(plugin->validate_local_permissions(kLocalIdentity, 0, list));
   EXPECT_TRUE(remote(file));
 }
 
-// T10: everything else that might sign a governance document is refused.
+// T10: documents that were signed by others.
 TEST_F(ForgedDocuments, GovernanceByOthers_IsRefused) {
   const auto with_governance = [&](const std::string& file) {
     return plugin->validate_local_permissions(kLocalIdentity, 0,
@@ -112,7 +111,7 @@ TEST_F(ForgedDocuments, GovernanceByOthers_IsRefused) {
   EXPECT_REFUSED(with_governance(once + "<dds/>"), smime_surrounding_text);
 }
 
-// T2: the certificate of the permissions CA has expired, or is not valid yet.
+// T2: an expired CA is accepted.
 TEST_F(ForgedDocuments, ExpiredAndFuturePermissionsCa_AreRefused) {
   for (const auto& [validity, code] :
        {std::pair{pki::Validity{kNow - 48h, kNow - 1h}, Code::certificate_expired},
@@ -128,7 +127,7 @@ TEST_F(ForgedDocuments, ExpiredAndFuturePermissionsCa_AreRefused) {
   }
 }
 
-// T5: a topic whose name is a wildcard does not match what the wildcard would.
+// T5: a topic whose name has a wildcard does not match the names that the wildcard would match.
 TEST_F(ForgedDocuments, WildcardsInNames_OpenNothing) {
   auto narrow = grant(kListener, {publish_rule(true, {"Square", "s?"})});
   const auto peer = remote(signed_permissions({narrow}));
@@ -143,7 +142,7 @@ TEST_F(ForgedDocuments, WildcardsInNames_OpenNothing) {
       announced_writer_not_allowed);
 }
 
-// T7: a document with a valid signature may still be hostile.
+// T7: a signed document may still be hostile.
 TEST_F(ForgedDocuments, HostileXml_IsRefusedThoughSigned) {
   const auto xml = open_xml(kListener);
   std::string deep;
@@ -171,8 +170,8 @@ TEST_F(ForgedDocuments, HostileXml_IsRefusedThoughSigned) {
   }
 }
 
-// T8: the document of another participant is refused, and so is one that has ended. A former
-// document of the same subject counts until it ends.
+// T8: the document of another participant, and a document that has ended. A former document of the
+// same subject counts until it ends.
 TEST_F(ForgedDocuments, PermissionsOfOthersAndOldOnes_AreRefused) {
   EXPECT_REFUSED(remote(open_permissions(kTalker)), no_grant_for_subject);
   auto all = rule(true);
@@ -181,12 +180,12 @@ TEST_F(ForgedDocuments, PermissionsOfOthersAndOldOnes_AreRefused) {
   ended.validity = {kNow - 24h, kNow};
   const auto old = signed_permissions({ended});
   EXPECT_REFUSED(remote(old), grant_expired);
-  // A document that was changed after signing is refused, even if only by one octet.
+  // Even one octet that was changed after signing is noticed.
   EXPECT_REFUSED(remote(replaced(old, "<topic>*", "<topic>+")), smime_signature_invalid);
   EXPECT_FALSE(remote(old + "x"));
 }
 
-// T9: no flipped bit in token or document passes with other content.
+// T9: no flipped bit in a token or document changes the accepted content.
 TEST_F(ForgedDocuments, FlippedBits_NeverWidenTheRights) {
   const auto file = open_permissions(kListener);
   const std::string_view content(file.data() + file.find("<dds>"),
@@ -222,7 +221,7 @@ TEST_F(ForgedDocuments, EveryPartOfADocument_IsRefused) {
   }
 }
 
-// A document that others made, and the expected result.
+// A document of another project, and the code with which it is refused, if it is.
 struct Verdict {
   const char* file;
   std::optional<Code> code;
@@ -325,7 +324,7 @@ INSTANTIATE_TEST_SUITE_P(
         Verdict{"validate_local_permissions/Test_Permissions_unknown_subject.p7s",
                 Code::no_grant_for_subject},
         Verdict{"validate_remote_permissions/Test_Permissions_ok.p7s", {}},
-        // The RDNs of this subject are in neither of the two orders. Cyclone DDS accepts any.
+        // Its RDNs are in neither of the two orders. Cyclone DDS accepts any order.
         Verdict{"validate_remote_permissions/Test_Permissions_different_subject_representation.p7s",
                 Code::no_grant_for_subject},
         Verdict{"validate_remote_permissions/Test_Permissions_missing_subject_component.p7s",

@@ -1,5 +1,5 @@
-// T34: peers with strange certificates are refused or accepted, but never cause much work or a
-// crash.
+// T34 (docs/attacks.md): peers with strange certificates. They are refused or accepted, but they
+// cost little time and cause no crash.
 #include <fstream>
 #include <iterator>
 
@@ -9,7 +9,7 @@
 namespace ddssec::authentication {
 namespace {
 
-// A participant of ours that waits for a request, and gets one as `peer` would send it.
+// A participant of ours that waits for a request.
 struct Victim {
   Victim() : us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1) {}
 
@@ -35,7 +35,7 @@ struct Victim {
   Participant us;
 };
 
-// Returns a subject whose GUID is lower than that of `CN=ours`: the attacker chooses its name.
+// Returns a subject whose GUID is lower than that of `CN=ours`. The attacker chooses its name.
 std::string low_subject(const std::string& rest) {
   const auto ours = adjusted_guid(
       make_identity(test_ca(), "CN=ours", {}, kYear, 1).certificate.subject_digest(), candidate(1));
@@ -73,7 +73,8 @@ TEST(StrangeCertificate, GarbageInItsText_IsRefusedWhereverItIs) {
   std::size_t accepted = 0, total = 0;
   for (std::size_t at = 0; at < pem.size(); at += 3, ++total)
     accepted += victim.receive(flipped(pem, at), &identity.certificate).has_value();
-  // Ends of lines may become something that PEM readers skip. The certificate then stays the same.
+  // A changed line end may become a character that PEM readers skip, and the certificate stays the
+  // same.
   EXPECT_LT(accepted, total / 20);
   for (std::size_t size = 0; size + 2 < pem.size(); size += 5)
     EXPECT_FALSE(victim.receive(Bytes(pem.begin(), pem.begin() + static_cast<std::ptrdiff_t>(size)),
@@ -87,7 +88,7 @@ TEST(StrangeCertificate, AThousandAttributes_AreRefusedOrNeverIssued) {
   for (int i = 0; i < 1000; ++i) subject += ",OU=" + std::to_string(i);
   const auto certificate =
       test_ca().certify({.subject = subject, .validity = kYear}, key_of({}), test_random());
-  // Our own authority does not make such a certificate, so OpenSSL's command made it.
+  // Our own authority does not make such a certificate, but OpenSSL's command does.
   ASSERT_FALSE(certificate);
   const auto pem = [] {
     std::ifstream in(test::data_path("strange-certificates/thousand-rdns.pem"));

@@ -1,11 +1,11 @@
-// Attacks on the handshake: T9 (downgrade), T12 (GUID of another), T23 to T26 (lengths), T48
-// (invalid keys).
+// Attacks on the handshake: T9 (downgrade), T12 (GUID of another participant), T23 to T26 (lengths)
+// and T48 (invalid keys) in docs/attacks.md.
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-// ---- T9: a change in transit is noticed before a secret is used
+// ---- T9: whatever is changed on the way, one side notices before a secret is used
 
 TEST(Downgrade, ChangedAlgorithmInTheRequest_IsNoticed) {
   for (const bool hide : {false, true}) {
@@ -71,7 +71,7 @@ TEST(ForeignGuid, AMember_CannotTakeAnothersGuid) {
   Participant us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1);
   const auto mallory = make_identity(test_ca(), "CN=mallory");
   const auto victim = make_identity(test_ca(), "CN=victim", {}, kYear, 2);
-  // The GUID is the lowest possible one, so that the attacker begins.
+  // The GUID is as low as possible, so that the attacker begins.
   Guid guid = adjusted_guid(victim.certificate.subject_digest(), candidate(3));
   guid.prefix.octets[0] = 0x80;
   guid.prefix.octets[1] = 0;
@@ -90,7 +90,7 @@ TEST(ForeignGuid, AMember_CannotTakeAnothersGuid) {
               guid_not_bound_to_subject);
 }
 
-// ---- T23 to T26: every length field of every token has each of the usual false values
+// ---- T23 to T26: every length field of every token is set to the values that attackers use
 
 void put(Bytes& octets, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) octets[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
@@ -111,7 +111,7 @@ TEST(HandshakeLengths, Lies_AreRefusedBeforeAnythingIsAllocatedOrStored) {
       const auto token = spi::read_token(reader);
       if (!token) continue;
       if (!two.reply(*token)) continue;
-      // Only values that a request is free to choose, or to leave out, may differ.
+      // Only the fields that a request may choose or leave out may differ.
       for (const auto* name : {"c.id", "c.perm", "c.pdata", "c.dsign_algo", "c.kagree_algo", "dh1"})
         EXPECT_EQ(field(*token, name), field(*req->message, name)) << at;
       two.high.engine->clock.advance(kPendingAge);

@@ -1,5 +1,6 @@
-// T30, T31: messages lost, doubled, late, in any order, forged, with restarts, among many peers.
-// Honest participants must all authenticate in bounded time, and no other participant may.
+// T30 and T31 (docs/attacks.md): messages are lost, duplicated, late, reordered or forged, and
+// participants restart, among many peers. Honest participants must all authenticate in bounded
+// time, and no other participant may.
 #include <deque>
 #include <random>
 #include <set>
@@ -9,7 +10,7 @@
 namespace ddssec::authentication {
 namespace {
 
-// A participant with the simplest host that the notes in authentication.hpp allow: it sends the
+// A participant with the simplest host that the notes in authentication.hpp allow. It sends the
 // last message again until the handshake ends, and tries a message on every handshake of the pair.
 class Node {
  public:
@@ -30,7 +31,7 @@ class Node {
     ASSERT_OK(engine_->return_identity_handle(peers_.at(guid).handle));
     peers_.erase(guid);
   }
-  // Returns the messages to send (again) to that peer.
+  // Returns the messages that must be sent (again) to that peer.
   std::vector<Token> due(const Guid& guid) {
     auto& peer = peers_.at(guid);
     if (peer.begins && !peer.done) {
@@ -39,7 +40,7 @@ class Node {
     }
     return peer.begins && peer.done ? std::vector<Token>{} : peer.last;
   }
-  // Takes a message from a peer, or in its name. Returns the answer.
+  // Processes a message from a peer, or in the name of a peer. Returns the answers.
   std::vector<Token> take(const Guid& guid, const Token& message) {
     auto& peer = peers_.at(guid);
     if (!peer.begins && message.class_id.ends_with("+Req")) {
@@ -80,7 +81,7 @@ class Node {
   std::map<Guid, Peer> peers_;
 };
 
-// Datagrams on their way, which are lost, repeated and delayed.
+// A network that loses, duplicates and reorders datagrams.
 class Network {
  public:
   explicit Network(std::uint32_t seed) : dice_(seed) {}
@@ -99,7 +100,7 @@ class Network {
     if (fate < 45) wire_.push_back({&from, &to, token});
     if (fate < 60) wire_.push_back({&from, &to, forge(std::move(token))});
   }
-  // All nodes send what is due. Everything on the wire arrives in any order.
+  // All nodes send what is due. Everything on the network arrives in any order.
   void round() {
     for (auto* from : nodes_)
       for (auto* to : nodes_)
@@ -182,8 +183,8 @@ TEST_P(BadNetwork, ARestartedSide_AuthenticatesAgain) {
   Network network(static_cast<std::uint32_t>(seed));
   for (const auto& node : nodes) network.add(*node);
   for (std::uint32_t rounds = network.roll(5); rounds > 0; --rounds) network.round();
-  // Node 0 dies in the middle of the handshakes, its lease ends at the others, and it comes back as
-  // it was.
+  // Node 0 ends in the middle of a handshake, its lease ends at the others, and it comes back
+  // unchanged.
   const Guid gone = nodes[0]->guid();
   for (std::size_t i = 1; i < nodes.size(); ++i) nodes[i]->forget(gone);
   auto back = std::move(make_nodes(1)[0]);
@@ -211,8 +212,8 @@ TEST_P(BadNetwork, ARestartedSide_AuthenticatesAgain) {
 
 // ---- T31: an attacker answers first
 
-// The attacker has a certificate of the same CA, but not that of the participant that it pretends
-// to be.
+// The attacker has a certificate of the same CA, but not that of the participant in whose name it
+// acts.
 struct Attack {
   Pairing pairing;
   Identity mallory = make_identity(test_ca(), "CN=mallory,O=Example", {}, kYear, 2);
@@ -222,7 +223,7 @@ TEST(SpoofLockOut, AForgedRequestFirst_DoesNotKeepTheHonestOneOut) {
   Attack attack;
   auto& two = attack.pairing.two;
   const auto req = two.request();
-  // The attacker copies certificate and data from the network, and inserts a key of its own.
+  // The attacker copies the certificate and the data from the network, and adds a key of its own.
   const auto key = pki::EphemeralKey::generate(pki::KeyAgreementKind::ecdh_p256).value();
   const Token forged =
       without(with(with(*req->message, "dh1", *key.public_octets()), "challenge1", Bytes(32, 7)),
@@ -232,8 +233,8 @@ TEST(SpoofLockOut, AForgedRequestFirst_DoesNotKeepTheHonestOneOut) {
   const auto rep = two.reply(*req->message);
   ASSERT_OK(rep);
   EXPECT_NE(rep->handle, trap->handle);
-  // The reply to the attacker's request is useless at the initiator. The attacker cannot finish
-  // that handshake either, because it has no final message.
+  // The answer to the attacker's request is useless at the initiator, and the attacker cannot
+  // finish the handshake because it has no final message.
   EXPECT_CODE(two.at_low(req->handle, *trap->message), token_field_differs);
   const auto fin = two.at_low(req->handle, *rep->message);
   ASSERT_OK(fin);
@@ -248,7 +249,7 @@ TEST(SpoofLockOut, AReplySignedByAnotherMember_IsRefused) {
   const auto req = two.request();
   const auto rep = two.reply(*req->message);
   ASSERT_OK(rep);
-  // All values are copied, but the signature is by the attacker's key.
+  // The reply has the same data, but is signed with the attacker's own key and certificate.
   HandMadePeer mallory(attack.mallory, 9);
   EXPECT_CODE(two.at_low(req->handle, mallory.reply(*req->message)), participant_guid_differs);
   Token dressed = with(mallory.reply(*req->message), "c.pdata", two.high.data);
@@ -259,7 +260,7 @@ TEST(SpoofLockOut, AReplySignedByAnotherMember_IsRefused) {
   attack.pairing.expect_finish(*req, *rep);
 }
 
-// A recorded handshake that is replayed has neither our new key nor our signature.
+// A recorded handshake that is repeated has neither our new key nor our signature.
 TEST(Replay, RecordedHandshake_LeadsNowhere) {
   Pairing pairing;
   auto& two = pairing.two;
@@ -268,7 +269,7 @@ TEST(Replay, RecordedHandshake_LeadsNowhere) {
   const auto fin1 = two.at_low(req1->handle, *rep1->message);
   ASSERT_OK(fin1);
   ASSERT_OK(two.at_high(rep1->handle, *fin1->message));
-  // Both participants start over.
+  // All nodes begin again.
   ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
   ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
   Two again(two.low, two.high);
@@ -285,7 +286,7 @@ TEST(Replay, RecordedHandshake_LeadsNowhere) {
   pairing.expect_finish(*req2, *rep3);
 }
 
-// A participant gets its own messages back.
+// A participant's own messages are sent back to it.
 TEST(Reflection, OwnMessagesSentBack_LeadNowhere) {
   Pairing pairing;
   auto& two = pairing.two;

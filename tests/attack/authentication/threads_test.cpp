@@ -1,5 +1,5 @@
 // Hosts call from many threads: one engine with two local participants, many peers that both of
-// them know, handshakes, expiry and departures at once.
+// them know, and handshakes, expiry and departures at the same time.
 #include <array>
 #include <atomic>
 #include <thread>

@@ -1,5 +1,5 @@
-// The messages that an attacker on the network, or an authenticated peer that turned hostile, may
-// send (T27, T28, T29, T42, T43, T45 of the catalogue of attacks).
+// Messages that an attacker on the network, or a hostile authenticated peer, may send (T27, T28,
+// T29, T42, T43 and T45 in docs/attacks.md).
 #include "tests/support/seeded_random.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
@@ -72,8 +72,8 @@ TEST_F(ForgedMessages, BitFlippedAnywhere_IsRefused) {
   }
 }
 
-// Octets after a complete message are not protected, and are dropped (Fast DDS puts statistics
-// there).
+// Octets after a complete message are not protected, and are dropped. (Fast DDS sends statistics
+// there.)
 TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
   for (const auto& target : targets_) {
     const auto honest = target.decode(target.encode()).value();
@@ -86,7 +86,7 @@ TEST_F(ForgedMessages, Truncated_IsRefusedAndExtendedAddsNothing) {
       auto longer = target.encode();
       longer.resize(longer.size() + more);
       const auto decoded = target.decode(longer);
-      // Fast DDS fills an encrypted payload up to whole words after the footer.
+      // Fast DDS pads an encrypted payload to whole words after the footer.
       const bool is_padding =
           more < 4 && target.name.contains("ENCRYPT") && target.name.ends_with(" payload");
       EXPECT_EQ(decoded.has_value(), is_padding || target.name.ends_with(" message"))
@@ -133,7 +133,7 @@ TEST_F(ForgedMessages, MessagesOfOneKind_DoNotPassAsAnother) {
       EXPECT_EQ(target.decode(other.encode()).has_value(), target.name == other.name);
 }
 
-// The exact reasons of refusals, by the holder of the key.
+// ---- exact reasons, by which participant holds the key
 
 struct Payload {
   TwoSides two;
@@ -222,8 +222,7 @@ TEST(RefusalReasons, ChangedReceiverMacs_HaveTheirOwnReasons) {
   }
 }
 
-// 3,275 MACs of others do not prevent a receiver from finding its own, or from noticing that it is
-// missing.
+// 3,275 MACs for other receivers do not keep a receiver from finding, or missing, its own.
 TEST(RefusalReasons, FullListOfReceiverMacs_IsSearched) {
   TwoSides two(kEncryptOrigin);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -329,7 +328,7 @@ TEST(InsiderSubmessages, NoneOrSeveralSubmessages_AreRefused) {
               Code::secure_group_malformed);
 }
 
-// The lengths of CryptoContent and SEC_BODY have extreme values (Fast DDS once overflowed here).
+// The lengths in CryptoContent and SEC_BODY have extreme values. (Fast DDS once overflowed here.)
 TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
@@ -348,8 +347,8 @@ TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
     }
 }
 
-// An authenticated peer that turned hostile sends tokens of any size with any lengths (Fast DDS
-// issue 6345).
+// Token octets of a hostile authenticated peer, with any size and any lengths (Fast DDS issue
+// 6345).
 TEST(Tokens, TokensOfAnySizeAndContent_AreRefused) {
   TwoSides two(kEncrypt);
   SeededRandom random(27);

@@ -1,4 +1,5 @@
-// No IV is used twice under one key (T40), with small limits, many threads and every kind of key.
+// No IV is used twice under one key (T40 in docs/attacks.md), with small limits, many threads, and
+// every key.
 #include <algorithm>
 #include <barrier>
 #include <set>
@@ -14,7 +15,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 
-// Key id, session id and suffix, as they are in the CryptoHeader.
+// The key id, session id and suffix in a CryptoHeader.
 using Nonce = std::array<std::uint8_t, 16>;
 
 Nonce nonce_at(const Bytes& encoded, std::size_t header) {
@@ -23,7 +24,7 @@ Nonce nonce_at(const Bytes& encoded, std::size_t header) {
   return nonce;
 }
 
-// Runs `encode` in four threads at once. Returns all nonces, sorted.
+// Runs `encode` in four threads at once. Returns all nonces that they used, sorted.
 template <class Encode>
 std::vector<Nonce> nonces_of_four_threads(int messages, Encode&& encode) {
   std::vector<std::vector<Nonce>> seen(4);
@@ -80,7 +81,7 @@ TEST_P(Nonces, OneParticipantWithReceivers_NeverRepeatsANonce) {
   EXPECT_EQ(std::ranges::adjacent_find(all), all.end());
 }
 
-// Writer and reader of a pair's volatile channel encrypt under the same key.
+// The writer and the reader of a pair's volatile channel encrypt with the same key.
 TEST_P(Nonces, BothVolatileEndpoints_NeverRepeatANonce) {
   TwoSides two(kNone, properties(), options());
   auto writing = two.volatile_endpoints();

@@ -1,5 +1,5 @@
-// A host forks while the plugins are loaded. Parent and child must not protect messages under the
-// same IV: an attacker that hears both would have the xor of their plaintexts, and GHASH's key.
+// A host forks with the plugins loaded. Messages of parent and child must not share an IV.
+// Otherwise an attacker that receives both has the xor of their plaintexts, and GHASH's key.
 #include <array>
 #include <set>
 #include <sys/wait.h>
@@ -17,7 +17,7 @@ const Paths kPaths = {kPlugins + "authentication.so", kPlugins + "access_control
                       kPlugins + "cryptography.so"};
 
 constexpr std::size_t kRounds = 8;
-// The positions of the CryptoHeader in a payload, a submessage and a message.
+// The place of the CryptoHeader in a payload, a submessage and a message.
 constexpr std::array<std::size_t, 3> kHeaderAt = {0, 4, 24};
 constexpr std::size_t kHeaderSize = 20;
 
@@ -38,7 +38,7 @@ Block encode(const Sender& sender, std::size_t level) {
   return level == 1 ? sender.encode_submessage(submessage()) : sender.encode_message(message());
 }
 
-// Returns what `sender` protects in its process, each message after its length.
+// Returns messages that `sender` protects in its process, each with its length before it.
 Octets speech(const Sender& sender) {
   Octets out;
   for (std::size_t i = 0; i < kRounds * kHeaderAt.size(); ++i) {

@@ -1,7 +1,7 @@
-// T30 through Cyclone's C ABI: handshake messages lost, doubled, late and in any order, a side that
-// restarts, a lease that ends in between. Honest participants must all authenticate in bounded
-// time, and a participant that is gone leaves nothing behind. T31: auth_requests that an attacker
-// forged.
+// T30 (docs/attacks.md) through Cyclone's C ABI: handshake messages are lost, duplicated, late and
+// reordered, one side restarts, or a lease ends in between. Honest participants must all
+// authenticate in bounded time, and a participant that is gone leaves nothing behind. T31:
+// auth_requests that an attacker forged.
 #include <algorithm>
 #include <map>
 #include <random>
@@ -19,7 +19,7 @@ const std::string kPlugins = DDSSEC_PLUGIN_DIR "/libddssec_";
 const Paths kPaths = {kPlugins + "authentication.so", kPlugins + "access_control.so",
                       kPlugins + "cryptography.so"};
 
-// A message on its way. The tokens of the C ABI belong to the plugin that made them.
+// A message on its way. Tokens of the C ABI belong to the plugin that made them.
 using Message = spi::Token;
 
 // A participant in a process of its own. Its host sends its last message again until the handshake
@@ -34,7 +34,7 @@ class Node {
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  // Meets the other node, with an auth_request that came in its name, if there is one.
+  // Meets the other node, with an auth_request that arrived in its name, if any.
   void meet(Node& other, const Message* came = nullptr) {
     auto& peer = peers_[&other];
     Token auth_request, announced;
@@ -48,7 +48,7 @@ class Node {
     call.check(result != DDS_SECURITY_VALIDATION_FAILED);
     peer.begins = result == DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST;
   }
-  // Forgets the other node, because its lease has ended.
+  // The lease of the other node has ended.
   void forget(Node& other) {
     Call call("return_identity_handle");
     const auto& peer = peers_.at(&other);
@@ -58,7 +58,7 @@ class Node {
     peers_.erase(&other);
   }
 
-  // Returns the messages to send (again) to that peer.
+  // Returns the messages that must be sent (again) to that peer.
   std::vector<Message> due(Node& other) {
     auto& peer = peers_.at(&other);
     if (!peer.begins) return peer.last;
@@ -70,7 +70,7 @@ class Node {
     });
     return peer.last;
   }
-  // Takes a message from a peer. Returns the answer; refused messages have none.
+  // Processes a message from a peer. Returns the answers; a refused message has none.
   std::vector<Message> take(Node& other, const Message& message) {
     const auto known = peers_.find(&other);
     if (known == peers_.end()) return {};  // a host does so for a peer that it has not discovered
@@ -107,7 +107,7 @@ class Node {
 
   dds_security_authentication& auth() { return domain_.authentication(); }
 
-  // Keeps a handshake. `begin(handle, token)` returns its handle and the message to send.
+  // `begin(handle, token)` makes a handshake and the message to send for it.
   template <class Begin>
   bool keep(Peer& peer, Begin&& begin) {
     DDS_Security_HandshakeHandle handle = 0;
@@ -141,8 +141,8 @@ class Node {
   std::map<Node*, Peer> peers_;
 };
 
-// The parameter is the node that gets the forged auth_request: one of the two begins, the other
-// replies.
+// The parameter says which of the two got the forged auth_request: one of them begins, the other
+// one replies.
 class HostForgedAuthRequest : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(T31, HostForgedAuthRequest, testing::Bool());
 
@@ -172,7 +172,7 @@ TEST_P(HostForgedAuthRequest, ForgedRequests_LockNobodyOut) {
   }
 }
 
-// Datagrams on their way, which are lost, repeated and delayed.
+// A network that loses, duplicates and reorders datagrams.
 class Network {
  public:
   explicit Network(std::uint32_t seed) : dice_(seed) {}
@@ -184,7 +184,7 @@ class Network {
     }
     nodes_.push_back(&node);
   }
-  // All other nodes forget the node. The messages that it has sent are still on their way.
+  // All nodes forget this one. Its messages are still on their way.
   void lose(Node& node) {
     std::erase(nodes_, &node);
     for (auto* other : nodes_) {
@@ -192,7 +192,7 @@ class Network {
       node.forget(*other);
     }
   }
-  // All nodes send what is due. Most of what is on the wire arrives, in any order.
+  // All nodes send what is due. Most messages arrive, in any order.
   void round() {
     for (auto* from : nodes_)
       for (auto* to : nodes_)
@@ -206,7 +206,7 @@ class Network {
         send(*datagram.to, *datagram.from, answer);
     }
   }
-  // Runs rounds until all have authenticated all, at most 60.
+  // Runs until all nodes have authenticated one another, for at most 60 rounds.
   void settle() {
     for (int rounds = 0; rounds < 60 && !all_done(); ++rounds) round();
     ASSERT_TRUE(all_done());
@@ -261,8 +261,7 @@ INSTANTIATE_TEST_SUITE_P(T30, HostBadNetwork,
 
 TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) { network.settle(); }
 
-// The node whose lease ends takes part again as it was. The messages that it sent before still
-// arrive.
+// The node whose lease ended takes part again unchanged, and its former messages still arrive.
 TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   network.lose(*nodes[0]);
@@ -271,8 +270,8 @@ TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   network.settle();
 }
 
-// A new process has the same certificate and GUID. Old handshakes and messages have no effect
-// there.
+// The node comes back in a new process with the same certificate and GUID. Old handshakes and
+// messages lead nowhere.
 TEST_P(HostBadNetwork, ARestartedSide_AuthenticatesAgain) {
   for (auto rounds = network.roll(4); rounds > 0; --rounds) network.round();
   const auto before = std::move(nodes[0]);
