@@ -1,4 +1,4 @@
-// What benchmarks are told, as pairs of an option and its value, and how they end.
+// The command line of benchmarks, as pairs of an option and its value, and their exit codes.
 #pragma once
 
 #include <cstdio>
@@ -11,7 +11,7 @@ namespace ddssec::bench {
 
 using Options = std::map<std::string, std::string>;
 
-/// Exit code: what `run` returns, 1 if it throws, 2 if a needed option is missing.
+/// Returns the exit code: that of `run`, 1 if it throws, 2 if a required option is missing.
 inline int main_of(int argc, char** argv, Options options,
                    std::initializer_list<const char*> needed, int (*run)(const Options&)) {
   for (int i = 1; i + 1 < argc; i += 2) options[argv[i]] = argv[i + 1];

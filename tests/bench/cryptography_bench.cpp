@@ -1,4 +1,4 @@
-// Cost of one transformation, beside the raw AEAD it cannot do without.
+// The cost of one transformation, beside that of the raw AEAD which it needs in any case.
 #include <cstdlib>
 
 #include <benchmark/benchmark.h>
@@ -13,14 +13,14 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kNone = ProtectionKind::none;
 
-// range(1): bits of AES, or 20 for ChaCha20-Poly1305.
+// The argument range(1) is the number of bits of AES, or 20 for ChaCha20-Poly1305.
 constexpr int kChaCha = 20;
 PropertyList bits(benchmark::State& state) {
   if (state.range(1) == kChaCha) return cipher(spi::kChaCha20Poly1305Name, true);
   return key_size(state.range(1) == 128 ? "128" : "256");
 }
 
-// The floor: one seal, one allocation and release of the output.
+// The lower bound is one seal, and one allocation and release of the output.
 void raw_seal(benchmark::State& state, bool encrypts) {
   ExpandedKey key;
   const auto with = state.range(1) == kChaCha ? Cipher::chacha20_poly1305
@@ -108,7 +108,7 @@ void message_decode(benchmark::State& state, ProtectionKind kind) {
         transform.decode_rtps_message(two.b.participant, two.b.remote, encoded, out));
 }
 
-// A new session every message: the worst a sender can do to its receiver.
+// There is a new session for every message, the worst case for a receiver.
 void payload_decode_new_session(benchmark::State& state) {
   TwoSides two(kNone, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
@@ -121,7 +121,7 @@ void payload_decode_new_session(benchmark::State& state) {
         e.reader, e.remote_writer, encoded[next++ % encoded.size()], out));
 }
 
-// range(0) receivers of one small submessage.
+// One small submessage for range(0) receivers.
 void origin_authentication(benchmark::State& state) {
   TwoSides two;
   const auto attributes =
@@ -140,7 +140,7 @@ void origin_authentication(benchmark::State& state) {
         two.a.transform().encode_datawriter_submessage(*writer, receivers, plain, out));
 }
 
-// Matching the (range(0) + 1)-th remote participant.
+// Matches the (range(0) + 1)-th remote participant.
 void register_remote(benchmark::State& state) {
   Side side;
   const auto local =
@@ -171,7 +171,7 @@ Shared& shared() {
   return instance;
 }
 
-// Threads on one writer (range(0) = 0) or on their own (1).
+// Threads that share one writer (range(0) = 0), or have one each (1).
 void threads_encode(benchmark::State& state) {
   auto& all = shared();
   const auto writer =

@@ -1,5 +1,5 @@
-// Authentication and access control, ours and Cyclone DDS's own, through the C ABI, in turns in one
-// run: processor time, as other processes of the machine do not count in it.
+// Measures authentication and access control, ours and Cyclone DDS's own, through the C ABI, in
+// turn in one run. It measures processor time, because this does not include other processes.
 //   cyclone_host_bench --ours FOLDER --stock FOLDER --pki FOLDER --rules FOLDER [--rounds N]
 //                      [--json FILE]
 #include <algorithm>
@@ -27,7 +27,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// Microseconds of processor time that all threads of this process took.
+// Returns the microseconds of processor time that all threads of this process took.
 double cpu_us() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -48,7 +48,7 @@ struct Two {
         a(domain_a, pki, "a", governance),
         b(domain_b, pki, "b", governance) {}
 
-  // Both sides, until each has the shared secret.
+  // Runs the handshake of both sides until each has the shared secret.
   void shake_hands() {
     Peer a_of_b, b_of_a;
     authenticate(a, b, a_of_b, b_of_a);
@@ -64,7 +64,7 @@ struct Two {
   Participant a, b;
 };
 
-// Endpoint checks of one link.
+// The endpoint checks of one link.
 struct Checks {
   Checks(const Paths& paths, const std::string& pki)
       : two(paths, pki, "rules"), link(two.a, two.b, "Literal0") {}
@@ -86,7 +86,7 @@ struct Checks {
     call.check(
         access.check_remote_datawriter(&access, link.b_of_a.permissions, 0, &publication, call));
   }
-  // A name that no call had before, and that one pattern near the middle covers.
+  // Returns a name that no call had before, and that one pattern near the middle matches.
   std::string new_name() { return "Area5001/" + std::to_string(++names) + "/Speed1"; }
 
   Two two;
@@ -137,7 +137,7 @@ class Bench {
  private:
   using Measure = std::function<double()>;
 
-  // Alternates; both give microseconds.
+  // Measures the two in turn. Both return microseconds.
   void compare(const char* what, const Measure& ours, const Measure& stock, int rounds = 0) {
     std::vector<double> o, s, ratios;
     for (int round = 0; round < (rounds != 0 ? rounds : rounds_); ++round) {

@@ -1,7 +1,7 @@
-// Our cryptography and Cyclone DDS's own, through the C ABI, in turns in one run, and the raw
-// cipher.
+// Measures our cryptography and Cyclone DDS's own, through the C ABI, in turn in one run, and the
+// raw cipher.
 //   cyclone_plugin_bench --ours LIBRARY --stock LIBRARY [--rounds N] [--json FILE]
-// The machine's clock drifts: the ratios of each round are what counts, and their median is shown.
+// The machine's clock drifts, so only the ratios of each round count. Their median is shown.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -31,7 +31,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// Nanoseconds of one call: as many as fill `span`, after a few to warm up.
+// Returns the nanoseconds of one call. After a few calls to warm up, it makes as many as fill
+// `span`.
 double time_of(const Operation& operation, std::chrono::microseconds span) {
   for (int i = 0; i < 3; ++i) operation();
   const auto start = Clock::now();
@@ -49,7 +50,7 @@ struct Comparison {
   double ours, stock, ratio, raw, over_raw;
 };
 
-// Alternates, so that a slow second hits all of them.
+// Measures them in turn, so that a slow second affects all of them.
 Comparison compare(const Operation& ours, const Operation& stock, const Operation& raw,
                    int rounds) {
   std::vector<double> o, s, r, ratios, over;
@@ -63,7 +64,7 @@ Comparison compare(const Operation& ours, const Operation& stock, const Operatio
   return {median(o), median(s), median(ratios), median(r), median(over)};
 }
 
-// The cipher with an expanded key and one malloc a message: no plugin under this ABI can be
+// The cipher with an expanded key and one malloc for each message. No plugin under this ABI can be
 // faster.
 class Raw {
  public:
@@ -79,7 +80,7 @@ class Raw {
 
   void encrypt(std::size_t size) const { run(manager_->gcm256_enc, size, 0); }
   void decrypt(std::size_t size) const { run(manager_->gcm256_dec, size, 0); }
-  // GMAC; the octets have to be copied to where they are sent from.
+  // Computes a GMAC. The octets must be copied to the place from which they are sent.
   void sign(std::size_t size) const { run(manager_->gcm256_enc, 0, size); }
 
  private:
@@ -117,7 +118,7 @@ Octets message(std::size_t size) {
   return octets;
 }
 
-// One way of protecting, for a link of either library.
+// One kind of protection, for a link of either library.
 struct Kind {
   const char* name;
   Keys (*keys)(int kind);

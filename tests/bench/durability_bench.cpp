@@ -1,5 +1,5 @@
-// How many small samples a second a store of persistent samples takes.
-// Usage: bench_durability FILE [COUNT]     The file is made, and removed at the end.
+// Measures how many small samples a second a store of persistent samples takes.
+// Usage: bench_durability FILE [COUNT]     The file is created, and removed at the end.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,6 @@
-// What endpoints cost while nothing is written: how long two participants of one process need to
-// find and match them over loopback UDP, and how much memory each takes at home and elsewhere.
+// Measures what endpoints cost while nothing is written: how long two participants of one process
+// need to find and match them over loopback UDP, and how much memory each endpoint takes in its own
+// participant and in the other one.
 // Usage: bench_endpoints [ENDPOINTS ...]; half of them write, half read, each pair on its own
 // topic.
 #include <chrono>
@@ -88,7 +89,7 @@ bool all_matched(const Entities& entities, Status status) {
 
 struct Figures {
   double create_seconds, match_seconds;
-  std::int64_t both;  // octets
+  std::int64_t both;  // in octets
 };
 
 Figures discover(World& world, int pairs) {

@@ -1,10 +1,10 @@
-// What two participants that meet cost each other: processor time of both from the first
-// announcement until their writers and readers are matched, everything ENCRYPT, and what of it the
-// authentication takes. Each lives in a process of its own, since what one process has read it does
-// not read again; they hand each other datagrams, and only their own work is counted, none of the
-// kernel's. Each round a stranger comes whom the one at home has never seen. Beside it stand the
-// public-key operations by OpenSSL alone, measured in the same processes between the rounds.
-// Usage: bench_handshake [ROUNDS]
+// Measures what two participants that meet cost each other: the processor time of both from the
+// first announcement until their writers and readers are matched, with everything ENCRYPT, and the
+// part of it that the authentication takes. Each participant has a process of its own, because a
+// process does not read again what it has read. The processes pass datagrams to each other, and
+// only their own work is counted, not that of the kernel. In each round a stranger comes that the
+// process at home has never met. The public-key operations of OpenSSL alone are measured in the
+// same processes between the rounds, for comparison. Usage: bench_handshake [ROUNDS]
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -30,7 +30,7 @@ Us now_used() {
   return static_cast<Us>(used.tv_sec) * 1e6 + static_cast<Us>(used.tv_nsec) / 1e3;
 }
 
-// Adds what `work` takes to `sum`.
+// Adds the time that `work` takes to `sum`.
 auto timed(Us& sum, auto&& work) {
   struct Meter {
     Us& sum;
@@ -46,7 +46,7 @@ void expect(bool ok, const char* what) {
   std::_Exit(1);
 }
 
-// What the plugins' authentication takes of a participant's time.
+// Measures the plugins' authentication as a part of a participant's time.
 class MeteredAuthentication final : public ForwardingAuthentication {
  public:
   using ForwardingAuthentication::ForwardingAuthentication;
@@ -82,7 +82,7 @@ class MeteredAuthentication final : public ForwardingAuthentication {
   }
 };
 
-// One end of the way between the processes.
+// One end of the connection between the processes.
 struct Line {
   int fd;
   void say(BytesView octets) const {
@@ -98,11 +98,11 @@ struct Line {
   }
 };
 
-// Of a meeting, one side or both.
+// The cost of a meeting, for one side or both.
 struct Cost {
   Us all = 0, authentication = 0;
-  Us operations = 0;   // public-key ones of the authentication
-  Us permissions = 0;  // what verifies the signature of the permissions
+  Us operations = 0;   // public-key operations of the authentication
+  Us permissions = 0;  // verifying the signature of the permissions
 
   friend Cost operator+(const Cost& a, const Cost& b) {
     return {a.all + b.all, a.authentication + b.authentication, a.operations + b.operations,
@@ -112,7 +112,7 @@ struct Cost {
 
 using CostOctets = std::array<std::uint8_t, sizeof(Cost)>;
 
-// What a side says behind its datagrams.
+// The word that a side sends after its datagrams.
 enum Word : std::uint8_t { go_on, matched };
 
 // A participant with a writer and a reader, on engines of its own.
@@ -129,7 +129,7 @@ class Side {
            "no endpoints");
   }
 
-  // With the writer and the reader of a stranger.
+  // True if the writer and the reader of a stranger are matched.
   bool is_matched() const {
     return std::ranges::count_if(node_.listener.known, [&](const Guid& id) {
              return id.prefix != node_.participant->prefix();
@@ -152,7 +152,7 @@ class Side {
     timed(cost_.all, [&] { node_->tick(now_); });
   }
   void leave() { node_->leave(); }
-  // Of the meeting that is over, with the bare operations measured now.
+  // Returns the cost of the meeting that is over, and measures the bare operations now.
   Cost meeting(EVP_PKEY* key) {
     cost_.authentication = std::exchange(authentication_.used, 0);
     const auto signature = bench::sign(key);
@@ -173,14 +173,14 @@ class Side {
     return out;
   }
 
-  Node host_;  // with random numbers of its own
+  Node host_;  // has random numbers of its own
   MeteredAuthentication& authentication_;
   Node node_;
   MonotonicTime now_ = seconds(1);
   Cost cost_;
 };
 
-// Each meets the one at home and leaves.
+// Each of them meets the process at home and leaves.
 void be_strangers(const Line& line, const std::vector<spi::PropertyList>& who, EVP_PKEY* key) {
   for (const auto& properties : who) {
     Side side(2, properties);
@@ -236,7 +236,7 @@ void print(const std::vector<Cost>& costs) {
 }
 
 int run(int rounds) {
-  std::vector<std::string> topics{"*"};  // a document as long as a system of so many topics has it
+  std::vector<std::string> topics{"*"};  // a document as long as in a system with so many topics
   for (int i = 0; i < 40; ++i)
     topics.push_back("unused/by/this/participant/" + std::to_string(1000 + i));
   const auto who = [&](const std::string& name) {

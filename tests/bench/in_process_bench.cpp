@@ -1,5 +1,5 @@
-// A sample's way between two participants of one process: from write() to the end of take(), in the
-// writer's thread, no socket. Prints medians of runs. Usage: bench_in_process
+// Measures the way of a sample between two participants of one process: from write() to the end of
+// take(), in the writer's thread, without a socket. Prints medians of runs. Usage: bench_in_process
 #include <algorithm>
 #include <array>
 #include <chrono>

@@ -1,7 +1,8 @@
-// What a participant costs OpenSSL at least. "bare": a key and two signatures, on its certificate
-// and on its permissions. "forms": the same as the files that participants have: X.509, PKCS#8 and
-// S/MIME. "handshake": what the two sides of one handshake do with keys; the message, the
-// certificate and the permissions are signed octets. Prints the processor seconds of COUNT of each.
+// Measures the least work of OpenSSL for a participant. "bare" is a key and two signatures, on its
+// certificate and on its permissions. "forms" is the same with the files that participants have:
+// X.509, PKCS#8 and S/MIME. "handshake" is what the two sides of one handshake do with keys, where
+// the message, the certificate and the permissions are signed octets. Prints the processor seconds
+// of COUNT of each.
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -18,7 +19,7 @@ using namespace ddssec;
 using namespace ddssec::pki;
 using namespace ddssec::bench;
 
-// A CA and what stands for its certificate.
+// A CA, and the substitute for its certificate.
 struct Ca {
   PkeyPtr key;
   X509Ptr certificate;

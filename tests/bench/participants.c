@@ -26,7 +26,7 @@ static void on_signal(int number) {
   stopped = 1;
 }
 
-// ---- command line ---------------------------------------------------------------------------
+// ---- command line
 
 static const struct {
   const char *name, *written, *read;
@@ -142,7 +142,7 @@ char* bench_document(const char* prefix, const char* directory, const char* name
   return out;
 }
 
-// ---- the roles ------------------------------------------------------------------------------
+// ---- the roles
 
 struct run {
   const struct bench_options* options;
@@ -213,7 +213,7 @@ static struct {
 } trips;
 static struct run* pinging;
 
-// How much one round trip differs from the one before, on average.
+// Returns by how much one round trip differs from the one before, on average.
 static double jitter(const double* microseconds, size_t count) {
   double sum = 0;
   for (size_t i = 1; i < count; ++i) {
@@ -251,7 +251,7 @@ static bool send_ping(struct run* run) {
   return true;
 }
 
-// Whether the pong is the one that is awaited; then its time is noted.
+// Returns true and notes the time if the pong is the awaited one.
 static bool note_pong(struct run* run, const struct bench_blob* pong) {
   if (pong->seq != trips.next) return false;
   ++run->received;
@@ -266,7 +266,7 @@ static bool is_last(const struct run* run) {
   return trips.next + 1 >= WARM_UP + run->options->count;
 }
 
-// False: it did not come. A best-effort sample may be lost.
+// Returns false if the pong did not arrive. A best-effort sample may be lost.
 static bool await_pong(struct run* run) {
   const struct bench_stack* stack = run->stack;
   struct bench_blob pong;
@@ -323,7 +323,7 @@ static int run_ping(struct run* run) {
   const uint32_t count = run->options->count;
   trips.microseconds = calloc(count + 1u, sizeof *trips.microseconds);
   if (trips.microseconds == NULL) return BENCH_NOT_CREATED;
-  // The other side may match a little later, and what is sent before is lost.
+  // The other side may match a little later, and samples that are sent before are lost.
   nap(SETTLE_MS);
   if (run->options->listener)
     ping_and_listen(run);
@@ -421,8 +421,8 @@ static int run_tput_sub(struct run* run) {
   return ended && sent == run->received ? BENCH_DONE : BENCH_MISSING;
 }
 
-// Until --count writers and readers are matched, its own among them. It stays, silent, until it is
-// killed: the others' time is what is measured.
+// Waits until --count writers and readers are matched, its own among them. Then it stays without
+// writing until it is killed, because only the time of the other processes is measured.
 static int run_matched(struct run* run) {
   const struct bench_stack* stack = run->stack;
   const double created = cpu_seconds();

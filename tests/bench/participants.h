@@ -1,6 +1,6 @@
-// What the measuring peers of other makes share: ddssec-peer's command line and output for its
-// roles ping, pong, tput-pub and tput-sub, one more that only waits for matches, and their loops. A
-// stack supplies a few calls and nothing else, so that all makes do the same.
+// What the measuring peers on other DDS products share: the command line and output of ddssec-peer
+// for its roles ping, pong, tput-pub and tput-sub, one more role that only waits for matches, and
+// their loops. A stack supplies a few calls and nothing else, so all peers behave alike.
 #ifndef DDSSEC_BENCH_PARTICIPANTS_H
 #define DDSSEC_BENCH_PARTICIPANTS_H
 
@@ -41,7 +41,8 @@ struct bench_options {
   uint32_t interval_us;   ///< from one ping to the next; 0: the next follows the pong
 };
 
-/// What both makes keep at most of unacknowledged samples: as ddssec-peer, and 64 MiB.
+/// Returns how many unacknowledged samples the peers keep at most: as many as ddssec-peer, and at
+/// most 64 MiB.
 uint32_t bench_most_samples(const struct bench_options* options);
 
 struct bench_blob {
@@ -55,36 +56,36 @@ struct bench_blob {
 /// What a DDS stack does for the loops. `self` is the stack's own state.
 struct bench_stack {
   void* self;
-  /// Remote readers and remote writers matched at this moment.
+  /// The number of remote readers and remote writers that are matched at this moment.
   uint32_t (*readers)(void* self);
   uint32_t (*writers)(void* self);
-  /// False: refused for now.
+  /// Returns false if the stack refuses the sample for now.
   bool (*write)(void* self, const struct bench_blob* blob);
-  /// Takes one sample, valid until the next call; false: there is none.
+  /// Takes one sample, which is valid until the next call. Returns false if there is none.
   bool (*take)(void* self, struct bench_blob* blob);
-  /// Until there is something to take, or 20 ms.
+  /// Waits until there is something to take, for at most 20 ms.
   void (*wait)(void* self);
-  /// Every sample is acknowledged; waits 10 ms at most.
+  /// Returns true if every sample is acknowledged; waits 10 ms at most.
   bool (*acknowledged)(void* self);
 };
 
-/// Parses argv; prints usage and ends the process if it must.
+/// Parses argv. Prints usage and ends the process if it must.
 void bench_parse(int argc, char** argv, struct bench_options* options);
 bool bench_is_local(const struct bench_options* options);
-/// The topic the role writes or reads; NULL: it does not.
+/// Return the topic that the role writes or reads, or NULL if it does not.
 const char* bench_written(enum bench_role role);
 const char* bench_read(enum bench_role role);
 
-/// "DIRECTORY/NAME" behind `prefix`; the result is allocated and belongs to the caller.
+/// Returns "DIRECTORY/NAME" after `prefix`. The result is allocated and belongs to the caller.
 char* bench_document(const char* prefix, const char* directory, const char* name);
 
-/// Says that something could not be created; BENCH_NOT_CREATED.
+/// Reports that something could not be created, and returns BENCH_NOT_CREATED.
 int bench_refused(const char* what, const char* reason);
-/// The role receives in the listener of its reader, which calls bench_on_data.
+/// Returns true if the role receives in the listener of its reader, which calls bench_on_data.
 bool bench_listens(const struct bench_options* options);
-/// From the listener: answers what has come, or measures it.
+/// Must be called from the listener. Answers the samples that arrived, or measures them.
 void bench_on_data(const struct bench_stack* stack);
-/// Runs the role to its end and says `done` and `exit`. Returns the exit code.
+/// Runs the role to its end and prints `done` and `exit`. Returns the exit code.
 int bench_run(const struct bench_options* options, const struct bench_stack* stack);
 
 #ifdef __cplusplus

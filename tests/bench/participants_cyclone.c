@@ -1,5 +1,5 @@
-// The measuring peer on Cyclone DDS with its own plugins. Small samples share datagrams, as ddsperf
-// has it: Cyclone's best.
+// The measuring peer on Cyclone DDS with its own plugins. Small samples share datagrams, as in
+// ddsperf, which is Cyclone's fastest mode.
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -15,7 +15,8 @@ static const char loopback[] =
     "<ParticipantIndex>auto</ParticipantIndex><SPDPInterval>500ms</SPDPInterval></Discovery>"
     "</Domain></CycloneDDS>";
 
-// Many processes: by multicast, as stock Cyclone finds them, and with its own periods.
+// For many processes: participants find each other by multicast, as stock Cyclone does, and with
+// its own periods.
 static const char multicast[] =
     "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface address=\"%s\" "
     "multicast=\"true\"/></Interfaces></General></Domain></CycloneDDS>";
@@ -92,7 +93,7 @@ static void on_data(dds_entity_t reader, void* self) {
   bench_on_data(&cyclone->stack);
 }
 
-// ---- set-up ---------------------------------------------------------------------------------
+// ---- set-up
 
 static void set_document(dds_qos_t* qos, const char* property, const char* folder,
                          const char* name) {

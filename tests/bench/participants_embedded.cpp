@@ -1,5 +1,5 @@
-// The measuring peer on the embedded participant: the roles that participants.h has and ddssec-peer
-// has not, or has in one way only.
+// The measuring peer on the embedded participant, for the roles of participants.h that ddssec-peer
+// lacks, or has in one form only.
 #include "base/rate_limited_sink.hpp"
 #include "bench/participants.h"
 #include "peer_types.hpp"

@@ -20,7 +20,7 @@ namespace {
 
 using namespace interop_fast;
 
-// As received; to be sent it borrows its octets.
+// A received sample owns its octets. One that is sent borrows them.
 struct Blob {
   uint32_t seq = 0, pad = 0;
   uint64_t t_ns = 0;
@@ -29,7 +29,7 @@ struct Blob {
   uint32_t length = 0;
 };
 
-// blob.idl.
+// The type of blob.idl.
 class BlobType final : public TypeOf<Blob> {
  public:
   static constexpr std::uint32_t kOverhead = 4 + 4 + 4 + 8 + 4 + 4;
@@ -110,7 +110,7 @@ class Echo : public fdds::DataReaderListener {
   Fast& made_;
 };
 
-// ---- set-up ---------------------------------------------------------------------------------
+// ---- set-up
 
 void set_security(fdds::DomainParticipantQos& qos, const char* folder) {
   auto set = [&](const std::string& name, const std::string& value) {

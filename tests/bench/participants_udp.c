@@ -1,5 +1,5 @@
-// The measuring peer on two blocking UDP sockets and nothing else: the floor for the roles ping and
-// pong. The payload alone is sent, behind 16 octets.
+// The measuring peer on two blocking UDP sockets and nothing else, which is the lower bound for the
+// roles ping and pong. It sends the payload after 16 octets of header.
 #define _POSIX_C_SOURCE 200809L
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -35,7 +35,7 @@ static bool write_blob(void* self, const struct bench_blob* blob) {
          (ssize_t)size;
 }
 
-// Blocks for up to 20 ms, the socket's timeout.
+// Blocks for up to 20 ms, the timeout of the socket.
 static void wait_for_data(void* self) {
   struct udp* udp = self;
   udp->received = recv(udp->socket, udp->in, sizeof udp->in, 0);

@@ -1,4 +1,4 @@
-// The public-key operations that participants cannot avoid, as OpenSSL does them, P-256.
+// The public-key operations that participants cannot avoid, in OpenSSL with P-256.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ using DigestContext = std::unique_ptr<EVP_MD_CTX, pki::Deleter<EVP_MD_CTX_free>>
 
 inline const std::string kSigned(1024, 'x');
 
-/// Empty: it failed.
+/// Returns the signature; empty if it failed.
 inline Bytes sign(EVP_PKEY* key) {
   const DigestContext context(EVP_MD_CTX_new());
   Bytes signature(128);
@@ -42,8 +42,8 @@ inline bool derive(EVP_PKEY* own, EVP_PKEY* peer) {
          EVP_PKEY_derive(context.get(), secret, &size) == 1;
 }
 
-/// One side's part of a handshake: `signatures` to verify are two, on the peer's certificate and on
-/// its message, or three with its permissions.
+/// Does one side's part of a handshake. `signatures` to verify are two, on the peer's certificate
+/// and on its message, or three with its permissions.
 inline bool half_a_handshake(EVP_PKEY* key, int signatures) {
   const pki::PkeyPtr own(EVP_EC_gen("P-256"));
   const auto signature = sign(key);
