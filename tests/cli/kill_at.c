@@ -1,6 +1,6 @@
-// Preloaded by interrupted_test.py: kills the process, as SIGKILL does, just before its n-th call
+// Preloaded by interrupted_test.py. Kills the process, as SIGKILL does, just before its n-th call
 // that changes files (KILL_AT=n; 0: never), so that a test can stop a command between any two
-// writes. From the n-th write on, every one finds the disk full (FULL_AT=n). At the first rename,
+// writes. From the n-th write on, each write finds the disk full (FULL_AT=n). At the first rename,
 // a participant's owner removes the drafts in its folder (REMOVE_DRAFTS=pattern) or runs a command
 // (AT_RENAME=command). A command runs just before the n-th call (AT_CALL=command, CALL=n), or after
 // the n-th lock (AT_LOCK=command, LOCK=n), or after the links of a path were resolved
@@ -20,8 +20,8 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-// The agent's workers do not inherit these variables, so those of the parent count, too. It is read
-// at the start: a worker that has become another user may not read it.
+// The agent's workers do not inherit these variables, so those of the parent count, too. They are
+// read at the start, because a worker that has become another user may not read them.
 static char parents[1 << 16];
 
 __attribute__((constructor)) static void read_parents_variables(void) {
@@ -58,7 +58,7 @@ static void run(const char* variable) {
   if (command == NULL) return;
   char* copy = strdup(command);
   char* of_parent = parents_value_of(variable);
-  if (of_parent != NULL) of_parent[-1] = ' ';  // no longer a variable
+  if (of_parent != NULL) of_parent[-1] = ' ';  // it is no variable any more
   unsetenv(variable);
   unsetenv("LD_PRELOAD");
   if (copy != NULL && system(copy) != 0) abort();
@@ -116,7 +116,7 @@ SEEN char* realpath(const char* path, char* out) {
     return real arguments;                                                \
   }
 
-// Counts as two calls: something may also happen between this one and the next.
+// This counts as two calls, because something may also happen between this one and the next.
 #define CHANGE_AND_AFTER(type, name, parameters, arguments)               \
   SEEN type name parameters {                                             \
     static type(*real) parameters;                                        \
@@ -150,8 +150,8 @@ CHANGE(int, ftruncate, (int file, off_t size), (file, size))
 CHANGE(int, chmod, (const char* path, mode_t mode), (path, mode))
 CHANGE(int, fchmod, (int file, mode_t mode), (file, mode))
 
-// A process that is killed loses nothing that it wrote, on the disk or not: to wait for the disk
-// tells nothing.
+// A killed process loses nothing that it wrote, on the disk or not, so waiting for the disk would
+// show nothing.
 static int no_wait(void) {
   count();
   return 0;
@@ -159,7 +159,7 @@ static int no_wait(void) {
 SEEN int fsync(int file) { return (void)file, no_wait(); }
 SEEN int syncfs(int file) { return (void)file, no_wait(); }
 
-// Half of what is written arrives, and then the process ends: the file is cut short.
+// Half of the octets are written, and then the process ends, so the file is cut off.
 SEEN ssize_t write(int file, const void* octets, size_t size) {
   static ssize_t (*real)(int, const void*, size_t);
   if (real == NULL) real = (ssize_t(*)(int, const void*, size_t))dlsym(RTLD_NEXT, "write");

@@ -1,6 +1,6 @@
-// Preloaded by signals_test.py: a process that opens ./endless makes the file ./computing, and from
-// then on computes without an end and without a system call. A command on that file so computes for
-// as long as the test needs, on the fastest machine as well.
+// Preloaded by signals_test.py. A process that opens ./endless makes the file ./computing, and from
+// then on computes without an end and without a system call. A command on that file therefore
+// computes for as long as the test needs, even on the fastest machine.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -1,7 +1,7 @@
-// Preloaded by agent_worker_test.py: just before a process of the agent becomes another user,
-// writes into ./loot what code of that user could find in it: variables, open files, the terminal,
-// and whether its memory has the text of ./needle (which is there in reverse, so that this code
-// does not have it itself).
+// Preloaded by agent_worker_test.py. Just before a process of the agent becomes another user, it
+// writes into ./loot what code of that user could find in the process: variables, open files, the
+// terminal, and whether its memory has the text of ./needle. (That file has the text in reverse, so
+// that this code does not have it itself.)
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
