@@ -1,7 +1,7 @@
-// Compares many pairs of documents in one process. Reads a JSON object a line:
+// Compares many pairs of documents in one process. Reads a JSON object from each line:
 //   {"kind":"governance" or "permissions","old":"XML","new":"XML"}
-// and writes one a line: verdict and changes as the product has them, or {"error":"..."}. Names
-// that may be any octets are written in hexadecimal.
+// and writes one for each: the product's verdict and changes, or {"error":"..."}. Names may be any
+// octets, so they are written in hexadecimal.
 #include <iostream>
 #include <string>
 
@@ -28,7 +28,7 @@ Json hex_of_all(const std::vector<std::string>& names) {
 Json scope_json(const governance::DomainScope& scope) {
   Json domains = Json::array();
   for (const auto& range : scope.domains) domains.push_back({range.first, range.last});
-  // Without tags in the documents it is the empty one.
+  // Without tags in the documents, the tag is the empty one.
   return {{"domains", domains},
           {"tags", scope.has_tags ? hex_of_all(scope.tags.examples) : Json::array({""})}};
 }
@@ -68,7 +68,7 @@ Json to_json(const governance::PermissionChange& change) {
   return out;
 }
 
-// Those about expressions.
+// Returns the readings that are about expressions.
 Json to_json(const governance::Readings& readings) {
   Json out = Json::array();
   for (const auto& reading : readings.all)
