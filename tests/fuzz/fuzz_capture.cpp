@@ -1,4 +1,4 @@
-// A capture: any frames, each with two octets of length before it.
+// A capture with any frames, each of which has two octets of length before it.
 #include "rtps/observer/frames.hpp"
 #include "rtps/observer/meetings.hpp"
 

@@ -1,4 +1,5 @@
-// A peer's c.id, a CA file and a revocation list: parsed or refused; what was parsed parses again.
+// A peer's c.id, a CA file and a revocation list are parsed or refused. What was parsed parses
+// again.
 #include <cstdlib>
 
 #include "pki/certificate.hpp"

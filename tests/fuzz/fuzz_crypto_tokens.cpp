@@ -1,5 +1,5 @@
-// Crypto tokens of an authenticated peer gone bad. A refused token changes nothing: the honest
-// peer's samples still open. One that is taken replaces the key, and the honest one can come back.
+// Crypto tokens of a hostile authenticated peer. A refused token changes nothing, so the honest
+// peer's samples still open. An accepted token replaces the key, and the honest peer can come back.
 #include <array>
 #include <cstdlib>
 
@@ -33,7 +33,8 @@ struct Pair {
 
   TwoSides two;
   WriterToReader ends;
-  Tokens of_participant, of_writer, of_reader;  // before all messages: older ones are refused
+  // They are made before all messages, because older ones are refused.
+  Tokens of_participant, of_writer, of_reader;
 };
 
 spi::Token token_of(Bytes key_material) {
@@ -41,7 +42,8 @@ spi::Token token_of(Bytes key_material) {
           .binary_properties = {{"dds.cryp.keymat", std::move(key_material), true}}};
 }
 
-// All octets as one token's key material, halved into two tokens', and as tokens of any form.
+// Returns all octets as the key material of one token, halved into that of two tokens, and as
+// tokens of any form.
 std::array<Tokens, 3> tokens_in(BytesView octets) {
   std::array<Tokens, 3> out;
   out[0] = {token_of(to_bytes(octets))};

@@ -1,4 +1,4 @@
-// Discovery data of all three builtin types: read or refused; what was read is written and read
+// Discovery data of all three builtin types is read or refused. What was read is written and read
 // alike.
 #include <array>
 #include <cstdlib>
@@ -14,7 +14,7 @@ using namespace ddssec::rtps;
 void check(BytesView octets, auto read) {
   auto first = read(octets);
   if (!first) return;
-  // Read from Cyclone DDS's announcements, never written.
+  // This is read from Cyclone DDS's announcements, and never written.
   if constexpr (requires { first->vendor_version; }) first->vendor_version.clear();
   static std::array<std::uint8_t, 1 << 18> buffer;
   SpanWriter out(buffer);

@@ -1,5 +1,5 @@
-// Filter expressions: compiled or refused; what was compiled is evaluated, and says the opposite
-// behind NOT. The first line is the expression, each further one a parameter.
+// Filter expressions are compiled or refused. What was compiled is evaluated, and has the opposite
+// result after NOT. The first line is the expression, and each further line a parameter.
 #include <cstdlib>
 
 #include "tests/unit/rtps_filter/vehicle.hpp"

@@ -1,4 +1,4 @@
-// A governance document: read or refused; what was read is written and read alike.
+// A governance document is read or refused. What was read is written and read alike.
 #include <algorithm>
 #include <cstdlib>
 

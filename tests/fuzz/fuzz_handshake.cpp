@@ -1,4 +1,4 @@
-// Any token as any handshake message, and any octets as participant data: read or refused.
+// Any token as any handshake message, and any octets as participant data, are read or refused.
 #include "plugins/authentication/auth_request.hpp"
 #include "plugins/authentication/handshake_final.hpp"
 #include "plugins/authentication/handshake_reply.hpp"

@@ -1,5 +1,5 @@
-// Tokens on their way to the host and back through its C structures: copied alike or refused, with
-// nothing lost and nothing freed twice; structures with missing parts are refused.
+// Tokens on their way to the host and back through its C structures are copied alike or refused,
+// with nothing lost and nothing freed twice. Structures with missing parts are refused.
 #include <cstdlib>
 
 #include "plugins/cyclonedds/token_translation.hpp"

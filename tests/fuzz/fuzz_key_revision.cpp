@@ -1,6 +1,6 @@
-// Revised keys gone bad: an authenticated peer's tokens with changes laid over them. What is
-// refused changes nothing, and the honest revision still comes through; what is taken as a later
-// revision leaves what is on its way readable.
+// Revised keys of a hostile peer: the tokens of an authenticated peer with changes to them. A
+// refused token changes nothing, and the honest revision still succeeds. A token that is accepted
+// as a later revision leaves messages on their way readable.
 #include <cstdlib>
 
 #include "plugins/cryptography/key_revision.hpp"
@@ -14,7 +14,7 @@ using namespace ddssec::cryptography::testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt_with_origin_authentication;
 
-// `a` is revising its keys.
+// In this scene `a` is revising its keys.
 struct Revision {
   Revision()
       : two(participant_attributes(kEncrypt, true)),
@@ -50,7 +50,7 @@ struct Revision {
   Tokens of_participant, of_writer;
 };
 
-// `change` laid over the key material of each token.
+// Returns the tokens with `change` applied to the key material of each.
 Tokens changed(Tokens tokens, BytesView change) {
   for (auto& token : tokens) {
     auto& octets = token.binary_properties.front().value;
@@ -59,7 +59,8 @@ Tokens changed(Tokens tokens, BytesView change) {
   return tokens;
 }
 
-// Of the honest keys, as they were before: not the same revision once more, not other keys.
+// True if they are a later revision of the honest keys: neither the same revision again, nor other
+// keys.
 bool is_revision_of(const Tokens& tokens, const Tokens& honest) {
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     const auto made = read_crypto_token(tokens[i]), of = read_crypto_token(honest[i]);

@@ -1,5 +1,5 @@
-// The splitter in front of the signature check: its views lie in the input and do not overlap, and
-// canonical text stays as it is.
+// The splitter before the signature check: its views lie in the input and do not overlap, and
+// canonical text stays unchanged.
 #include <cstdlib>
 
 #include "pki/mime.hpp"

@@ -1,4 +1,5 @@
-// Files of passphrases: read or refused, none twice under one id, and nothing of them in an error.
+// Files of passphrases are read or refused. No two have the same id, and no error contains a part
+// of one.
 #include <algorithm>
 #include <cstdlib>
 #include <set>
@@ -12,7 +13,7 @@ namespace {
 using namespace ddssec;
 using namespace ddssec::cryptography;
 
-// Long enough not to be a word of a sentence by chance.
+// This is too long to appear in a sentence by chance.
 constexpr std::string_view kSecret = "xyzzy-plugh";
 
 void check(const Result<std::vector<Passphrase>>& all) {

@@ -1,4 +1,4 @@
-// A permissions document: read or refused; what was read is written and read alike.
+// A permissions document is read or refused. What was read is written and read alike.
 #include <algorithm>
 #include <cstdlib>
 
@@ -21,7 +21,7 @@ bool same(const GrantRule& a, const GrantRule& b) {
          same(a.subscribe, b.subscribe) && same(a.relay, b.relay);
 }
 bool same(const Grant& a, const Grant& b) {
-  // A grant without a name is given one when it is written.
+  // A grant without a name gets one when it is written.
   return (a.name == b.name || a.name.empty()) && a.subject_name == b.subject_name &&
          a.subject_is_expression == b.subject_is_expression && a.validity == b.validity &&
          a.default_allow == b.default_allow &&

@@ -1,4 +1,5 @@
-// The private key file: read or refused without asking anybody; what was read is written and read.
+// The private key file is read or refused without a question to the user. What was read is written
+// and read.
 #include <cstdlib>
 
 #include "pki/private_key.hpp"

@@ -1,4 +1,4 @@
-// A peer's ephemeral public key, of every kind: refused, or good enough to derive a secret from.
+// A peer's ephemeral public key of every kind is refused, or a secret can be derived from it.
 #include <array>
 #include <cstdlib>
 

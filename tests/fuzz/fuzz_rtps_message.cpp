@@ -1,6 +1,6 @@
-// A datagram: every submessage is read or refused; what was read is written and read alike. Linked
-// once for all kinds, and once for each (fuzz_rtps_kind.cpp): then the octets are its flags and
-// body.
+// A datagram: every submessage is read or refused, and what was read is written and read alike.
+// This is linked once for all kinds, and once for each (fuzz_rtps_kind.cpp), where the octets are
+// the flags and body of a submessage.
 #include <array>
 #include <cstdlib>
 
@@ -79,7 +79,7 @@ void check(const SubmessageView& view, std::size_t message_size) {
   }
 }
 
-// A submessage of that kind with these flags and this body.
+// Checks a submessage of that kind with these flags and this body.
 void check_one(SubmessageId kind, const std::uint8_t* data, std::size_t size) {
   const auto length = static_cast<std::uint16_t>(size - 1);
   const bool little = (data[0] & 1) != 0;

@@ -1,5 +1,5 @@
-// Protected payloads, submessages and messages, also under a pre-shared key, any octets and genuine
-// ones with changes: nothing opens but what was sealed, and the genuine one opens after every
+// Protected payloads, submessages and messages, also under a pre-shared key, with any octets or
+// with changes to genuine ones. Only what was sealed opens, and the genuine one opens after every
 // attack.
 #include <cstdlib>
 
@@ -13,12 +13,14 @@ using namespace ddssec::cryptography::testing;
 
 struct Target {
   std::function<Bytes()>
-      seal;  // each time under another IV: with origin authentication it counts once
+      // This is under another IV each time, because with origin authentication each message counts
+      // once.
+          seal;
   Bytes opened;
   std::function<Result<Bytes>(const Bytes&)> open;
 };
 
-// A matched pair of one protection kind and one genuine message of each level.
+// A matched pair with one kind of protection, and one genuine message of each level.
 struct Pair {
   explicit Pair(ProtectionKind kind)
       : two(kind),
@@ -66,7 +68,7 @@ void must_not_open(const Target& target, const Bytes& octets) {
   if (opened && *opened != target.opened) std::abort();
 }
 
-// `change` laid over `sealed` by exclusive or, cut or grown to `size`.
+// Returns `sealed` with `change` applied by exclusive or, cut or extended to `size`.
 Bytes changed(Bytes sealed, BytesView change, std::size_t size) {
   sealed.resize(std::max(sealed.size(), change.size()));
   for (std::size_t i = 0; i < change.size(); ++i) sealed[i] ^= change[i];
@@ -76,7 +78,7 @@ Bytes changed(Bytes sealed, BytesView change, std::size_t size) {
 
 }  // namespace
 
-// Octet 0 chooses the kind and the level, octet 1 how long the changed message is.
+// Octet 0 chooses the kind and the level, and octet 1 the length of the changed message.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using enum ProtectionKind;
   static std::array<Pair, 4> pairs = {Pair(sign), Pair(encrypt),

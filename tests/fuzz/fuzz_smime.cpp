@@ -1,4 +1,4 @@
-// A signed document against a CA that signed nothing: it must never verify.
+// A signed document and a CA that signed nothing: the document must never verify.
 #include <cstdlib>
 
 #include "pki/authority.hpp"

@@ -1,5 +1,5 @@
-// The text of a subject name: read or refused; every name that is read equals itself, and its key
-// tells the same as matches().
+// The text of a subject name is read or refused. Every name that is read equals itself, and its key
+// gives the same answer as matches().
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::accumulate(rdns.begin(), rdns.end(), std::size_t{0},
                       [](std::size_t sum, const pki::Rdn& rdn) { return sum + rdn.size(); });
   if (in_rdns != name->attributes().size() || rdns.empty()) std::abort();
-  // What stands before the first line feed, as another name.
+  // The text before the first line feed is another name.
   const auto text = as_text({data, size});
   const auto other = pki::SubjectName::parse(text.substr(0, text.find('\n')));
   if (other && other->matches(*name) != (other->key() == name->key())) std::abort();

@@ -1,4 +1,4 @@
-// A token as SPDP and the handshake carry it: reads or refuses; what was read is written alike.
+// A token in the form of SPDP and the handshake is read or refused. What was read is written alike.
 #include <cstdlib>
 
 #include "plugins/spi/token.hpp"

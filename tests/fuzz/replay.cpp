@@ -1,5 +1,5 @@
-// Runs a fuzz target without libFuzzer: over every file of the given folders, every truncation at a
-// coarse step and a fixed number of flipped bits. Fails if there is no seed at all.
+// Runs a fuzz target without libFuzzer over every file of the given folders, with every truncation
+// at a coarse step and a fixed number of flipped bits. Fails if there is no seed at all.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>

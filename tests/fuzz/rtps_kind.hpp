@@ -7,7 +7,7 @@
 
 namespace ddssec::fuzz {
 
-/// None: for whole messages.
+/// Returns the kind; none for a target of whole messages.
 std::optional<rtps::SubmessageId> kind();
 
 }  // namespace ddssec::fuzz
