@@ -1,7 +1,7 @@
-// A participant with a valid certificate that does not keep to the rules: the three stock plugins,
-// with a few of their functions replaced. What it does is named by INSIDER_TAMPER:
+// A participant with a valid certificate that breaks the rules: the three stock plugins, with a few
+// of their functions replaced. INSIDER_TAMPER names what it does:
 //   announce     its endpoints announce that nothing about them is access controlled
-//   decoy        the same of its endpoint in the partition "Hidden"; the others are announced as is
+//   decoy        the same for its endpoint in the partition "Hidden"; the others are honest
 //   participant  its participant's key tokens name the victim as their source
 //   endpoint     its writers' key tokens name the victim as their source
 //   source       its protected messages go on in the victim's name
@@ -20,7 +20,7 @@
 //   circle       its writers announce a type that needs another, its readers that other one, which
 //                needs the first
 //   many         its endpoints announce a type that needs hundreds of others
-//   splice       it sends fragments of announcements of which the receiver's host makes one that
+//   splice       it sends fragments of announcements from which the receiver's host makes one that
 //                ends the victim's writer (splice.hpp)
 //   splice-type  the same with type information that ends a process
 //   partitions   its endpoints announce partition expressions that take hours to match, and that
@@ -30,10 +30,10 @@
 //                memory that it never wrote
 //   address-qos  its samples come with such an address in their inline QoS
 //   requests     its volatile secure reader acknowledges nothing, and requests fragments of all key
-//                tokens; those for others are said on stderr (token_requests.hpp)
-//   keys         nothing; but the keys that it is given are said on stderr (../keys_test.py)
-// INSIDER_VICTIM is how the victim's GUID begins, in hexadecimal digits. What it did is said on
-// stderr.
+//                tokens; it prints those for others on stderr (token_requests.hpp)
+//   keys         it only prints the keys that it gets on stderr (../keys_test.py)
+// INSIDER_VICTIM is the beginning of the victim's GUID, in hexadecimal digits. The insider reports
+// on stderr what it did.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -52,7 +52,7 @@ using namespace insider;
 using Octets = DDS_Security_OctetSeq;
 using Exception = DDS_Security_SecurityException;
 
-// A function of the stock library that stands under ours.
+// Returns the function of the stock library that ours replaces.
 template <class Function>
 Function* stock(const char* library, const char* name) {
   const auto path = std::string(DDSSEC_STOCK_PLUGIN_DIR "/") + library;
@@ -63,7 +63,7 @@ Function* stock(const char* library, const char* name) {
 using Init = int(const char*, void**, ddsi_domaingv*);
 using Finalize = int(void*);
 
-// ---- authentication: who is who
+// ---- authentication: which participant is the victim
 
 decltype(dds_security_authentication::validate_local_identity) validate_local;
 decltype(dds_security_authentication::validate_remote_identity) validate_remote;
@@ -92,7 +92,7 @@ DDS_Security_ValidationResult_t my_validate_remote(
   return validate_remote(instance, handle, local_request, remote_request, local, token, guid, ex);
 }
 
-// ---- access control: nothing stops it at home
+// ---- access control: nothing is refused locally
 
 DDS_Security_boolean allow_endpoint(dds_security_access_control*,
                                     const DDS_Security_PermissionsHandle,
@@ -107,12 +107,12 @@ DDS_Security_boolean allow_topic(dds_security_access_control*, const DDS_Securit
   return 1;
 }
 
-// ---- cryptography: what it says before it is encrypted
+// ---- cryptography: changes of messages before they are encrypted
 
 decltype(dds_security_crypto_transform::encode_datawriter_submessage) encode_submessage;
 decltype(dds_security_crypto_transform::encode_rtps_message) encode_message;
 
-// All of them in one; `encode(&encoded, &plain)` encodes one.
+// Encodes all of them into one. `encode(&encoded, &plain)` encodes one.
 template <class Encode>
 DDS_Security_boolean encode_all(Octets* encoded, const std::vector<Bytes>& plains,
                                 Encode&& encode) {
@@ -156,7 +156,7 @@ DDS_Security_boolean my_encode_submessage(dds_security_crypto_transform* instanc
   if (plain->_buffer == nullptr)
     return encode_submessage(instance, encoded, plain, sender, receivers, index, ex);
   Bytes octets(plain->_buffer, plain->_buffer + plain->_length);
-  // Its announcements wait: the readers ask for them again.
+  // Its announcements wait, and the readers request them again.
   const bool splices = tampers("splice") || tampers("splice-type");
   const bool needs_victim = tampers("dispose") || tampers("smuggle") || splices;
   if (is_of_writer(octets, 0xff0003c2) && needs_victim) {
@@ -214,12 +214,12 @@ DDS_Security_boolean my_decode_submessage(dds_security_crypto_transform* instanc
   return done;
 }
 
-// ---- key exchange: what others give it
+// ---- key exchange: keys that it gets from others
 
 using Exchange = dds_security_crypto_key_exchange;
 decltype(Exchange::set_remote_datawriter_crypto_tokens) set_writer_tokens;
 
-// The material of the first token, by which its owner protects submessages.
+// Prints the material of the first token, with which its owner protects submessages.
 void say_key(const DDS_Security_CryptoTokenSeq* tokens) {
   if (!tampers("keys") || tokens->_length == 0) return;
   const auto& properties = tokens->_buffer[0].binary_properties;

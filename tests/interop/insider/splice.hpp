@@ -1,5 +1,5 @@
-// Announcements that are harmless each, and of which the host of the receiver makes one that is
-// not, if it joins the first fragment of one to the second fragment of another.
+// Announcements each of which is harmless. If the receiver's host joins the first fragment of one
+// to the second fragment of another, it gets one that is not.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,8 @@ inline void append_endpoint(Bytes& out, Bytes prefix, std::uint8_t number, std::
   append_parameter(out, 0x5a, prefix);
 }
 
-/// DATA_FRAG of one fragment, little endian. `ends`: it says that what it names is gone.
+/// Returns a DATA_FRAG of one fragment, little endian. With `ends`, it says that the named endpoint
+/// is gone.
 inline Bytes fragment(std::size_t number, std::size_t index, std::size_t size, const Bytes& whole,
                       bool ends) {
   const std::uint8_t header[] = {
@@ -60,7 +61,7 @@ inline Bytes fragment(std::size_t number, std::size_t index, std::size_t size, c
   return out;
 }
 
-/// Says nothing, in two fragments of kDull.
+/// Returns a list that says nothing, in two fragments of kDull.
 inline Bytes dull(const Bytes& own) {
   Bytes out;
   append(out, kEncapsulation);
@@ -70,8 +71,8 @@ inline Bytes dull(const Bytes& own) {
   return out;
 }
 
-/// A list of which the second fragment is `inner`: user data of an endpoint of the sender, or, if
-/// it `opens`, parameters.
+/// Returns a list whose second fragment is `inner`: user data of an endpoint of the sender, or
+/// parameters with `opens`.
 inline Bytes carrier(const Bytes& own, const Bytes& inner, bool opens) {
   Bytes out;
   append(out, kEncapsulation);
@@ -86,9 +87,10 @@ inline Bytes carrier(const Bytes& own, const Bytes& inner, bool opens) {
   return out;
 }
 
-/// The submessages, from that sequence number on. The host keeps parts of sixteen samples, and
-/// drops the highest for the seventeenth: it has the second fragment of `target` only. Many others
-/// follow, until no receiver may remember the first. Then comes another first one.
+/// Returns the submessages, from that sequence number on. The host keeps parts of sixteen samples,
+/// and drops the highest one for the seventeenth, so it has only the second fragment of `target`.
+/// Many others follow, until no receiver may remember the first one. Then another first fragment
+/// comes.
 inline std::vector<Bytes> plan(std::size_t first, const Bytes& own, const Bytes& inner, bool ends) {
   constexpr std::size_t kOfHost = 16, kToForget = 36;
   const auto target = first + kOfHost;

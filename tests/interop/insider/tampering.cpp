@@ -66,7 +66,7 @@ bool holds(const Bytes& octets, std::string_view text) {
          std::string_view::npos;
 }
 
-// endpoint_security_info in a parameter list, either byte order.
+// Finds endpoint_security_info in a parameter list, in either byte order.
 void hide_access_control(Bytes& octets) {
   constexpr DDS_Security_octet kLittle[] = {0x04, 0x10, 8, 0}, kBig[] = {0x10, 0x04, 0, 8};
   for (std::size_t at = 0; at + 12 <= octets.size(); at += 4) {
@@ -77,7 +77,8 @@ void hide_access_control(Bytes& octets) {
   }
 }
 
-// The last octet of source_endpoint_guid in a DATA without inline QoS, whose payload begins at 24.
+// The place of the last octet of source_endpoint_guid in a DATA without inline QoS, whose payload
+// begins at 24.
 constexpr std::size_t kEntityKindAt = 24 + 84 + 15;
 
 void name_victim(Bytes& octets, std::string_view token_class, std::size_t at) {
@@ -95,7 +96,7 @@ void set_length(Bytes& submessage) {
 
 constexpr DDS_Security_octet kInlineQosFlag = 2, kDataFlag = 4, kKeyFlag = 8;
 
-// What the volatile writer sends, without its data. A stock host writes little endian and no
+// Leaves the data out of what the volatile writer sends. A stock host writes little endian and no
 // inline QoS.
 void leave_key(Bytes& octets, bool only_hash) {
   if (!is_of_writer(octets, 0xff0202c3) || (octets[1] & kInlineQosFlag) != 0) return;
@@ -113,7 +114,7 @@ void leave_key(Bytes& octets, bool only_hash) {
   say_tampered();
 }
 
-// What the volatile writer sends, as a piece of two gigabytes.
+// Turns what the volatile writer sends into a fragment of a sample of two gigabytes.
 void leave_fragment(Bytes& octets) {
   if (!is_of_writer(octets, 0xff0202c3) || (octets[1] & kInlineQosFlag) != 0) return;
   constexpr DDS_Security_octet kDataFrag = 0x16, kToInlineQos = 28;
@@ -138,8 +139,8 @@ void leave_fragment(Bytes& octets) {
   say_tampered();
 }
 
-// Of the key tokens of builtin writers to one participant, all name one reader that never matches,
-// and as their writer one of two by turns. A retransmission stays what it was.
+// The key tokens of builtin writers to one participant all name one reader that never matches. As
+// their writer they name one of two in turn. A retransmission stays unchanged.
 void repeat_tokens(Bytes& octets) {
   constexpr std::size_t kLocalAt = 24 + 68, kRemoteAt = 24 + 84, kGuid = 16, kPrefix = 12;
   constexpr DDS_Security_octet kReader[] = {0xff, 0, 4, 0xc7};
@@ -149,7 +150,7 @@ void repeat_tokens(Bytes& octets) {
     return;
   static std::mutex mutex;
   static std::map<std::string, std::map<std::string, std::size_t>>
-      turns;  // by participant, then by the GUIDs
+      turns;  // by participant, and then by the GUIDs
   const auto at = [&](std::size_t begin, std::size_t size) {
     return std::string(octets.begin() + static_cast<std::ptrdiff_t>(begin),
                        octets.begin() + static_cast<std::ptrdiff_t>(begin + size));
@@ -167,7 +168,7 @@ bool is_of_writer_tokens(const Bytes& octets) {
          (octets[kEntityKindAt] == 0x02 || octets[kEntityKindAt] == 0x03);
 }
 
-// In its announcements and in its key tokens.
+// The writer is invented in its announcements and in its key tokens.
 void invent_writer(Bytes& octets) {
   constexpr DDS_Security_octet kInvented[] = {0xfe, 0, 1, 0xc2};
   if (is_of_writer_tokens(octets)) {
@@ -186,7 +187,7 @@ void send_nobodys_tokens(Bytes& octets) {
   say_tampered();
 }
 
-// Every GUID in the payload.
+// Replaces every GUID in the payload.
 void speak_as_victim(Bytes& octets) {
   const auto prefix = victim.prefix();
   if (prefix.empty()) return;
@@ -205,8 +206,8 @@ void dispose(Bytes& octets) {
   set_length(octets);
 }
 
-// The discriminator of the first type identifier in PID_TYPE_INFORMATION (little endian, as a
-// stock host writes it) becomes one that Cyclone DDS does not expect.
+// The discriminator of the first type identifier in PID_TYPE_INFORMATION (little endian, as a stock
+// host writes it) becomes one that Cyclone DDS does not expect.
 void spoil_type_information(Bytes& octets) {
   constexpr DDS_Security_octet kUnexpected = 0x82;
   constexpr std::size_t kPayloadAt = 24 + 4, kKindAt = 4 + 20;
@@ -248,14 +249,14 @@ void announce_types(Bytes& octets, bool is_writer) {
   replace_type_information(octets, type_that_needs(1, needs));
 }
 
-// Before the sentinel, with which a stock host ends its announcements.
+// Inserts the parameters before the sentinel with which a stock host ends its announcements.
 void append_to_announcement(Bytes& octets, const Bytes& parameters) {
   octets.insert(octets.end() - 4, parameters.begin(), parameters.end());
   set_length(octets);
   say_tampered();
 }
 
-// Each fits almost, again and again, a name of many zeros.
+// Each expression almost matches, again and again, a name of many zeros.
 Bytes costly_partitions() {
   constexpr std::string_view kExpression("*0*0*0*0*0*0*0*0*0*0*0*0*0*0*0*0*x", 35);
   constexpr std::size_t kMany = 300;
@@ -264,7 +265,7 @@ Bytes costly_partitions() {
   for (std::size_t i = 0; i < kMany; ++i) {
     append_word(value, kExpression.size());
     value.insert(value.end(), kExpression.begin(), kExpression.end());
-    value.push_back(0);  // to whole words
+    value.push_back(0);  // pads to whole words
   }
   Bytes out;
   splice::append_parameter(out, 0x29, value);
@@ -275,7 +276,7 @@ Bytes many_locators() {
   Bytes out;
   for (std::size_t i = 0; i < 300; ++i) {
     Bytes value;
-    append_word(value, 1);  // UDPv4
+    append_word(value, 1);  // the kind UDPv4
     append_word(value, 20'000 + i);
     value.resize(20);
     value.insert(value.end(), {127, 0, 0, 1});
@@ -284,7 +285,7 @@ Bytes many_locators() {
   return out;
 }
 
-// PID_DEFAULT_UNICAST_IPADDRESS and PID_DEFAULT_UNICAST_PORT of RTPS 1.
+// Returns PID_DEFAULT_UNICAST_IPADDRESS and PID_DEFAULT_UNICAST_PORT of RTPS 1.
 Bytes deprecated_address() {
   Bytes out;
   splice::append_parameter(out, 0x0c, {127, 0, 0, 1});
@@ -330,7 +331,7 @@ void speak_of_endpoints(Bytes& octets) {
   speak_as_victim(octets);
 }
 
-// Does a message hold a sample of an application's writer?
+// True if the message has a sample of an application's writer.
 bool is_of_application(const Bytes& message) {
   for (std::size_t at = 20; at + 16 <= message.size();) {
     const auto kind = message[at + 15];
@@ -342,11 +343,12 @@ bool is_of_application(const Bytes& message) {
   return false;
 }
 
-// To all readers, by its own plain writer of liveliness: the victim is gone.
+// Returns a message to all readers, from its own plain writer of liveliness, which says that the
+// victim is gone.
 Bytes end_of_victim(const Bytes& prefix, DDS_Security_octet number) {
   Bytes out = {0x0e, 1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};  // INFO_DST
   Bytes data = {0x15, 7, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0, 0, 2, 0, 0xc2, 0, 0, 0, 0, number, 0, 0, 0};
-  data.insert(data.end(), {0x71, 0, 4, 0, 0, 0, 0, 3, 1, 0, 0, 0});  // disposed, unregistered
+  data.insert(data.end(), {0x71, 0, 4, 0, 0, 0, 0, 3, 1, 0, 0, 0});  // disposed and unregistered
   data.insert(data.end(), {0, 1, 0, 0});
   data.insert(data.end(), prefix.begin(), prefix.end());
   data.insert(data.end(), {0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0});
@@ -368,7 +370,7 @@ void append_end_of_victim(Bytes& message, const Bytes& prefix) {
   say_tampered();
 }
 
-// Instead of an announcement, after a submessage that is empty.
+// Sends this instead of an announcement, after an empty submessage.
 void smuggle_end_of_victim(Bytes& octets) {
   if (!is_of_writer(octets, 0xff0003c2)) return;
   octets = {0x09, 1, 0, 0};  // INFO_TS
@@ -381,7 +383,7 @@ void tamper_with_submessage(Bytes& octets) {
   if (tampers("announce") || (tampers("decoy") && holds(octets, "Hidden")))
     hide_access_control(octets);
   if (tampers("participant")) name_victim(octets, "dds.sec.participant_crypto_tokens", 24 + 4);
-  // Of the application's writers: those of discovery it needs.
+  // Only for the application's writers, because it needs those of discovery itself.
   if (tampers("endpoint") && is_of_writer_tokens(octets))
     name_victim(octets, "dds.sec.datawriter_crypto_tokens", 24 + 84);
   if (tampers("key-only")) leave_key(octets, false);

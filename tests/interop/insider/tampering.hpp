@@ -1,5 +1,5 @@
-// What the insider changes in its messages before they are encrypted. The names of the tamperings
-// are explained in insider.cpp.
+// The changes that the insider makes to its messages before they are encrypted. The names of the
+// tamperings are explained in insider.cpp.
 #pragma once
 
 #include <mutex>
@@ -13,19 +13,19 @@ namespace insider {
 
 using Bytes = std::vector<DDS_Security_octet>;
 
-/// Does INSIDER_TAMPER name `what`?
+/// True if INSIDER_TAMPER names `what`.
 bool tampers(std::string_view what);
-/// Says so on stderr, once.
+/// Reports the tampering on stderr, once.
 void say_tampered();
 
 std::string hex_of(const DDS_Security_octet* prefix);
 void say_prefix(const char* whose, const DDS_Security_octet* prefix);
 
-/// The victim's GUID prefix, once it was met.
+/// The victim's GUID prefix, once the victim was met.
 class Victim {
  public:
   void meet(const DDS_Security_octet* prefix);
-  /// Empty before.
+  /// Returns the prefix; empty before the victim was met.
   Bytes prefix();
 
  private:
@@ -35,14 +35,14 @@ class Victim {
 extern Victim victim;
 extern DDS_Security_octet own_prefix[12];
 
-/// Is it a DATA of that writer of the insider's?
+/// True if it is a DATA of that writer of the insider.
 bool is_of_writer(const Bytes& octets, std::uint32_t writer);
 
-/// One submessage of a writer of the insider's.
+/// Changes one submessage of a writer of the insider.
 void tamper_with_submessage(Bytes& octets);
-/// What goes out instead of an announcement where fragments are spliced.
+/// Returns what is sent instead of an announcement if fragments are spliced.
 std::vector<Bytes> spliced(const Bytes& announcement);
-/// A whole RTPS message, once the victim was met, whose prefix is `prefix`.
+/// Changes a whole RTPS message, once the victim was met. The victim's prefix is `prefix`.
 void tamper_with_message(Bytes& octets, const Bytes& prefix);
 
 }  // namespace insider

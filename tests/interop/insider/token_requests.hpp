@@ -15,14 +15,14 @@ using splice::Bytes;
 
 constexpr std::uint8_t kReader[] = {0xff, 2, 2, 0xc4}, kWriter[] = {0xff, 2, 2, 0xc3};
 
-/// Is it an ACKNACK of the volatile secure reader?
+/// True if it is an ACKNACK of the volatile secure reader.
 inline bool is_acknowledgment(const Bytes& octets) {
   constexpr std::uint8_t kAckNack = 6;
   return octets.size() >= 8 && octets[0] == kAckNack &&
          std::equal(std::begin(kReader), std::end(kReader), octets.begin() + 4);
 }
 
-/// A NACK_FRAG for the first fragment of that message, little endian.
+/// Returns a little-endian NACK_FRAG for the first fragment of that message.
 inline Bytes nack_frag(std::size_t number) {
   constexpr std::size_t kFirstBit = 0x80000000;
   static std::atomic<std::size_t> count = 0;
@@ -35,8 +35,8 @@ inline Bytes nack_frag(std::size_t number) {
   return out;
 }
 
-/// Goes out instead of an acknowledgment: requests for a few messages of the first ones, for others
-/// each time.
+/// Returns what is sent instead of an acknowledgment: requests for a few of the first messages, for
+/// others each time.
 inline std::vector<Bytes> instead_of_acknowledgment() {
   constexpr std::size_t kMessages = 60, kAtOnce = 12;
   static std::atomic<std::size_t> next = 0;
@@ -45,8 +45,8 @@ inline std::vector<Bytes> instead_of_acknowledgment() {
   return out;
 }
 
-/// Is it a DATA of the volatile secure writer, without inline QoS, for a participant with another
-/// prefix?
+/// True if it is a DATA of the volatile secure writer, without inline QoS, for a participant with
+/// another prefix.
 inline bool is_for_another(const std::uint8_t* octets, std::size_t size,
                            const std::uint8_t* own_prefix) {
   constexpr std::uint8_t kData = 0x15;

@@ -1,4 +1,5 @@
-// TypeInformation (DDS-XTypes 7.6.3.2.2) that nobody has: types by number, and what they need.
+// TypeInformation (DDS-XTypes 7.6.3.2.2) of types that do not exist: types by number, and those
+// that they need.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +11,7 @@ inline void append_word(std::vector<std::uint8_t>& out, std::size_t value) {
     out.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-/// TypeIdentifierWithSize: a hash of that kind, made of `number`.
+/// Appends a TypeIdentifierWithSize: a hash of that kind, made from `number`.
 inline void append_identifier(std::vector<std::uint8_t>& out, std::uint8_t kind,
                               std::size_t number) {
   append_word(out, 20);
@@ -21,7 +22,7 @@ inline void append_identifier(std::vector<std::uint8_t>& out, std::uint8_t kind,
   append_word(out, 77);
 }
 
-/// One half of TypeInformation (XCDR2, mutable): a type, and those that it depends on.
+/// Appends one half of TypeInformation (XCDR2, mutable): a type, and the types on which it depends.
 inline void append_half(std::vector<std::uint8_t>& out, bool is_complete, std::size_t type,
                         const std::vector<std::size_t>& needs) {
   const std::uint8_t kind = is_complete ? 0xf2 : 0xf1;

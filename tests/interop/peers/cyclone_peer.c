@@ -1,5 +1,6 @@
 // Test peer on Cyclone DDS. It sets the participant properties that rmw_cyclonedds sets, so it also
-// stands for a ROS 2 process: whichever libraries the loader finds under the stock names secure it.
+// stands for a ROS 2 process. It is secured by whichever libraries the loader finds under the stock
+// names.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 #include "shape.h"
 
 // One interface, unicast, quick discovery, and what PEER_CYCLONEDDS_SETTINGS adds. CYCLONEDDS_URI,
-// if set, takes the place of all of it.
+// if set, replaces all of it.
 static const char configuration[] =
     "<CycloneDDS><Domain Id=\"any\">"
     "<General><Interfaces><NetworkInterface address=\"%s\" multicast=\"false\"/></Interfaces>"
@@ -22,7 +23,7 @@ static const char configuration[] =
 
 // A second participant of the process, which leaves before the first one does.
 struct companion {
-  dds_entity_t participant;  // 0: there is none, or it has left
+  dds_entity_t participant;  // 0 if there is none, or if it has left
   dds_entity_t reader;
   uint32_t samples, stays_for;
 };
@@ -34,10 +35,11 @@ struct passing {
   dds_time_t until;
 };
 
-// When a further topic, writer and reader are made, as an application may at any time.
+// The time at which a further topic, writer and reader are made, as an application may do at any
+// time.
 struct late {
   dds_entity_t participant;
-  dds_time_t at;  // 0: not, or it is done
+  dds_time_t at;  // 0 if nothing is to be made any more
 };
 
 struct cyclone {
@@ -150,7 +152,7 @@ static bool take_sample(void* self, struct peer_sample* sample) {
   return false;
 }
 
-// ---- set-up ---------------------------------------------------------------------------------
+// ---- set-up
 
 static void set_document(dds_qos_t* qos, const char* property, const char* value) {
   char* uri = value == NULL ? NULL : peer_uri("file:", value);
@@ -231,7 +233,7 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
   const int32_t depth = all ? 0 : (int32_t)options->keep_last;
   dds_qset_history(qos, kind, depth);
   if (options->publish) dds_qset_durability_service(qos, 0, kind, depth, -1, -1, -1);
-  // Cyclone hands the key size to the cryptography plugin with each endpoint's properties.
+  // Cyclone passes the key size to the cryptography plugin with each endpoint's properties.
   if (!options->plain && options->security[PEER_KEYSIZE] != NULL)
     dds_qset_prop(qos, "dds.sec.crypto.keysize", options->security[PEER_KEYSIZE]);
   if (!options->plain && options->security[PEER_CIPHER] != NULL)
@@ -243,7 +245,7 @@ static dds_entity_t create_endpoint(dds_entity_t group, dds_entity_t topic,
   return endpoint;
 }
 
-// Beside the endpoint; peer_refused says what could not be made.
+// Creates further readers beside the endpoint. peer_refused reports what could not be made.
 static int create_passing(dds_entity_t reader, const struct peer_options* options,
                           struct passing* passing) {
   const dds_entity_t group = dds_get_parent(reader), topic = dds_get_topic(reader);
@@ -256,7 +258,7 @@ static int create_passing(dds_entity_t reader, const struct peer_options* option
   return 0;
 }
 
-// An endpoint that is not used, in a partition of its own.
+// Creates an endpoint that is not used, in a partition of its own.
 static dds_entity_t create_decoy(dds_entity_t participant, dds_entity_t topic,
                                  const struct peer_options* options) {
   if (options->decoy == NULL) return 0;
@@ -266,7 +268,8 @@ static dds_entity_t create_decoy(dds_entity_t participant, dds_entity_t topic,
   return group < 0 ? group : create_endpoint(group, topic, &other);
 }
 
-// The endpoint of a participant that it makes too; peer_refused says what could not be made.
+// Returns the endpoint of a participant that it also makes. peer_refused reports what could not be
+// made.
 static dds_entity_t join(const struct peer_options* options, dds_entity_t* participant) {
   *participant = create_participant(options);
   if (*participant < 0) return -peer_refused("participant", dds_strretcode(-*participant));
@@ -276,8 +279,8 @@ static dds_entity_t join(const struct peer_options* options, dds_entity_t* parti
   if (create_decoy(*participant, topic, options) < 0) return -peer_refused("decoy", "an error");
   const dds_entity_t group = create_group(*participant, options);
   if (group < 0) return -peer_refused("publisher or subscriber", dds_strretcode(-group));
-  // With large announcements there are two endpoints: the later one shows that the first, which is
-  // not used, has not held it up.
+  // With large announcements there are two endpoints. The later one shows that the first one, which
+  // is not used, has not delayed it.
   if (options->user_data > 0 && create_endpoint(group, topic, options) < 0)
     return -peer_refused("endpoint", "the first one");
   const dds_entity_t endpoint = create_endpoint(group, topic, options);

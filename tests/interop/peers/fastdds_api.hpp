@@ -1,5 +1,5 @@
-// Fast DDS 2 (Debian 12) and 3 (Debian 13) by the same names, and samples of types written by hand,
-// since Debian 12 has no Fast DDS code generator.
+// Fast DDS 2 (Debian 12) and 3 (Debian 13) under the same names, and samples of types that are
+// written by hand, because Debian 12 has no Fast DDS code generator.
 #ifndef DDSSEC_INTEROP_FASTDDS_API_HPP
 #define DDSSEC_INTEROP_FASTDDS_API_HPP
 
@@ -58,10 +58,10 @@ inline void set_heartbeat_period(fdds::DataWriterQos& qos, const Duration_t& per
 }
 #endif
 
-/// A type in XCDR1 whose fields somebody wrote by hand.
+/// A type in XCDR1 whose fields are written by hand.
 class HandWrittenType : public fdds::TopicDataType {
  public:
-  /// `size`: a first guess; histories grow as needed.
+  /// `size` is a first guess. Histories grow as needed.
   HandWrittenType(const char* name, std::uint32_t size, bool has_key) {
 #if DDSSEC_FASTDDS >= 3
     set_name(name);
@@ -79,9 +79,9 @@ class HandWrittenType : public fdds::TopicDataType {
  protected:
   virtual void write(Cdr& cdr, const void* sample) const = 0;
   virtual void read(Cdr& cdr, void* sample) const = 0;
-  /// At least what write() writes, with the encapsulation header.
+  /// Returns at least the number of octets that write() writes, with the encapsulation header.
   virtual std::uint32_t most_octets(const void* sample) const = 0;
-  /// What the key hash is the MD5 of, big-endian; false: there is no key.
+  /// Writes the input of the key hash's MD5, big-endian. Returns false if there is no key.
   virtual bool write_key(Cdr&, const void*) const { return false; }
 
  private:
@@ -126,7 +126,7 @@ class HandWrittenType : public fdds::TopicDataType {
     return true;
   }
 
-  // ---- what Fast DDS calls
+  // ---- calls of Fast DDS
 #if DDSSEC_FASTDDS >= 3
   bool serialize(const void* const sample, rtps::SerializedPayload_t& payload,
                  fdds::DataRepresentationId_t) override {
@@ -165,7 +165,7 @@ class HandWrittenType : public fdds::TopicDataType {
 #endif
 };
 
-/// The same with what Fast DDS keeps its samples in.
+/// The same with the samples' own type.
 template <class Sample>
 class TypeOf : public HandWrittenType {
  public:
@@ -181,7 +181,7 @@ class TypeOf : public HandWrittenType {
 #endif
 };
 
-/// The transport is the caller's to tune further.
+/// Makes UDP the only transport, and returns it so that the caller can tune it further.
 inline std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> use_udp_alone(
     fdds::DomainParticipantQos& qos, const char* address) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
@@ -205,7 +205,7 @@ inline void use_unicast_alone(fdds::DomainParticipantQos& qos, const char* addre
   discovery.initial_announcements.period = Duration_t(0, 100'000'000);
 }
 
-// Standard output is for the peer's own lines.
+// Standard output is reserved for the peer's own lines.
 inline void log_to_stderr(fdds::Log::Kind least = fdds::Log::Kind::Warning) {
   auto consumer = std::make_unique<fdds::StdoutErrConsumer>();
   consumer->stderr_threshold(fdds::Log::Kind::Info);

@@ -72,7 +72,7 @@ bool take_sample(void* self, peer_sample* sample) {
   return false;
 }
 
-// ---- set-up ---------------------------------------------------------------------------------
+// ---- set-up
 
 void set_security(fdds::DomainParticipantQos& qos, const peer_options& options) {
   auto set = [&](const std::string& name, const std::string& value) {

@@ -1,5 +1,5 @@
-// Prints what Fast DDS takes from the default profiles of this environment and working directory:
-// the properties of its default participant, one NAME=VALUE a line.
+// Prints what Fast DDS reads from the default profiles of this environment and working directory:
+// the properties of its default participant, as one NAME=VALUE on each line.
 #include <cstdio>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>

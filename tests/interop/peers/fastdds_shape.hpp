@@ -1,5 +1,5 @@
-// The interop type for Fast DDS, and how its participants keep to loopback; for every Fast DDS
-// peer.
+// The interop type for Fast DDS, and the setting that keeps its participants on loopback, for every
+// Fast DDS peer.
 #ifndef DDSSEC_INTEROP_FASTDDS_SHAPE_HPP
 #define DDSSEC_INTEROP_FASTDDS_SHAPE_HPP
 
@@ -18,7 +18,7 @@ struct Shape {
   std::vector<uint8_t> payload = {};
 };
 
-/// shape.idl.
+/// The type of shape.idl.
 class ShapeType : public TypeOf<Shape> {
  public:
   explicit ShapeType(const char* name = "interop::Shape")

@@ -49,7 +49,7 @@ char* peer_uri(const char* prefix, const char* value) {
   return uri;
 }
 
-// ---- command line ---------------------------------------------------------------------------
+// ---- command line
 
 static void usage(const char* program, int status) {
   fprintf(
@@ -277,7 +277,7 @@ void peer_parse(int argc, char** argv, struct peer_options* options) {
   if (roles != 1 || optind != argc) usage(argv[0], PEER_USAGE);
 }
 
-// ---- the loop -------------------------------------------------------------------------------
+// ---- the loop
 
 static double now(void) {
   struct timespec time;
@@ -309,7 +309,7 @@ static void watch_matches(struct run* run) {
 
 static uint8_t pattern(int32_t index, uint32_t at) { return (uint8_t)((uint32_t)index * 7 + at); }
 
-// One round of the publisher; true once everything was sent and acknowledged.
+// Runs one round of the publisher. Returns true once everything was sent and acknowledged.
 static bool publish_some(struct run* run) {
   const struct peer_options* options = run->options;
   if (run->matched == 0) return false;
@@ -332,7 +332,7 @@ static bool intact(const struct peer_sample* sample) {
   return true;
 }
 
-// One round of the subscriber; true once every sample was seen.
+// Runs one round of the subscriber. Returns true once every sample was seen.
 static bool receive_some(struct run* run) {
   struct peer_sample sample;
   while (run->stack->take(run->stack->self, &sample)) {
@@ -346,7 +346,8 @@ static bool receive_some(struct run* run) {
   return run->count >= run->options->samples && !run->options->hold;
 }
 
-// The publisher still needs the last acknowledgement: stay until it is gone, or one second.
+// The publisher still needs the last acknowledgment, so this stays until the publisher is gone, or
+// for one second.
 static void linger(struct run* run) {
   for (const double end = now() + 1; !stopped && run->matched > 0 && now() < end; nap())
     watch_matches(run);
