@@ -36,7 +36,7 @@ class StderrSink final : public EventSink {
   void raise(const Event& event) override { std::fprintf(stderr, "%s\n", event.to_line().c_str()); }
 };
 
-// Either end; the calls of peer_stack as plain functions.
+// A writer or a reader, with the calls of peer_stack as plain functions.
 struct Embedded {
   DataWriter<Shape>* writer = nullptr;
   DataReader<Shape>* reader = nullptr;
@@ -81,7 +81,7 @@ Qos qos_of(const peer_options& options) {
   return qos;
 }
 
-// Topic, publisher or subscriber, and the endpoint.
+// Creates the topic, the publisher or subscriber, and the endpoint.
 Status create(DomainParticipant& participant, const peer_options& options, Embedded& out) {
   GroupQos group;
   if (options.partition != nullptr) group.partition = {options.partition};
@@ -141,7 +141,7 @@ spi::PropertyList properties_of(const peer_options& options) {
     const bool is_uri = !is_file || std::string_view(value).starts_with("data:");
     out.push_back({std::string(name), is_uri ? value : "file:" + std::string(value), false});
   }
-  // As our plugins in Cyclone DDS do.
+  // The properties of the file count, as in our plugins in Cyclone DDS.
   if (const char* const file = std::getenv("DDSSEC_PROPERTIES")) {
     const auto properties = spi::read_property_file(file).value();
     out.insert(out.end(), properties.begin(), properties.end());
@@ -160,7 +160,7 @@ int run(const peer_options& options) {
                                   .interfaces = {options.address},
                                   .multicast = false,
                                   .peers = {options.peer}};
-  // As a user's program does that says nothing of networks.
+  // The defaults count, as for a program that sets nothing about networks.
   if (options.address == std::string_view("default")) {
     const DomainParticipantOptions standard;
     wanted.interfaces = standard.interfaces;

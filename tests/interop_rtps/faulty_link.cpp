@@ -1,17 +1,18 @@
 // A link between two or more network namespaces that loses, repeats, delays and reorders what it
-// carries. A tun device in each namespace, this program between them: real peers with real sockets,
-// and no help of the kernel's traffic control. The n-th namespace has the IPv4 address that ends in
-// n; what goes to a group goes to all others, to each with faults of its own.
+// carries. Each namespace has a tun device, and this program stands between them, so the peers are
+// real ones with real sockets, without the kernel's traffic control. The n-th namespace has the
+// IPv4 address that ends in n. A packet to a group goes to all others, to each with faults of its
+// own.
 //   faulty_link SEED NAMESPACE NAMESPACE...       (paths such as /proc/123/ns/net)
-// Prints "ready" once both devices "link0" are there; then takes commands, one a line:
+// Prints "ready" once all devices "link0" exist. Then it reads commands, one on each line:
 //   loss P   duplicate P   delay P MS   ...       probabilities from 0 to 1, for all directions
 //   cut      heal      quit
 //   lose WHAT N     from now on messages of a kind that the n-th namespace sends are lost: with
-//                   "keys" those of the key exchange, else those that hold this word;
+//                   "keys" those of the key exchange, otherwise those that hold this word;
 //                   lose WHAT 0 ends that
-//   hold WHAT N     the same, but they arrive when hold WHAT 0 ends it
-//   taken           answers how many messages were lost or held by these two so far
-// Ends at the end of its input and then prints what it did.
+//   hold WHAT N     the same, but the messages arrive when hold WHAT 0 ends it
+//   taken           answers how many messages these two commands have lost or held so far
+// It ends at the end of its input, and then prints what it did.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -39,14 +40,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Packet = std::vector<char>;
 constexpr std::size_t kMaxPacket = 65536;
-constexpr std::size_t kMaxWaiting = 4096;  // of a direction; further ones are lost
+constexpr std::size_t kMaxWaiting = 4096;  // of each direction; further ones are lost
 
 int refuse(const char* what) {
   std::fprintf(stderr, "faulty_link: %s: %s\n", what, std::strerror(errno));
   return -1;
 }
 
-// A tun device in the namespace at `path`.
+// Opens a tun device in the namespace at `path`.
 int open_device(const char* path) {
   const int space = open(path, O_RDONLY | O_CLOEXEC);
   if (space < 0 || setns(space, CLONE_NEWNET) != 0) return refuse(path);
@@ -64,9 +65,9 @@ struct Faults {
   std::chrono::microseconds longest{0};
   bool cut = false;
   std::string lost_kind = {};
-  std::size_t loses_of = 0;  // a namespace, from 1 on
-  bool holds = false;        // instead of losing
-  unsigned long taken = 0;   // messages of the kind
+  std::size_t loses_of = 0;  // the number of a namespace, from 1 on
+  bool holds = false;        // holds messages instead of losing them
+  unsigned long taken = 0;   // the number of such messages
 };
 
 struct Counts {
@@ -119,7 +120,7 @@ class Direction {
  private:
   struct Waiting {
     Clock::time_point due;
-    unsigned long number;  // the same instant: as they came
+    unsigned long number;  // in the order of arrival, for the same instant
     Packet packet;
     bool operator<(const Waiting& other) const {
       return std::pair(due, number) > std::pair(other.due, other.number);
@@ -147,7 +148,7 @@ class Direction {
   Counts counts_;
 };
 
-// False at a word it does not know.
+// Returns false at a word that it does not know.
 bool obey(std::istringstream line, Faults& faults) {
   for (std::string word; line >> word;) {
     double milliseconds = 0;
@@ -167,7 +168,7 @@ bool obey(std::istringstream line, Faults& faults) {
   return !line.bad();
 }
 
-// What came on standard input, as lines; false at its end or at "quit".
+// Reads commands from standard input, as lines. Returns false at its end or at "quit".
 bool read_commands(std::string& rest, Faults& faults) {
   char buffer[512];
   const auto size = read(STDIN_FILENO, buffer, sizeof buffer);
@@ -197,9 +198,10 @@ bool holds(const Packet& packet, std::string_view word) {
   return !std::ranges::search(packet, word).empty();
 }
 
-// Whether a packet holds a submessage that ParticipantVolatileMessageSecure protects: by
-// AES-256-GCM and the key id 0, which no other has. Not if a message of the handshake is in it,
-// too: under load Cyclone DDS packs the last one with an ACKNACK of the key exchange.
+// True if a packet holds a submessage that ParticipantVolatileMessageSecure protects, with
+// AES-256-GCM and the key id 0, which no other endpoint has. False if it also holds a message of
+// the handshake: under load Cyclone DDS puts the last one together with an ACKNACK of the key
+// exchange.
 bool holds_key_exchange(const Packet& packet) {
   constexpr std::array<char, 12> kLittle = {0x31, 1, 20, 0, 0, 0, 0, 4, 0, 0, 0, 0};
   constexpr std::array<char, 12> kBig = {0x31, 0, 0, 20, 0, 0, 0, 4, 0, 0, 0, 0};
@@ -212,7 +214,7 @@ bool is_of_kind(const Packet& packet, const std::string& kind) {
   return kind == "keys" ? holds_key_exchange(packet) : holds(packet, kind);
 }
 
-// Takes what arrived at the device of the n-th namespace, a share of it at a time.
+// Reads what arrived at the device of the n-th namespace, a part of it at a time.
 void receive(int device, std::size_t n, std::vector<Direction>& ways, Faults& faults) {
   static std::array<char, kMaxPacket> buffer;
   constexpr std::size_t kDestination = 16, kMinPacket = 20;

@@ -33,7 +33,7 @@ void set_qos(dds_qos_t* qos, const Policies& p) {
   dds_qset_history(qos, kind, depth);
   if (p.is("durability", "transient_local")) {
     dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-    // Also for who is late: Cyclone DDS applies it to this kind.
+    // This is also for late joiners, because Cyclone DDS applies it to this kind of durability.
     if (p.has("service"))
       dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST,
                                   static_cast<int32_t>(p.number("service")), -1, -1, -1);
@@ -204,7 +204,7 @@ class Cyclone final : public policy_peer::Stack {
 
 }  // namespace
 
-// The same members, and so the same struct in C.
+// Both types have the same members, so they have the same struct in C.
 static_assert(sizeof(interop_Shape) == sizeof(growing_Shape));
 
 int main(int argc, char**) {

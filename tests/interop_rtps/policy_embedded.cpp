@@ -1,5 +1,5 @@
-// The policy peer on the embedded participant. Options: "appendable": a type of this kind; "memory
-// FOLDER": secured, with samples that are large enough for shared memory.
+// The policy peer on the embedded participant. Options: "appendable" for a type of this kind;
+// "memory FOLDER" for a secured participant with samples that are large enough for shared memory.
 #include <thread>
 
 #include "appendable_shape.hpp"
@@ -174,7 +174,8 @@ class Embedded final : public policy_peer::Stack {
     return writer.write_w_timestamp(shape, {}, Time::from(std::chrono::milliseconds(source_ms)))
         .has_value();
   }
-  // The first samples after a match go by UDP: these here, which no scenario sees.
+  // The first samples after a match are sent by UDP. These are such samples, which no scenario
+  // sees.
   void warm_up(const std::string& id, DataWriter<Shape>& writer, std::int64_t source_ms) {
     const auto readers = writer.publication_matched_status().total_count;
     if (readers == 0 || std::exchange(warm_[id], readers) == readers) return;

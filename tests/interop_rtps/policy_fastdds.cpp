@@ -40,7 +40,7 @@ Duration_t milliseconds(std::int64_t count) {
                     static_cast<uint32_t>(count % 1000 * 1'000'000));
 }
 
-// Content filters of Fast DDS look at samples through the type's description.
+// Content filters of Fast DDS read samples through the type's description.
 #if DDSSEC_FASTDDS >= 3
 class DescribedShape final : public ShapeType {
   static const fdds::xtypes::TypeIdentifier& complete(const fdds::xtypes::TypeIdentifierPair& of) {
@@ -68,7 +68,7 @@ class DescribedShape final : public ShapeType {
                        ->create_sequence_type(factory->get_primitive_type(fdds::TK_BYTE),
                                               fdds::LENGTH_UNLIMITED)
                        ->build());
-    // A filter looks for the type by its name; what a dynamic type registers has identifiers only.
+    // A filter looks for the type by its name, but a dynamic type registers identifiers only.
     auto& registry = fdds::DomainParticipantFactory::get_instance()->type_object_registry();
     fdds::xtypes::TypeIdentifierPair unnamed;
     fdds::xtypes::TypeObject object;
@@ -141,7 +141,7 @@ void set_group(Q& group, const Policies& p) {
   group.entity_factory().autoenable_created_entities = !p.is("factory", "off");
 }
 
-// What others announced, by topic: of each kind of endpoint the last.
+// The last announcement of each kind of endpoint, by topic.
 class Discovered final : public fdds::DomainParticipantListener {
  public:
 #if DDSSEC_FASTDDS >= 3
@@ -171,7 +171,7 @@ class Discovered final : public fdds::DomainParticipantListener {
     note("writer", info.info.topicName().to_string(), data_in(info.info.m_qos));
   }
 #endif
-  // `to`: "reader" or "writer".
+  // Returns what was announced to a "reader" or "writer" (`to`).
   std::string told(const std::string& to, const std::string& topic) {
     const std::lock_guard held(mutex_);
     return told_[to + topic];
@@ -255,7 +255,7 @@ class Fast final : public policy_peer::Stack {
       const auto state = info.instance_state == fdds::ALIVE_INSTANCE_STATE                ? 'A'
                          : info.instance_state == fdds::NOT_ALIVE_DISPOSED_INSTANCE_STATE ? 'D'
                                                                                           : 'N';
-      // Without data only the handle says which instance it is.
+      // Without data, only the handle says which instance it is.
       auto& color = colors_[id][info.instance_handle];
       if (info.valid_data) color = shape.color;
       out << ' ' << (color.empty() ? "?" : color) << ':'

@@ -1,19 +1,19 @@
-// A peer that does what it is told: one command a line on standard input, one answer a line on
-// standard output. One program for each stack, so that a driver can try every policy between any
-// two of them within one discovery.
+// A peer that follows commands: one on each line of standard input, with one line on standard
+// output as the answer. There is one program for each stack, so that a driver can try every policy
+// between any two of them within one discovery.
 //   writer ID TOPIC [policy=value ...]     reader ID TOPIC [policy=value ...]     delete ID
 //   write ID COLOR X [SOURCE_TIME_MS]      dispose ID COLOR     unregister ID COLOR
 //   assert ID     take ID     status ID     enable ID     quit
-//   begin ID, end ID: a coherent set of all that is written by the group of the writer
-//   told ID: USER_DATA, TOPIC_DATA and GROUP_DATA that one who matched it announced
+//   begin ID, end ID: begin and end a coherent set of the group of the writer
+//   told ID: USER_DATA, TOPIC_DATA and GROUP_DATA that a matched endpoint announced
 // Policies: reliability=reliable|best_effort durability=volatile|transient_local|transient
 // history=all|DEPTH deadline=MS lifespan=MS liveliness=automatic|participant|topic lease=MS
 // ownership=shared|exclusive strength=N order=reception|source partition=NAME representation=1|2
 // service=DEPTH (DURABILITY_SERVICE) scope=instance|topic|group coherent=on budget=MS priority=N
-// user=TEXT topic=TEXT group=TEXT (data) factory=off (a writer's: is born disabled)
+// user=TEXT topic=TEXT group=TEXT (data) factory=off (a writer's: it is created disabled)
 // samples=N autodispose=on purge=MS (of disposed samples) separation=MS
-// types=same|known (a reader's TYPE_CONSISTENCY_ENFORCEMENT: no coercion, only what can be judged)
-// describe=no (our own: announces no TypeInformation)
+// types=same|known (a reader's TYPE_CONSISTENCY_ENFORCEMENT: no coercion, only known types)
+// describe=no (ours only: announces no TypeInformation)
 // filter=EXPRESSION (a reader's, without spaces)
 #pragma once
 
@@ -43,11 +43,11 @@ enum class End { dispose, unregister };
 class Stack {
  public:
   virtual ~Stack() = default;
-  // All: false if the stack refuses.
+  // All of these return false if the stack refuses.
   virtual bool writer(const std::string& id, const std::string& topic, const Policies&) = 0;
   virtual bool reader(const std::string& id, const std::string& topic, const Policies&) = 0;
   virtual bool remove(const std::string& id) = 0;
-  /// `source_ms` < 0: now.
+  /// Writes a sample. A negative `source_ms` means the present time.
   virtual bool write(const std::string& id, const std::string& color, int x,
                      std::int64_t source_ms) = 0;
   virtual bool end(const std::string& id, const std::string& color, End how) = 0;
@@ -55,11 +55,11 @@ class Stack {
   virtual bool enable(const std::string& id) = 0;
   virtual bool begin_set(const std::string&) { return false; }
   virtual bool end_set(const std::string&) { return false; }
-  /// "user=TEXT topic=TEXT group=TEXT"
+  /// Returns "user=TEXT topic=TEXT group=TEXT".
   virtual std::string told(const std::string& id) = 0;
-  /// "COLOR:X:STATE ...": X is - without data, the state A, D or N.
+  /// Returns "COLOR:X:STATE ...", where X is - without data, and the state is A, D or N.
   virtual std::string take(const std::string& id) = 0;
-  /// "name=value ..."
+  /// Returns "name=value ...".
   virtual std::string status(const std::string& id) = 0;
 };
 

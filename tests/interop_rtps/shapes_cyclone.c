@@ -21,7 +21,7 @@ static void subscribe(dds_entity_t reader, const char* topic) {
       const ShapeType* s = raw;
       if (info.valid_data)
         printf("%-10s %-10s %03d %03d [%d]\n", topic, s->color, s->x, s->y, s->shapesize);
-      // What has ended may come with the last sample.
+      // The end of an instance may come together with its last sample.
       if (info.instance_state != DDS_IST_ALIVE)
         printf("%-10s %-10s %s\n", topic, s->color,
                info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED ? "disposed" : "no writers");

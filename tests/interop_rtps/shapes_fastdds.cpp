@@ -17,7 +17,7 @@ namespace {
 
 using namespace interop_fast;
 
-// shapes_type.idl: the interop type without its payload.
+// The type of shapes_type.idl: the interop type without its payload.
 class FinalShape final : public ShapeType {
  public:
   FinalShape() : ShapeType("ShapeType") {}
@@ -48,7 +48,7 @@ void subscribe(fdds::DataReader& reader, const char* topic) {
       if (info.valid_data)
         std::printf("%-10s %-10s %03d %03d [%d]\n", topic, shape.color.c_str(), shape.x, shape.y,
                     shape.shapesize);
-      // What has ended may come with the last sample.
+      // The end of an instance may come together with its last sample.
       if (info.instance_state != fdds::ALIVE_INSTANCE_STATE)
         std::printf("%-10s %s\n", topic,
                     info.instance_state == fdds::NOT_ALIVE_DISPOSED_INSTANCE_STATE ? "disposed"

@@ -14,7 +14,8 @@ class Embedded final : public steady::Stack {
     auto qos = qos_of(secured::Participant::writer_qos(), kind);
     qos.reliability.max_blocking_time =
         rtps::Duration::from(std::chrono::milliseconds(steady::kBlockingMs));
-    // The embedded writer keeps all samples for late joiners if it is durable and keeps all.
+    // A durable embedded writer that keeps all samples keeps them for late joiners, so it gets a
+    // depth.
     if (kind == "durable") qos.history = {rtps::HistoryKind::keep_last, steady::kKept};
     const auto made = participant_.writer<interop::Shape>(topic, qos);
     if (made) writers_.push_back(*made);

@@ -1,10 +1,14 @@
-// A peer that writes at a steady rate, reads, and counts what came. One program for each stack.
-// Commands on standard input, one a line; each is answered with one line on standard output:
+// A peer that writes at a steady rate, reads, and counts what arrives. There is one program for
+// each stack. It reads commands from standard input, one on each line, and answers each with one
+// line on standard output:
 //   writer TOPIC KIND PERIOD_US SIZE     writes samples of SIZE octets, numbered from 0
-//   reader TOPIC KIND [ECHO_TOPIC]       writes each sample that comes to ECHO_TOPIC, too, which
-//   has a writer with period 0 report     the counts of each writer and reader, and the worst gap
-//   and latencies since the last `phase` phase      the same, and begins to measure gaps and
-//   latencies anew stop       the writers stop quit
+//   reader TOPIC KIND [ECHO_TOPIC]       also writes each sample that arrives to ECHO_TOPIC, which
+//                                        has a writer with period 0
+//   report     gives the counts of each writer and reader, and the worst gap and latencies since
+//              the last `phase`
+//   phase      does the same, and begins to measure gaps and latencies again
+//   stop       stops the writers
+//   quit
 // KIND: reliable (KEEP_ALL, VOLATILE), durable (reliable, TRANSIENT_LOCAL, the last kKept samples),
 // best_effort.
 #pragma once
@@ -37,7 +41,8 @@ struct Message {
 class Stack {
  public:
   virtual ~Stack() = default;
-  /// The endpoints count from 0, writers and readers apart. Both: false if the stack refuses.
+  /// The endpoints are numbered from 0, writers and readers separately. Both functions return false
+  /// if the stack refuses.
   virtual bool add_writer(const std::string& topic, const std::string& kind) = 0;
   virtual bool add_reader(const std::string& topic, const std::string& kind) = 0;
   virtual bool write(std::size_t writer, const Message& message) = 0;
@@ -47,7 +52,7 @@ class Stack {
 
 inline std::int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
 
-/// What one reader got of one writer.
+/// What one reader received from one writer.
 class Stream {
  public:
   void add(const Message& message) {
@@ -62,7 +67,7 @@ class Stream {
     last_ns_ = last_arrival_ns_ = now;
     std::int64_t sent = 0;
     std::memcpy(&sent, message.payload.data(), sizeof sent);
-    // A sample that is sent once more is late because its reader was not there.
+    // A repeated sample is late because its reader did not exist at the time.
     if (!seen_[number]) latencies_.push_back(now - sent);
     seen_[number] = true;
   }
@@ -130,7 +135,7 @@ class Peer {
     std::printf("%s\n", line.c_str()), std::fflush(stdout);
   }
 
-  // Waits at most a millisecond.
+  // Reads commands, and waits for at most a millisecond.
   void read_commands() {
     pollfd in{STDIN_FILENO, POLLIN, 0};
     if (::poll(&in, 1, 1) <= 0) return;
@@ -184,7 +189,8 @@ class Peer {
     return "{\"ok\": true}";
   }
 
-  // Of a writer that was held up, at most so many at once; one that is refused is written again.
+  // Writes what is due. A writer that was delayed writes only so many samples at once, and a
+  // refused sample is written again.
   void write_due(std::size_t index) {
     auto& writer = writers_[index];
     const auto now = now_ns();
