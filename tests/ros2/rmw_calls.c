@@ -2,10 +2,10 @@
 // DDS alone: a participant with the security properties in its QoS, readers of three builtin
 // topics, then the topics and endpoints of a node.
 // Usage: rmw_calls ENCLAVE_FOLDER NODE [TOPIC [publish|subscribe]]
-// TOPIC: written and read besides, as rt/TOPIC, or only one of both; "publish" then writes samples,
+// TOPIC is written and read as well, as rt/TOPIC, or only one of the two: "publish" writes samples,
 // and "subscribe" prints "heard" when one arrives.
 // It prints "created", then "met" once a builtin reader shows another participant, and ends with
-// the end of standard input. A call that fails is named; the exit status is then 1.
+// the end of standard input. If a call fails, its name is printed and the exit status is 1.
 #include <poll.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -107,7 +107,7 @@ static void create_node(const struct node* node, const char* name) {
   reads(node, "rt/parameter_events");
 }
 
-// How many participants the builtin reader shows; its own is one of them.
+// Returns how many participants the builtin reader shows, including its own.
 static int32_t participants_seen(dds_entity_t reader) {
   void* samples[16] = {NULL};
   dds_sample_info_t infos[16];
@@ -128,7 +128,7 @@ struct endpoints {
   dds_entity_t writer, reader;  // 0 if there is none
 };
 
-// The endpoints that write samples and wait for one; of a node that does both, none.
+// Creates the endpoints that write samples and wait for one. A node that does both has none.
 static struct endpoints create_own_topic(const struct node* node, int argc, char** argv) {
   struct endpoints used = {0, 0};
   if (argc < 4) return used;
