@@ -1,5 +1,5 @@
-// Twenty lines against the installed package: asks the authentication plugin for an identity that
-// is not configured, and prints why it refuses.
+// Twenty lines that use the installed package. They ask the authentication plugin for an identity
+// that is not configured, and print why it refuses.
 #include <cstdio>
 
 #include "base/clock.hpp"
