@@ -12,10 +12,9 @@ using namespace ddssec;
 using namespace ddssec::cryptography::testing;
 
 struct Target {
-  std::function<Bytes()>
-      // This is under another IV each time, because with origin authentication each message counts
-      // once.
-          seal;
+  // This is under another IV each time, because with origin authentication each message counts
+  // once.
+  std::function<Bytes()> seal;
   Bytes opened;
   std::function<Result<Bytes>(const Bytes&)> open;
 };
