@@ -1,4 +1,5 @@
-// Measures how much a participant sends to others because of what a stranger sends to it (T60).
+// How many octets a participant sends to others for those that a stranger sends to it (T60 in
+// docs/attacks.md).
 #include "rtps/security/peer_handshake.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
@@ -68,9 +69,9 @@ void expect_below_three(Reflection& reflection) {
   EXPECT_LT(reflection.out(), 3 * reflection.in()) << reflection.ratio();
 }
 
-// The announced participant names four addresses of the victim, and sends nothing else. Its name is
-// below ours, or above it, so that we begin. Before the fix, 464 times its octets were sent, then
-// 28 times.
+// The attacker announces a participant with four addresses of the victim, and sends nothing else.
+// Its GUID is once below ours, and once above ours, where we begin the handshake. Without a limit,
+// the victim got 464 times as many octets.
 TEST(Amplification, OfOneAnnouncement_IsBelowThree) {
   for (const auto& vendor : kVendors)
     for (const std::uint8_t name : {0x00, 0xff}) {
@@ -106,8 +107,8 @@ TEST(Amplification, OfRepeatedAnnouncements_IsBelowThree) {
   }
 }
 
-// An attacker can add other messages in the announced name. A datagram of each of these causes no
-// more than three times its octets either.
+// An attacker can send further datagrams in the announced name. None of them causes more than three
+// times its octets either.
 TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
   const auto name = name_of(0xff);
   for (const auto& vendor : kVendors) {
@@ -129,8 +130,8 @@ TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
   }
 }
 
-// The participant names an address of its own as well, where it gets a challenge. It repeats that
-// with the victim's address as the source.
+// The attacker also names an address of its own, to which a challenge is sent. It repeats the
+// challenge with the victim's address as the source.
 TEST(Amplification, OfAChallengeThatWasHeardElsewhere_IsBelowThree) {
   const auto name = name_of(0xff);
   const auto victim = *Locator::parse("192.0.2.1", 7990);
@@ -156,7 +157,7 @@ TEST(Amplification, OfAChallengeThatWasHeardElsewhere_IsBelowThree) {
   expect_below_three(reflection);
 }
 
-// The octets of one datagram count for only one of the names in it.
+// A datagram with several names counts for one of them only.
 TEST(Amplification, OfManyNamesInOneDatagram_IsBelowThree) {
   auto node = secured_node();
   Reflection reflection(node);
@@ -177,7 +178,7 @@ TEST(Amplification, OfManyNamesInOneDatagram_IsBelowThree) {
   expect_below_three(reflection);
 }
 
-// Requests are not signed: an attacker that heard one has as many as it wants, in that name.
+// Requests are not signed, so an attacker that heard one can make any number of them in that name.
 TEST(Amplification, OfRecordedRequests_IsBelowThree) {
   Pair pair({});
   Eavesdropper ears;
@@ -201,8 +202,8 @@ TEST(Amplification, OfRecordedRequests_IsBelowThree) {
   expect_below_three(reflection);
 }
 
-// An attacker sends requests in the name of a reader, where nothing is protected. Before the fix,
-// 338 times their octets were sent.
+// The requests are in the name of a reader, and nothing is protected. Without a limit, the answers
+// had 338 times their octets.
 TEST(Amplification, OfManyRequestsInOneDatagram_IsBounded) {
   Pair pair({});
   ASSERT_TRUE(pair.match());

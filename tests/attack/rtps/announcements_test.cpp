@@ -8,7 +8,8 @@ namespace {
 
 using namespace testing;
 
-// The pair joins although `first` arrives before anything that the other side sent.
+// Expects that two participants join although a forged announcement `first` arrived before anything
+// genuine.
 void expect_joined_after(const std::function<ParticipantData(const GuidPrefix&)>& first) {
   Pair pair({});
   pair.a->receive(announcement(first(pair.b->prefix())), pair.world.now);
@@ -24,8 +25,8 @@ TEST(ForgedAnnouncement, ForgedAddress_DoesNotKeepThePeerOut) {
   expect_joined_after([](const GuidPrefix& name) { return secured_data(name); });
 }
 
-// The genuine announcement is heard first, and its address gives way to forged ones, each from
-// another source (seed 151 of tests/sim). Before the fix, the pair had not joined after 30 s.
+// The genuine announcement arrives first, and its address is displaced by those of forged ones,
+// each from another source. Seed 151 of tests/sim did not join within 30 s.
 TEST(ForgedAnnouncement, OfManyAddresses_GivesWayToTheFirstAnnouncementWhenItIsRepeated) {
   Pair pair({});
   pair.world.filter = [](const Node&, Bytes datagram) {
@@ -48,8 +49,8 @@ TEST(ForgedAnnouncement, OfManyAddresses_GivesWayToTheFirstAnnouncementWhenItIsR
   EXPECT_LT(pair.world.now - begin, seconds(5));
 }
 
-// The handshake is over, and the keys are still under way (seed 24 of tests/sim). Before the fix,
-// samples were sent to the forged address for as long as the peer stayed.
+// The handshake is over, and the keys are still on their way. Samples must not be sent to the
+// forged address for as long as the peer stays. This is seed 24 of tests/sim.
 TEST(ForgedAnnouncement, AfterTheHandshake_AddsNoAddress) {
   Pair pair(everything(ProtectionKind::sign));
   pair.world.filter = [](const Node&, Bytes datagram) {
@@ -95,8 +96,8 @@ TEST(ForgedAnnouncement, ImpossibleToken_DoesNotKeepThePeerOut) {
   });
 }
 
-// The forged announcement names a vendor that would let clear messages end it, and none of the
-// endpoints.
+// The announced vendor would let clear messages end the peer, and none of the endpoints is
+// announced.
 TEST(ForgedAnnouncement, OtherVendorAndNoEndpoints_AreForgottenOnceThePeerAuthenticates) {
   Pair pair({});
   auto data = secured_data(pair.a->prefix());
@@ -117,7 +118,8 @@ TEST(ForgedAnnouncement, OtherVendorAndNoEndpoints_AreForgottenOnceThePeerAuthen
   EXPECT_EQ(pair.b.listener.matched, 1);
 }
 
-// Every few milliseconds a forged message says that the peer left, or that its lease is over (T20).
+// The attacker sends a dispose and an empty lease in b's name every few milliseconds (T20 in
+// docs/attacks.md).
 TEST(ForgedAnnouncement, DisposesAndEmptyLeases_DoNotStopAHandshake) {
   Pair pair({});
   pair.world.attack = [&](World::Traffic& traffic) {
@@ -136,7 +138,7 @@ TEST(ForgedAnnouncement, DisposesAndEmptyLeases_DoNotStopAHandshake) {
                                                    {}}));
     }
   };
-  // A third of the messages gets lost, so that the others have to wait.
+  // A third of the messages is lost, so the others have to wait.
   std::mt19937 random(20);
   pair.world.filter = [&](const Node&, Bytes datagram) {
     return random() % 3 == 0 ? std::vector<Bytes>{} : one(std::move(datagram));
@@ -163,7 +165,7 @@ Bytes clear_publication(const Guid& writer, std::string topic, SequenceNumber nu
 constexpr Rules kOpenMessages{.discovery = ProtectionKind::encrypt,
                               .data = ProtectionKind::encrypt};
 
-// Before the fix, the pair never matched, and no event was raised.
+// Otherwise the pair would never match, without an event.
 TEST(ForgedEndpoint, OfTheSameName_GivesWayToTheSecureOne) {
   for (const auto* topic : {"Square", "Circle"}) {
     Pair pair(kOpenMessages);

@@ -1,6 +1,6 @@
-// Two participants find each other and exchange a sample. Each of their messages is cut at each
-// octet, and each field gets extreme values. All forms of the first three messages of each length
-// and sender go to one running pair, before the honest message does.
+// Every message of two participants that find each other and exchange a sample is cut at each
+// octet, and each field is set to extreme values. All forms of the first three messages of each
+// length and sender go to one running pair, before the honest message does.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -14,8 +14,9 @@ constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 using Use = std::function<void(BytesView)>;
 
-// The position of the last submessage's length, and that of the octets that it counts. Empty if the
-// length is not little-endian, or the datagram ends with the submessage.
+// The place of the length of the last submessage, and of the first octet that it counts. There is
+// none if the message is not little-endian, or if the submessage goes on to the end of the
+// datagram.
 struct LastLength {
   std::size_t at = 0, begin = 0;
 };
@@ -30,8 +31,8 @@ std::optional<LastLength> last_length(BytesView datagram) {
   return std::nullopt;
 }
 
-// Cuts the datagram at each octet: the datagram alone, and also with the last submessage's length
-// changed to fit, so that the reader of its content notices the cut.
+// Uses the datagram cut at each octet: once as it is, and once with the length of its last
+// submessage changed to fit, so that the reader of its content sees the cut.
 void each_truncation(const Bytes& datagram, const Use& use) {
   for (std::size_t size = 0; size < datagram.size(); ++size) use(BytesView(datagram).first(size));
   const auto length = last_length(datagram);
@@ -45,7 +46,8 @@ void each_truncation(const Bytes& datagram, const Use& use) {
   }
 }
 
-// Sets each field of two and of four octets to its extreme values, in either byte order.
+// Uses the datagram with each field of two and of four octets set to extreme values, in either byte
+// order.
 void each_extreme(const Bytes& datagram, const Use& use) {
   auto changed = datagram;
   const auto try_at = [&](std::size_t at, const auto& octets) {
@@ -81,7 +83,7 @@ bool is_announcement(BytesView datagram) {
   return false;
 }
 
-// Sends the broken forms of a message before it, but not for repetitions of the message.
+// Sends the broken forms of a message before it, except for repeated messages.
 class Breaker {
  public:
   Breaker(Pair& pair, bool is_discovery_open) : pair_(pair), is_discovery_open_(is_discovery_open) {
@@ -105,8 +107,9 @@ class Breaker {
     };
     each_truncation(datagram, use);
     each_extreme(datagram, use);
-    // If only the second of two submessages is cut, the first one is whole: it may match, and its
-    // sample may arrive. No other form has an effect, except where anyone may announce endpoints.
+    // If only the second submessage is cut, the first one is still valid: the endpoints may match
+    // and honest samples may arrive. Nothing more may happen, except where discovery is open and
+    // anyone can announce endpoints.
     if (!is_discovery_open_) {
       EXPECT_GE(to.listener.matched, matched);
     }

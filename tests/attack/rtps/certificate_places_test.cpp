@@ -1,4 +1,5 @@
-// The owner of one certificate, which has no rights here, runs as many participants as it likes.
+// A certificate without rights to any of our topics, and as many participants with it as its owner
+// likes.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -6,12 +7,12 @@ namespace {
 
 using namespace testing;
 
-// Participants of one certificate that send to `victim` only, and are never heard again.
+// Participants of one certificate that send to `victim` only, and then never again.
 class Insiders {
  public:
   explicit Insiders(Node& victim) : victim_(victim) {}
 
-  // Adds a participant. Returns true if it has authenticated within a second.
+  // Returns true if one more has authenticated within a second.
   bool join(MonotonicTime& now) {
     auto insider = make(++count_);
     for (int step = 0; step < 100; ++step, now += milliseconds(10)) {
@@ -58,7 +59,8 @@ class Insiders {
   std::uint32_t count_ = 0;
 };
 
-// Before the fix, 512 of them authenticated in six seconds, and no other participant ever joined.
+// Otherwise 512 of them would authenticate in six seconds, and no other participant would ever
+// join.
 TEST(CertificatePlaces, OneCertificate_TakesHalfOfThem) {
   Pair pair({});
   pair.world.nodes = {&pair.a};

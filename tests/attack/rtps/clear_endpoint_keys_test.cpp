@@ -1,5 +1,5 @@
-// Where neither the discovery of a topic nor RTPS messages are protected, an attacker announces
-// that endpoints have ended whose participant sends their keys only once (T60).
+// Neither the discovery of a topic nor RTPS messages are protected. An attacker announces that
+// endpoints have ended, whose participant sends their keys only once (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-// a writes and b reads, with keys for the topic.
+// Participant a writes and b reads, with keys for the topic.
 struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
   ClearEndpointsWithKeys() : pair(GetParam()) {
     EXPECT_TRUE(pair.match());
@@ -38,7 +38,7 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
     qos.status = {true, true};
     send(PayloadKind::key, out.view(), std::move(qos));
   }
-  // Says that a's writer of announcements holds only later ones.
+  // Says that a's writer of announcements has later ones only.
   void hide_announcements() {
     const SequenceNumber last{100000};
     pair.b->receive(forged(pair.a->prefix(), Heartbeat{.reader = kPublicationsReader,
@@ -94,7 +94,7 @@ TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
   EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
 }
 
-// Before the fix, each of them took the room of a writer whose keys are kept.
+// An invented writer must not take the room of one whose keys are kept.
 TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
   for (std::uint32_t i = 0; i < AnnouncementRefresh::kMaxEnded; ++i) {
     announce(other_writer(i));
@@ -115,7 +115,7 @@ TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEndedAgainAndAgain_Matc
   EXPECT_TRUE(delivers());
 }
 
-// Before the fix, the keys were given up 4 s after the request, although nothing had been read.
+// The keys must not be given up 4 s after the request if nothing was read.
 TEST_P(ClearEndpointsWithKeys, WhereNothingCanBeRead_AreReadAgainLater) {
   dispose(pair.writer);
   pair.world.run(385);
@@ -125,7 +125,7 @@ TEST_P(ClearEndpointsWithKeys, WhereNothingCanBeRead_AreReadAgainLater) {
   EXPECT_TRUE(delivers());
 }
 
-// Before the fix, the keys were given up although a HEARTBEAT had hidden the announcement.
+// The keys must not be given up because a HEARTBEAT hid the announcement.
 TEST_P(ClearEndpointsWithKeys, WhereAForgedHeartbeatDisturbsTheReading_MatchAfterALaterOne) {
   dispose(pair.writer);
   hide_announcements_until_read();
@@ -136,7 +136,7 @@ TEST_P(ClearEndpointsWithKeys, WhereAForgedHeartbeatDisturbsTheReading_MatchAfte
   EXPECT_TRUE(delivers());
 }
 
-// The writers and readers match again, and soon.
+// They match again, and soon.
 TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
   std::vector<Guid> writers{pair.writer};
   while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
@@ -151,7 +151,7 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == all; }, 1000));
 }
 
-// Ends that are true count when they are read, at the latest.
+// Genuine ends count at the latest when they are read.
 TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
   std::vector<Guid> writers;
   while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
@@ -165,7 +165,7 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
   EXPECT_TRUE(delivers());
 }
 
-// The keys of some writers that have ended are still kept, because a reading can be disturbed.
+// The keys of some endpoints that have ended are still kept, because a reading can be disturbed.
 TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd) {
   pair.a->remove(pair.writer, pair.world.now);
   pair.world.run(1000);
@@ -181,7 +181,7 @@ TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd)
   EXPECT_FALSE(knows_keys(pair.writer));
 }
 
-// The true writer is hidden from a reading, and its keys are given up for those of other writers.
+// A reading does not find the genuine writer, and its keys are given up for those of others.
 struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
   void lose_keys() {
     dispose(pair.writer);
@@ -213,7 +213,7 @@ TEST_P(ClearEndpointsWithoutKeys, AfterAnEmbeddedPeerIsAsked_HaveThemAgain) {
   EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
 }
 
-// Another vendor does not send its keys again.
+// A participant of another vendor does not send its keys again.
 TEST_P(ClearEndpointsWithoutKeys, WhereTheyDoNotArrive_AreReported) {
   ASSERT_NO_FATAL_FAILURE(lose_keys());
   auto& core = const_cast<ParticipantCore&>(pair.b->remote_participants().core());

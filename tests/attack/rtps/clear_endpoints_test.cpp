@@ -1,5 +1,5 @@
-// Where neither the discovery of a topic nor RTPS messages are protected, an attacker announces
-// endpoints in the name of an authenticated participant (T60).
+// Neither the discovery of a topic nor RTPS messages are protected. An attacker announces endpoints
+// in the name of an authenticated participant (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -15,7 +15,7 @@ Locator at(std::uint32_t port) {
   return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
 }
 
-// a writes and b reads.
+// Participant a writes and b reads.
 struct ClearEndpoints : ::testing::Test {
   ClearEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
     EXPECT_TRUE(pair.match());
@@ -69,7 +69,7 @@ struct ClearEndpoints : ::testing::Test {
   std::size_t matched() const {
     return pair.a.participant->local_endpoints().matched(pair.writer).size();
   }
-  // b announces a reader under its keys.
+  // Participant b announces a reader, protected with its keys.
   void announce_securely(const EndpointData& data) {
     Change change;
     change.key_hash = data.guid.octets();
@@ -86,7 +86,7 @@ struct ClearEndpoints : ::testing::Test {
   std::int64_t next = 2;          // the next number of an announcement; b has announced one reader
 };
 
-// Before the fix, messages were sent to all 800 ports.
+// Without the bound, messages went to all 800 ports.
 TEST_F(ClearEndpoints, AtManyPorts_GetMessagesAtFewOfThem) {
   announce_at_many_ports(200);
   ASSERT_EQ(matched(), 201u);
@@ -108,7 +108,7 @@ TEST_F(ClearEndpoints, AtManyPortsAgainAndAgain_GetMessagesAtFewOfThem) {
   EXPECT_LE(ports.size(), ClearAddresses::kMax);
 }
 
-// A reader that has ended takes no room.
+// Endpoints that have ended take no room.
 TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
   announce_at_many_ports(10);
   for (std::uint32_t i = 0; i < 10; ++i) dispose(forged_reader(i).guid);
@@ -122,7 +122,7 @@ TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
   EXPECT_EQ(ports, std::set{30000u});
 }
 
-// Before the fix, only a new announcement made it match.
+// The waiting reader must match without a new announcement.
 TEST_F(ClearEndpoints, ThatUseUpThePlaces_KeepAnotherOutOnlyUntilOneEnds) {
   for (std::uint32_t i = 1; i < kMaxMatches; ++i) announce(forged_reader(i));
   ASSERT_EQ(matched(), kMaxMatches);
@@ -147,7 +147,7 @@ TEST_F(ClearEndpoints, ThatUseUpThePlaces_GiveWayToOneAnnouncedSecurely) {
   EXPECT_EQ(matched(), kMaxMatches);
 }
 
-// Before the fix, the two never matched again.
+// The two must not be parted for good.
 TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
   for (int i = 0; i < 3; ++i) {
     dispose(pair.reader);
@@ -189,7 +189,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
   EXPECT_TRUE(pair.world.run_until([&] { return matches(pair.reader); }, 1000));
 }
 
-// Before the fix, the match stayed best effort: samples that were lost on the way stayed lost.
+// If the match stayed best effort, samples that are lost on the way would stay lost.
 TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffort_AreReliableAgain) {
   auto data = forged_reader(0);
   data.guid = pair.reader;
@@ -213,7 +213,8 @@ TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffort_AreReliableAgain) {
   EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
 }
 
-// One message is not sufficient: these policies cannot change, so it waits for the next reading.
+// One message is not enough: these policies cannot change, so the change waits for the next
+// reading.
 TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffortMeanwhile_StayReliable) {
   auto data = forged_reader(0);
   data.guid = pair.reader;
@@ -227,7 +228,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffortMeanwhile_StayReliable) {
   EXPECT_TRUE(matches(pair.reader));
 }
 
-// The forged announcement came before the true one, which replaces it.
+// The forged announcement arrived before the genuine one, which replaces it.
 TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNextReading) {
   auto forged_one = forged_reader(9);
   const auto honest = forged_one;
@@ -258,7 +259,7 @@ TEST_F(ClearEndpoints, ThatHaveEnded_DoNotComeBack) {
   EXPECT_EQ(pair.a.listener.unmatched, 1);
 }
 
-// An endpoint that is read again and has not changed is not reported again.
+// Endpoints that are read again and have not changed are not reported again.
 TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
   announce(forged_reader(1));
   dispose(forged_reader(1).guid);
@@ -268,7 +269,7 @@ TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
   EXPECT_TRUE(matches(pair.reader));
 }
 
-// The limit is for announcements that anyone can have made.
+// The limit applies to addresses that anyone could have announced.
 TEST_F(ClearEndpoints, AnnouncedSecurelyAtManyPorts_GetMessagesAtAllOfThem) {
   for (std::uint32_t i = 0; i < 20; ++i) {
     auto data = forged_reader(i);

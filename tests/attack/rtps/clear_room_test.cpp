@@ -1,5 +1,5 @@
-// Unprotected announcements, which anyone can have sent in the names of several participants, use
-// up the room for announcements (T60).
+// Unprotected announcements, which anyone could have sent in the names of several participants, use
+// up the room for announcements (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -27,7 +27,7 @@ struct ClearRoom : ::testing::Test {
     world.run(100);
   }
   Node& victim() { return *nodes.front(); }
-  // Returns the node that no forged announcement names.
+  // Returns the peer that no forged announcement names.
   Node& honest() { return *nodes.back(); }
   static EndpointData reader(const GuidPrefix& prefix, std::uint32_t number) {
     return {
@@ -38,7 +38,7 @@ struct ClearRoom : ::testing::Test {
         .type_name = "T",
         .qos = default_reader_qos()};
   }
-  // Announces readers to the victim in the name of that peer, in the clear.
+  // Announces in the name of that peer to the victim, in the clear.
   void announce_clearly(const GuidPrefix& prefix, std::uint32_t count) {
     for (std::uint32_t i = 0; i < count; ++i) {
       Bytes buffer(4096);
@@ -53,7 +53,7 @@ struct ClearRoom : ::testing::Test {
                         world.now, *Locator::parse("127.0.0.1", 7999));
     }
   }
-  // Lets the peer itself announce readers, under its keys.
+  // Announces by the peer itself, protected with its keys.
   void announce_securely(Node& peer, std::uint32_t count) {
     auto& local = const_cast<LocalEndpoints&>(peer->local_endpoints());
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -81,15 +81,15 @@ struct ClearRoom : ::testing::Test {
   World world;
 };
 
-// Before the fix, about 200 were known, which fit into what each participant may announce in any
-// case.
+// Without room of their own, only about 200 would fit, into what each participant may announce in
+// any case.
 TEST_F(ClearRoom, InManyNames_LeavesSecureAnnouncementsTheirs) {
   fill();
   announce_securely(honest(), 1000);
   EXPECT_EQ(known(honest()), 1000u);
 }
 
-// Before the fix, the first secure announcement removed all clear ones of its participant.
+// The first secure announcement must not remove all clear ones of its participant.
 TEST_F(ClearRoom, OfOneParticipant_IsLeftToItsClearAnnouncements) {
   constexpr auto kMax = RemoteParticipants::kMaxEndpointsPerParticipant;
   announce_clearly(honest()->prefix(), kMax + 1);

@@ -1,5 +1,6 @@
-// An authorized participant announces addresses of other hosts, for its endpoints or for itself:
-// nothing is sent there before the participant shows that it is there (T60).
+// An authorized participant announces addresses of other hosts, for its endpoints or for itself.
+// Nothing is sent there before the participant shows that it can be reached there (T60 in
+// docs/attacks.md).
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -136,7 +137,7 @@ TEST_F(InsiderAddresses, OfTheParticipant_BesideItsOwn_AreNotUsedOnceItHasAuthen
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-// The participant is like a host with two networks: each address is used from the first message on
+// The participant is on a host with two networks. Each address is used from the first message on
 // that comes from it.
 TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
   announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
@@ -158,15 +159,16 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
   EXPECT_TRUE(alice.events.is_quiet()) << alice.events.text();
 }
 
-// Returns the datagram with other octets of the same number.
+// Returns the datagram with the first occurrence of `old` replaced by `replacement`, which is as
+// long.
 Bytes with(Bytes datagram, BytesView old, BytesView replacement) {
   const auto found = std::ranges::search(datagram, old);
   if (!found.empty()) std::ranges::copy(replacement, found.begin());
   return datagram;
 }
 
-// The participant is like a stock peer behind a router, which repeats no challenge, while a
-// stranger announces its own address in the peer's name.
+// A stock peer behind a router repeats no challenge, and a stranger announces its own address in
+// the peer's name.
 TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOne) {
   announce_participant_at({at("192.0.2.1", 7002), at("192.0.2.2", 7002)});
   world.filter = [&](const Node& from, Bytes datagram) {
@@ -182,7 +184,7 @@ TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOn
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-// Returns what a datagram announces of its participant in the clear.
+// Returns what a datagram announces about its participant in the clear.
 std::optional<ParticipantData> announced_in(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -199,8 +201,8 @@ bool contains(BytesView datagram, std::string_view text) {
   return !std::ranges::search(datagram, as_bytes(text)).empty();
 }
 
-// The fifth of eight announced addresses is its own, where it hears the request. One more address
-// displaces it before the reply, so that the victim is the only host in the list.
+// The fifth of eight announced addresses is its own, where it receives the request. A further
+// address displaces it before the reply, so that the victim is the only host in the list.
 TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNotProven) {
   announce_participant_at({at("192.0.2.1", 7990), at("127.0.0.1", 7002)});
   bool replies = false;
@@ -238,8 +240,8 @@ TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNot
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-// Nothing reaches the peer at the address from which it sends: ports 7990 and 7991 lead to it only
-// at the two addresses that it announces.
+// A peer that cannot be reached at the addresses that it sends from. Ports 7990 and 7991 lead to it
+// only at the two addresses that it announces.
 struct AddressesItNeverSendsFrom : InsiderAddresses {
   struct Routers final : Transport {
     Node::Post* post = nullptr;
@@ -273,13 +275,13 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
       return std::vector<Bytes>{};
     };
   }
-  // Writes samples until messages from this address have proven it.
+  // Writes samples until messages from there have proven this address.
   void send_from(const Locator& address) {
     source = address;
     write(20);
     source.reset();
   }
-  // Lets mallory forget alice and return. Meanwhile alice still hears mallory.
+  // Mallory forgets alice and returns. In the meantime alice still hears mallory.
   void meet_again() {
     const auto carry = std::exchange(world.filter, [&](const Node& from, Bytes datagram) {
       return &from == &alice ? std::vector<Bytes>{} : one(std::move(datagram));
@@ -308,7 +310,7 @@ TEST_F(AddressesItNeverSendsFrom, OnceProven_AreUsedAfterAnotherHandshakeToo) {
   EXPECT_EQ(mallory.listener.changes.size(), 20u) << alice.events.text();
 }
 
-// A message that a stranger repeats from another address is not new.
+// Messages that a stranger repeats from another address are not new.
 TEST_F(InsiderAddresses, FromWhichOldMessagesAreRepeated_AreNotProven) {
   announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
   std::vector<Bytes> heard;

@@ -1,6 +1,6 @@
-// Floods against secured participants that authenticate: memory is bounded, public-key work is
-// limited before it is done, and an honest peer joins within two seconds of simulated time, also
-// when the flood is in its own name.
+// Floods against secured participants that authenticate. Memory is bounded, the rate of public-key
+// work is limited before it is done, and an honest peer joins within two seconds of simulated time,
+// even if the flood is in its own name.
 #include <malloc.h>
 
 #include "tests/unit/rtps_security/attacker.hpp"
@@ -12,7 +12,8 @@ using namespace testing;
 
 constexpr int kPerStep = 100;  // in each step of 10 ms, so 10,000 a second
 
-// 100,000 participants that do not exist, 10,000 a second (T22).
+// 100,000 participants that do not exist announce themselves, 10,000 a second (T22 in
+// docs/attacks.md).
 TEST(Flood, AnHonestPeerAmongFakeParticipants_Joins) {
   Pair pair({});
   std::uint32_t fakes = 0;
@@ -39,7 +40,7 @@ spi::Token bogus_request(std::uint32_t i) {
   return {"DDS:Auth:PKI-DH:1.0+Req", {}, {{"c.id", certificate}}};
 }
 
-// A hundred announced participants send the handshakes (T33).
+// The messages come from a hundred announced participants (T33 in docs/attacks.md).
 TEST(Flood, BogusHandshakes_AreRateLimitedAndAnHonestPeerJoins) {
   Pair pair({});
   const auto& target = pair.a->prefix();
@@ -58,13 +59,14 @@ TEST(Flood, BogusHandshakes_AreRateLimitedAndAnHonestPeerJoins) {
   while (!know_each_other(pair) && pair.world.now - begin < seconds(5)) flood();
   EXPECT_TRUE(know_each_other(pair));
   EXPECT_LT(pair.world.now - begin, seconds(2));
-  // There are far fewer refusals than messages, so the others were not looked at.
+  // There are far fewer refusals than messages, because the others were not processed.
   const auto looked_at = pair.a.events.all.size();
   for (int round = 0; round < 100; ++round) flood();
   EXPECT_LT(pair.a.events.all.size() - looked_at, 1000u);
 }
 
-// Every handshake is refused, and still no memory grows (T32).
+// Ten thousand handshakes fail, and no list of the participant is longer afterwards (T32 in
+// docs/attacks.md).
 TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
   Pair pair({});
   pair.world.nodes = {&pair.a};
@@ -86,10 +88,10 @@ TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
   EXPECT_LT(in_use() - before, 512 << 10);
 }
 
-// Sends so many messages a second in the names of both participants, to both, in random order.
+// A flood in the names of both, to both, with so many messages a second in random order.
 class OwnNameFlood {
  public:
-  // The names decide which of the two begins.
+  // Their names decide which of the two begins.
   explicit OwnNameFlood(Pair& pair, std::uint32_t seed)
       : pair_(pair),
         begins_(pair.a->prefix() < pair.b->prefix() ? pair.a : pair.b),
@@ -100,7 +102,7 @@ class OwnNameFlood {
   void to_the_one_who_answers(Forge forge) { to_answerer_.push_back(std::move(forge)); }
   void to_the_one_who_begins(Forge forge) { to_beginner_.push_back(std::move(forge)); }
 
-  // Returns the time that it took; empty if it never happened.
+  // Returns how long it took; nothing if it never happened.
   std::optional<MonotonicTime> until_they_know_each_other() {
     pair_.world.attack = [this](World::Traffic& traffic) {
       for (const auto& [port, datagram] : traffic) ears_.hear(datagram);
@@ -134,7 +136,7 @@ void scramble(Bytes& octets, std::mt19937& random) {
   for (auto& octet : octets) octet = static_cast<std::uint8_t>(random());
 }
 
-// The attacker heard another handshake, and not this one.
+// The attacker heard another handshake, but not this one.
 TEST(Flood, FloodInThePeersNameByAPartialListener_ChangesNothing) {
   Eavesdropper other;
   {
@@ -163,9 +165,9 @@ TEST(Flood, FloodInThePeersNameByAPartialListener_ChangesNothing) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// An attacker hears every message before it arrives, and has everything except the keys. This does
-// not hold for every seed: if the one Final is not looked at, the pair needs 10 s more (measured:
-// with 4 of 30 seeds).
+// The attacker receives every message before its destination does, and lacks only the keys. This
+// does not hold for every seed: if the one final message is not processed, the pair needs 10 s more
+// (measured: with 4 of 30 seeds).
 TEST(Flood, FloodInThePeersNameByAFullListener_DelaysTheHandshakeLittle) {
   for (std::uint32_t seed = 2; seed <= 4; ++seed) {
     Pair pair({});
@@ -198,7 +200,8 @@ TEST(Flood, FloodInThePeersNameByAFullListener_DelaysTheHandshakeLittle) {
   }
 }
 
-// Announcements in the names of others cause little traffic to the addresses that they name (T60).
+// Announcements in the names of others make no participant send much to the named addresses (T60 in
+// docs/attacks.md).
 TEST(Flood, AnnouncementsInOthersNames_AreNotAmplified) {
   Pair pair({});
   pair.world.nodes = {&pair.a};

@@ -1,4 +1,4 @@
-// Where only payloads are protected, an attacker sends an overheard payload again as the end of its
+// Only payloads are protected, and an attacker sends an overheard payload again as the end of its
 // instance.
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -7,8 +7,8 @@ namespace {
 
 using namespace testing;
 
-// a writes and b reads. The attacker hears the last DATA of a's writer, and changes what is around
-// its payload.
+// Participant a writes and b reads. The attacker hears the last DATA of a's writer, and changes
+// what surrounds its payload.
 struct ForgedEnds : ::testing::TestWithParam<ProtectionKind> {
   ForgedEnds() : pair({.data = GetParam()}) {
     EXPECT_TRUE(pair.match());
@@ -34,12 +34,12 @@ struct ForgedEnds : ::testing::TestWithParam<ProtectionKind> {
   void forge(const StatusInfo& status, PayloadKind kind) {
     auto changed = qos;
     changed.status = status;
-    // The number of a refused change is free, so each forgery would be the next change.
+    // A refused number stays free, so each forgery would be the next change.
     pair.b->receive(forged(pair.a->prefix(), Data{pair.reader.entity, pair.writer.entity,
                                                   number.next(), changed, kind, payload}),
                     pair.world.now, *Locator::parse("127.0.0.1", 7999));
   }
-  // Lets a's writer end its instance.
+  // Writes an end with a's writer.
   void end(const StatusInfo& status, std::size_t size = 8) {
     Change change;
     change.status = status;
@@ -69,8 +69,8 @@ TEST_P(ForgedEnds, WithThePayloadOfASample_AreDropped) {
   EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing)) << pair.b.events.text();
 }
 
-// An unregister does not pass as a dispose, the key of an end does not pass as a sample, and an end
-// does not pass as an ordinary change.
+// An unregister is no dispose, the key of an end is no sample, and without its status an end is
+// none.
 TEST_P(ForgedEnds, WithThePayloadOfAnotherEnd_AreDropped) {
   end({.unregistered = true});
   ASSERT_EQ(received().size(), 1u);
@@ -127,7 +127,7 @@ TEST_P(ForgedEnds, InTheFragmentsOfASample_AreDropped) {
   EXPECT_TRUE(received()[0].is_alive());
 }
 
-// The peer has an earlier version, or is of another vendor. The remedy is to protect metadata, too.
+// The peer has an earlier version or is of another vendor. The remedy is to protect metadata, too.
 TEST_P(ForgedEnds, OfAPeerThatDoesNotMarkThem_Count) {
   auto& a_for_b =
       const_cast<RemoteParticipant&>(pair.b->remote_participants().all().at(pair.a->prefix()));

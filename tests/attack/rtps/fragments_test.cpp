@@ -1,4 +1,5 @@
-// Handshake messages in fragments, as Cyclone DDS sends them, among forged ones in the peer's name.
+// Handshake messages in fragments, as Cyclone DDS sends them, between forged ones in the peer's
+// name.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -8,7 +9,7 @@ using namespace testing;
 
 constexpr std::uint16_t kFragmentSize = 1344;
 
-// A handshake message as Cyclone DDS would send it: each fragment in a message of its own.
+// A handshake message in the form of Cyclone DDS: each fragment is in a message of its own.
 struct Fragments {
   GuidPrefix from;
   std::int64_t number = 0;
@@ -32,7 +33,7 @@ struct Fragments {
   }
 };
 
-// Returns the fragments of a datagram with a handshake message that has to be cut.
+// Returns the fragments of a datagram with a handshake message that must be cut.
 std::optional<Fragments> fragments_of(BytesView datagram) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -47,12 +48,11 @@ std::optional<Fragments> fragments_of(BytesView datagram) {
   return std::nullopt;
 }
 
-// Sends everything in fragments, and adds forged ones in the same name as soon as an attacker can
-// have heard them.
+// Everything is sent in fragments. The attacker hears them, and adds others in the same name.
 class Forger {
  public:
-  // At most `between` forgeries are between two honest fragments, and `per_step` more are in each
-  // step.
+  // `between` is the largest number of forgeries between two honest fragments, and `per_step` the
+  // number of further ones.
   Forger(Pair& pair, int between, int per_step, std::uint32_t seed)
       : between_(between), per_step_(per_step), random_(seed) {
     pair.world.attack = [this](World::Traffic& traffic) { change(traffic); };
@@ -91,7 +91,7 @@ class Forger {
     for (int i = 0; i < count && !heard_.empty(); ++i)
       out.push_back(forgery(heard_[random_() % heard_.size()]));
   }
-  // Returns one fragment with a changed octet: of this message, or of the next one before it is
+  // Returns one fragment with an octet changed, of this message, or of the next one before it is
   // sent.
   std::pair<std::uint32_t, Bytes> forgery(const Victim& victim) {
     ++forgeries;
@@ -110,7 +110,7 @@ class Forger {
   std::vector<Victim> heard_;
 };
 
-// Returns the time that it took; empty if it never happened.
+// Returns how long it took; nothing if it never happened.
 std::optional<MonotonicTime> joined_after(int between, int per_step, std::uint32_t seed) {
   Pair pair({});
   Forger forger(pair, between, per_step, seed);
@@ -127,7 +127,7 @@ TEST(Fragments, FragmentsOfAHandshake_ArePutTogether) {
   EXPECT_LT(*took, 200ms);
 }
 
-// The attacker reacts to each honest fragment before the next one comes.
+// The attacker reacts to each honest fragment before the next one arrives.
 TEST(Fragments, ForgedOnesBetweenTheHonest_DoNotKeepThePeerOut) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const auto took = joined_after(2, 0, seed);
@@ -136,7 +136,7 @@ TEST(Fragments, ForgedOnesBetweenTheHonest_DoNotKeepThePeerOut) {
   }
 }
 
-// 10,000 forged fragments arrive in a second.
+// The attacker sends 10,000 forgeries a second.
 TEST(Fragments, AFloodOfForgedOnes_DoesNotKeepThePeerOut) {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const auto took = joined_after(1, 100, seed);

@@ -1,5 +1,5 @@
-// Messages that were recorded before a participant or a reader existed are not new to it (T41), and
-// a message that came once does not count again.
+// Messages that were recorded before a participant or a reader existed are not new to it (T41 in
+// docs/attacks.md), and a message that arrived once does not count again.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -19,8 +19,8 @@ const std::vector<Rules>& governances() {
   return all;
 }
 
-// Changes the number of a DATA of that writer, if the datagram has one that can be read, as an
-// attacker could.
+// Changes the number in a datagram with a DATA of that writer that anyone can read, as an attacker
+// could.
 Bytes renumbered(Bytes datagram, const EntityId& writer, std::uint8_t by) {
   const auto at = std::ranges::search(datagram, writer.octets);
   constexpr std::ptrdiff_t kLowOctet = 4 + 4;  // of the number, little-endian, after the writer
@@ -57,7 +57,7 @@ struct Freshness {
     a->local_endpoints().writer(writer)->write(std::move(change), world.now);
     world.run(10);
   }
-  // Replays the recording as it was, and with later numbers.
+  // Replays the datagrams unchanged, and with later numbers.
   void replay_to(Node& node) {
     const auto past = std::exchange(recorded, {});
     for (const auto& datagram : past)
@@ -87,7 +87,7 @@ TEST(RecordedSamples, ForAParticipantThatJoinsLater_AreNotNew) {
   }
 }
 
-// Where only messages are protected, a reader has no keys of its own that could show when it came.
+// If only messages are protected, a reader has no keys of its own that could show when it was made.
 TEST(RecordedSamples, ForAReaderMadeLater_AreNotNew) {
   for (const auto& rules : governances()) {
     if (!is_protected(rules.metadata) && !is_protected(rules.data)) continue;
@@ -125,8 +125,8 @@ TEST(RecordedSamples, AfterTheTwoLostEachOther_AreNotNew) {
   }
 }
 
-// Anyone can change INFO_TS where only submessages are protected. Before the fix, a sample of 1000
-// s was delivered as one of 2113930216 s.
+// If only submessages are protected, anyone can change INFO_TS. A sample of 1000 s must not be
+// delivered as one of 2113930216 s.
 TEST(SourceTime, SourceTimeOfAProtectedSample_IsWhatItsWriterSaid) {
   for (const auto kind : {kSign, kEncrypt, kEncryptOa}) {
     Freshness test({.metadata = kind});

@@ -7,8 +7,8 @@ namespace {
 
 using namespace testing;
 
-// Before the fix, keys were revised at once, as if carol had lost her trust, and that ended the
-// first phase: alice and bob parted until bob had the document.
+// The keys must not be revised at once, as if carol had lost her trust. This would end the first
+// phase, and part alice and bob until bob has the document.
 TEST(GovernanceChange, InsiderThatLeavesAndComesBack_DoesNotEndTheFirstPhase) {
   auto former = rules_of(ProtectionKind::sign, ProtectionKind::sign);
   auto next = rules_of(ProtectionKind::encrypt, ProtectionKind::encrypt);

@@ -1,5 +1,5 @@
-// Where neither the discovery of a topic nor RTPS messages are protected, an attacker uses up the
-// sequence numbers of announcements, so that true ones count as known (T60).
+// Neither the discovery of a topic nor RTPS messages are protected. An attacker uses up the
+// sequence numbers of announcements, so that genuine ones count as known (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-// a writes and b reads. Each test hides a second reader of b from a.
+// Participant a writes and b reads. Each test hides a second reader of b from a.
 struct HiddenEndpoints : ::testing::Test {
   HiddenEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
     EXPECT_TRUE(pair.match());
@@ -18,7 +18,7 @@ struct HiddenEndpoints : ::testing::Test {
   void send_to_a(const Message& message) {
     pair.a->receive(forged(pair.b->prefix(), message), pair.world.now, attacker);
   }
-  // Sends, in b's name, the announcement of a reader that does not exist.
+  // Announces in b's name a reader that does not exist.
   void invent(SequenceNumber number) {
     auto data = *pair.a.participant->remote_participants().endpoint(pair.reader);
     data.guid.entity.octets = {0x40, 0, 0, 7};
@@ -94,7 +94,8 @@ TEST_F(HiddenEndpoints, ByAGap_AreFound) {
   EXPECT_TRUE(is_found(reader, kShort));
 }
 
-// The true announcement is lost, so nothing contradicts the forged one before b says what it has.
+// The genuine announcement is lost, so nothing contradicts the forged one before b says what it
+// has.
 TEST_F(HiddenEndpoints, ByAHeartbeat_AreFoundBeforeAnotherIsAnnounced) {
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
@@ -109,7 +110,7 @@ TEST_F(HiddenEndpoints, ByAHeartbeat_AreFoundBeforeAnotherIsAnnounced) {
   EXPECT_TRUE(is_found(reader, kOffer));
 }
 
-// b wrongly believes that a has the announcement.
+// Participant b believes that a has the announcement.
 TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
@@ -124,8 +125,9 @@ TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
   EXPECT_TRUE(is_found(reader, kOffer));
 }
 
-// The forged announcement has the right number, the true one is lost, and b believes that a has it,
-// so there is no contradiction. Other vendors do not announce again what they have announced.
+// The forged announcement has the right number, the genuine one is lost, and b believes that a has
+// it, so no message contradicts another one. Participants of other vendors do not repeat what they
+// have announced.
 TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
   auto& a_for_b =
       const_cast<RemoteParticipant&>(pair.b->remote_participants().all().at(pair.a->prefix()));
@@ -144,7 +146,7 @@ TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
   EXPECT_TRUE(is_found(reader, 256s + kShort));
 }
 
-// In the end, the forgeries cost the peer only one reading in 256 s.
+// In the end the forgeries cost the peer one reading in 256 s.
 TEST_F(HiddenEndpoints, ByForgeriesThatGoOn_AreReadLessAndLessOften) {
   int readings = 0;
   bool was_under_way = false;
@@ -160,7 +162,7 @@ TEST_F(HiddenEndpoints, ByForgeriesThatGoOn_AreReadLessAndLessOften) {
   EXPECT_LE(readings, 9) << "in 600 s";
 }
 
-// Nothing is forged.
+// There is no forgery.
 TEST_F(HiddenEndpoints, WhereNothingContradicts_EverythingIsReadSeldom) {
   int readings = 0;
   bool was_under_way = false;

@@ -1,4 +1,5 @@
-// A peer, or an attacker in its name, makes us create keys for endpoints that never match (T60).
+// A peer, or an attacker in its name, makes us create keys for endpoints that never match (T60 in
+// docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -10,10 +11,10 @@ using namespace testing;
 constexpr auto kMax = static_cast<std::uint32_t>(IdlePairs::kMaxOfOne);
 constexpr Rules kRules{.metadata = ProtectionKind::encrypt};
 
-// a writes and b reads, with keys for the topic.
+// Participant a writes and b reads, with keys for the topic.
 struct IdleKeys : ::testing::Test {
   IdleKeys() : pair(kRules) {}
-  // Announces readers to a in b's name that never send keys.
+  // Announces to a, in b's name, readers that never send keys.
   void announce_readers(std::uint32_t count) {
     auto data = pair.b.participant->local_endpoints().find(pair.reader.entity);
     ASSERT_NE(data, nullptr);
@@ -39,7 +40,7 @@ struct IdleKeys : ::testing::Test {
   std::size_t keys() const {
     return keyring().pairs_with_keys(pair.b.participant->prefix()).size();
   }
-  // True if the datagram contains keys or samples: nothing else is protected here.
+  // True if the datagram contains keys or samples: nothing else is protected.
   static bool is_protected(BytesView datagram) {
     auto reader = MessageReader::open(datagram);
     while (reader) {
@@ -60,7 +61,7 @@ struct IdleKeys : ::testing::Test {
   bool is_held_back = false;
 };
 
-// Before the fix, each announcement got a pair of keys.
+// Without the bound, there would be a pair of keys for each announcement.
 TEST_F(IdleKeys, OfReadersThatSendNoKeys_TakeABoundedPlace) {
   ASSERT_TRUE(pair.match());
   pair.world.run(100);
@@ -70,7 +71,7 @@ TEST_F(IdleKeys, OfReadersThatSendNoKeys_TakeABoundedPlace) {
   EXPECT_TRUE(delivers());
 }
 
-// The pair of the honest reader is the oldest one when its keys arrive.
+// The pair of this reader is the oldest one when its keys arrive.
 TEST_F(IdleKeys, OfAReaderWhoseKeysArriveAfterTheFlood_Match) {
   pair.world.filter = [&](const Node& from, Bytes datagram) {
     return &from == &pair.b && is_held_back && is_protected(datagram) ? std::vector<Bytes>()
@@ -90,8 +91,7 @@ TEST_F(IdleKeys, OfAReaderWhoseKeysArriveAfterTheFlood_Match) {
   EXPECT_TRUE(delivers());
 }
 
-// All of the readers send their keys. Before the fix, those that had no place kept a pair of keys,
-// too.
+// All of them send their keys. Those without a place must not keep a pair of keys.
 TEST_F(IdleKeys, OfReadersThatHaveNoPlace_AreSuspended) {
   ASSERT_TRUE(pair.match());
   auto qos = default_reader_qos();
@@ -117,7 +117,7 @@ TEST_F(IdleKeys, OfReadersThatHaveNoPlace_AreSuspended) {
   pair.write();
   EXPECT_TRUE(
       pair.world.run_until([&] { return pair.b.listener.changes.size() == received + 20; }, 300));
-  // Their ends are not proven, so most of them count only after everything was read again.
+  // The ends are not proven, so most of them count only after everything was read again.
   EXPECT_TRUE(pair.world.run_until([&] { return keys() == 20; }, 2000)) << keys();
 }
 

@@ -1,5 +1,5 @@
-// A peer that announces an infinite lease and is gone (T60) does not stay for good. One that is
-// alive stays, however silent it is.
+// A peer that announces an infinite lease and is gone does not stay for good (T60 in
+// docs/attacks.md). A peer that is alive stays, however silent it is.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {

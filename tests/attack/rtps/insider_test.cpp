@@ -1,4 +1,5 @@
-// A reader with rights of its own writes with the key that its writer gave to all readers (T44).
+// A reader that is one of ours, and writes with the key that its writer gave to all readers (T44 in
+// docs/attacks.md).
 #include "tests/unit/cryptography/insider.hpp"
 
 #include "tests/support/counted_memory.hpp"
@@ -17,8 +18,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSignOa = ProtectionKind::sign_with_origin_authentication;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-// A writer, an honest reader, and a reader that gives away the keys that it got. The readers know
-// the writer only.
+// A writer, an honest reader, and one that gives away its keys. The readers know the writer only.
 struct Three {
   using Stolen = KeyThief::Stolen;
   explicit Three(const Rules& rules)
@@ -35,7 +35,7 @@ struct Three {
     world.run(50);
   }
 
-  // Returns the next sample of alice's writer.
+  // Returns the next sample of alice's writer, as mallory forges it.
   Bytes sample(bool with_source) const {
     static const Bytes lie = {0, 1, 0, 0, 'l', 'i', 'e', '!'};
     const Data data{kEntityIdUnknown, writer.entity, {1}, {}, PayloadKind::data, lie};
@@ -50,7 +50,7 @@ struct Three {
     datagram.insert(datagram.end(), group.begin(), group.end());
     return datagram;
   }
-  // Returns what mallory can forge with the key of alice's writer, or of alice.
+  // Returns what mallory can make with the key of alice's writer, or with that of alice.
   std::vector<Bytes> forgeries(bool by_message) {
     const auto key = [&](const Stolen& of) {
       const auto& tokens = by_message ? of.of_participant : of.of_writer;
@@ -85,7 +85,7 @@ TEST(InsiderWriter, WithoutOriginAuthentication_InsiderPassesForTheWriter) {
     const auto forgeries = three.forgeries(is_protected(rules.rtps));
     ASSERT_EQ(forgeries.size(), 1u);
     three.bob->receive(forgeries[0], three.world.now);
-    // The standard's design allows this. GOV042 warns the author of such a governance.
+    // The standard leaves this open. Rule GOV042 warns the author of such a governance.
     ASSERT_EQ(three.bob.listener.changes.size(), 1u) << three.bob.events.text();
     EXPECT_EQ(three.bob.listener.changes[0].writer, three.writer);
   }
@@ -109,8 +109,8 @@ TEST(InsiderWriter, WithOriginAuthentication_InsiderIsRefused) {
   }
 }
 
-// The insider's own key protects only what it says of itself, whatever INFO_SRC follows in the same
-// message.
+// A participant's own key protects only what it says about itself, whatever INFO_SRC follows in the
+// same message.
 TEST(InsiderSource, AProtectedMessage_SpeaksForItsSenderOnly) {
   for (const auto kind : {kSign, kEncrypt, kSignOa, kEncryptOa}) {
     KeyThief::Stolen of_alice;
@@ -150,7 +150,7 @@ TEST(InsiderSource, AProtectedMessage_SpeaksForItsSenderOnly) {
   }
 }
 
-// Adds text to the tokens of its writers, and counts how often it sends them.
+// Sends more than the keys of its writers, and counts how often.
 class Talker final : public KeyThief {
  public:
   struct Told {
@@ -176,7 +176,7 @@ class Talker final : public KeyThief {
   Told& told_;
 };
 
-// Tokens that come early are kept, up to a thousand for each peer.
+// Tokens that arrive early are kept, a thousand of each peer.
 TEST(InsiderTokens, LargeTokens_AreNotKept) {
   const auto rules = everything(kEncrypt);
   Talker::Told told{50'000};
@@ -187,7 +187,7 @@ TEST(InsiderTokens, LargeTokens_AreNotKept) {
   EXPECT_FALSE(alice.events.has(Code::crypto_token_form)) << alice.events.text();
 }
 
-// Alice never hears to which endpoints the tokens belong.
+// Alice never hears of the endpoints to which they belong.
 TEST(InsiderTokens, TokensOfEndpointsThatNeverCome_TakeABoundedPlace) {
   const Rules rules{.metadata = kEncrypt};
   Talker::Told told{3'000};

@@ -1,4 +1,4 @@
-// One side starts again, or forgets the other, at any time (T30).
+// One side starts again, or forgets the other one, at any time (T30 in docs/attacks.md).
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -8,7 +8,7 @@ using namespace testing;
 
 std::vector<Bytes> nothing() { return {}; }
 
-// Either side starts again with another GUID, at every step of the handshake.
+// At every step of the handshake, either side starts again with another GUID.
 TEST(Interruption, ARestartAtAnyStep_IsFollowedByAnotherHandshake) {
   const auto alice = properties_of("CN=alice,O=Example", {});
   const auto bob = properties_of("CN=bob,O=Example", {});
@@ -27,8 +27,8 @@ TEST(Interruption, ARestartAtAnyStep_IsFollowedByAnotherHandshake) {
     }
 }
 
-// Everything that one side sends is lost until the other has given it up. The other side is heard
-// all the time.
+// Everything that one side sends is lost until the other side has given it up. It still hears the
+// other side.
 void expect_recovery(bool a_is_unheard, int steps_before) {
   Pair pair({});
   auto& unheard = a_is_unheard ? pair.a : pair.b;
@@ -62,7 +62,7 @@ TEST(Interruption, ALeaseThatEndsInTheMiddleOfAHandshake_IsNoEnd) {
     for (int step = 2; step <= 7; ++step) expect_recovery(a_is_unheard, step);
 }
 
-// All addresses were changed on the way at first, and later none.
+// All addresses are changed on the way, and then they are not changed any more.
 TEST(Interruption, AnAnnouncementWithTheTrueAddress_IsAnsweredAtOnce) {
   Pair pair({});
   pair.world.attack = [&](World::Traffic& traffic) {
@@ -84,8 +84,7 @@ TEST(Interruption, AnAnnouncementWithTheTrueAddress_IsAnsweredAtOnce) {
   EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 550));
 }
 
-// The questions come again and again in the name of both, and each side still has the keys of the
-// other.
+// The attacker asks in either name, again and again, but the named participant still has its keys.
 TEST(Interruption, AForgedQuestionForAHandshake_LeadsToNone) {
   Pair pair(everything(ProtectionKind::encrypt));
   ASSERT_TRUE(pair.match());

@@ -1,5 +1,5 @@
-// Tests the channel that brings keys: a peer that announces much loses none of its keys, and one
-// that acknowledges nothing takes little memory.
+// The channel for keys: a peer that announces much loses none of its keys, and a peer that
+// acknowledges nothing takes little memory.
 #include "tests/support/counted_memory.hpp"
 #include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
@@ -37,7 +37,7 @@ struct ManyEndpoints {
   }
 };
 
-// Before the fix, 976 of the keys were forgotten, and their readers never matched.
+// Otherwise 976 of these keys would be forgotten, and their endpoints would never match.
 TEST(KeysOfManyEndpoints, KeysBeforeTheirAnnouncements_AreNotForgotten) {
   ManyEndpoints two;
   two.create();
@@ -60,7 +60,7 @@ TEST(KeysOfManyEndpoints, KeysMadeAtOnce_AllArrive) {
   EXPECT_TRUE(two.all_match(500)) << two.matched() << " of 2000";
 }
 
-// Half of all messages are lost.
+// Half of the messages are lost.
 TEST(KeysOfManyEndpoints, LossOfHalfTheMessages_AllKeysArrive) {
   ManyEndpoints two;
   two.create();
@@ -73,7 +73,7 @@ TEST(KeysOfManyEndpoints, LossOfHalfTheMessages_AllKeysArrive) {
   EXPECT_TRUE(two.all_match(6000)) << two.matched() << " of 2000";
 }
 
-// True if the datagram has a part of the volatile secure channel, whose key has no id.
+// True if the datagram has a submessage of the volatile secure channel, whose key has no id.
 bool is_of_key_exchange(const Bytes& datagram) {
   constexpr std::array<std::uint8_t, 4> kNoId{};
   for (std::size_t at = kHeaderSize; at + 12 <= datagram.size(); ++at) {
@@ -98,7 +98,7 @@ struct Unacknowledged {
   }
 };
 
-// Before the fix, 30,000 endpoints took 18.9 MiB, and 43 MiB at most.
+// Without the bound, 30,000 of them took 18.9 MiB, and 43 MiB at most.
 TEST(UnacknowledgedKeys, KeysOfEndpointsThatCameAndWent_TakeABoundedPlace) {
   Unacknowledged peer;
   ASSERT_TRUE(peer.begin());

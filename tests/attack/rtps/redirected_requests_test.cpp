@@ -1,5 +1,6 @@
-// All participants can decrypt what a stock reader sends to one of them, because it has one key for
-// all, and INFO_DST is not protected. An attacker on the path sends it to another one (T41).
+// A message of a stock reader to one participant can be opened by all others, because the reader
+// has one key for all of them, and INFO_DST is not protected. An attacker on the path sends it to
+// another participant (T41 in docs/attacks.md).
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/nack_frag.hpp"
@@ -11,7 +12,8 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// a announces writers to b. The SEDP reader of b has far higher counts with another participant.
+// Participant a announces writers to b. The SEDP reader of b has far higher counts with another
+// participant.
 struct RedirectedRequests : ::testing::Test {
   static constexpr Rules kRules{.discovery = kEncrypt, .liveliness = kEncrypt};
   static constexpr std::int32_t kFarAhead = 1000;
@@ -19,7 +21,7 @@ struct RedirectedRequests : ::testing::Test {
     EXPECT_TRUE(pair.match());
     pair.world.run(100);
   }
-  // Sends to a what b sent to another participant.
+  // Sends to a what b said to another participant.
   template <class Message>
   void redirect(const Message& message) {
     Bytes plain(256), protected_one(512);
@@ -37,7 +39,7 @@ struct RedirectedRequests : ::testing::Test {
   AckNack acknack(std::int64_t base, std::int32_t count) const {
     return {reader, writer, SequenceNumberSet(SequenceNumber{base}), count, true};
   }
-  // Lets a announce a further writer, while nothing that a sends arrives.
+  // Participant a announces a further writer, and at first nothing of this arrives.
   void announce_into_the_void() {
     pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
     static_cast<void>(
@@ -60,8 +62,8 @@ struct RedirectedRequests : ::testing::Test {
   Pair pair;
 };
 
-// Before the fix, all requests of the reader counted as repetitions until its counts had reached
-// those of the redirected one.
+// Otherwise all requests of the reader would count as repetitions, until its counts have reached
+// the higher ones.
 TEST_F(RedirectedRequests, WithHighCounts_HideNoLaterRequest) {
   redirect(acknack(1, kFarAhead));
   announce_into_the_void();
@@ -89,7 +91,7 @@ TEST_F(RedirectedRequests, OfAPeerThatIsGone_AreNoSignOfLife) {
   EXPECT_EQ(pair.a->remote_participants().size(), 0u);
 }
 
-// a wrongly believes that b has the announcement.
+// Participant a believes that b has the announcement, and b does not know of it.
 TEST_F(RedirectedRequests, ThatAcknowledgeWhatWasLost_AreHealedByTheNextOffer) {
   announce_into_the_void();
   redirect(acknack(3, kFarAhead));

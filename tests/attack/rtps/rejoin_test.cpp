@@ -1,5 +1,5 @@
-// A peer that was cut off until it was forgotten comes back with the same keys. Messages that were
-// recorded before are as valid as they were then, and must not count again.
+// A peer was cut off until it was forgotten, and comes back with the keys that it has. Messages
+// that were recorded before are as valid as they were then, and must not count again.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -36,7 +36,7 @@ std::vector<Case> reliable_cases() {
   return out;
 }
 
-// Alice writes to bob, and everything is recorded.
+// Alice writes to bob, and all messages are recorded.
 struct Rejoin : ::testing::TestWithParam<Case> {
   Node a{1, properties_of("CN=alice,O=Example", GetParam().rules)};
   Node b{2, properties_of("CN=bob,O=Example", GetParam().rules)};
@@ -80,7 +80,7 @@ struct Rejoin : ::testing::TestWithParam<Case> {
     world.run(100);
     world.filter = {};
   }
-  // Replays the whole recording before each honest message.
+  // Repeats all recorded messages, each time before the honest ones.
   void replay_everything() {
     world.attack = [this](World::Traffic& traffic) {
       traffic.insert(traffic.begin(), recorded.begin(), recorded.end());
@@ -107,7 +107,7 @@ TEST_P(Rejoin, WhatWasRecordedBefore_IsNotNew) {
 // These cases have reliable samples, because only those are repaired.
 struct ReliableRejoin : Rejoin {};
 
-// Recorded acknowledgements must not hide the present ones.
+// Recorded acknowledgments must not make new ones count as repetitions.
 TEST_P(ReliableRejoin, WhatIsLostAfterwards_IsStillRepaired) {
   for (int i = 0; i < 20; ++i) write();  // this causes many acknowledgements
   cut_off();

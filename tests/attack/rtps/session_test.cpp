@@ -1,5 +1,5 @@
-// Attacks on participants that know each other: replays, keys in the wrong way, false claims about
-// the writer, octets that are cut or have false lengths, and names that everyone could read.
+// Attacks on participants that know each other: replays, keys on the wrong channel, claims to be
+// another writer, messages that are cut or have false lengths, and what everyone can read.
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -11,7 +11,8 @@ constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-// Everything that was ever sent is sent three times more, in both directions (T41).
+// Everything that was ever sent, in both directions, is sent three times more (T41 in
+// docs/attacks.md).
 TEST(Session, ReplaysOfEverything_ChangeNothing) {
   for (const auto& rules : {Rules{}, everything(kSign), everything(kEncrypt),
                             everything(kEncryptOa), Rules{.data = kEncrypt}}) {
@@ -43,8 +44,8 @@ bool is_announcement(const Bytes& datagram) {
   return !std::ranges::search(datagram, kSpdpWriter.octets).empty();
 }
 
-// Before the fix, one recorded datagram kept a dead peer and its writers alive for ever: no
-// ownership failed over, and no watchdog on LIVELINESS noticed it.
+// A recorded datagram must not keep a dead peer and its writers alive for ever. Otherwise no
+// ownership would fail over, and no watchdog on LIVELINESS would notice.
 TEST(Session, ReplaysOfADeadPeersMessages_AreNoSignOfLife) {
   for (const auto& rules :
        {everything(kSign), everything(kEncrypt), everything(kEncryptOa),
@@ -78,7 +79,7 @@ TEST(Session, ReplaysOfADeadPeersMessages_AreNoSignOfLife) {
   }
 }
 
-// An attacker can easily forge what the governance leaves unprotected, with new numbers.
+// Messages that the governance leaves unprotected are easily forged, with new numbers.
 TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
   Pair pair(Rules{.discovery = kEncrypt, .liveliness = kEncrypt, .metadata = kSign});
   auto offered = default_writer_qos();
@@ -105,8 +106,8 @@ TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
   EXPECT_EQ(pair.b.listener.alive, alive);
 }
 
-// The replays go to a participant of the same certificate that started later, which has other keys
-// (T41).
+// The messages go to a participant of the same certificate that started later. Its keys are others
+// (T41 in docs/attacks.md).
 TEST(Session, ReplaysToASuccessor_ChangeNothing) {
   const auto rules = everything(kEncrypt);
   const auto bob = properties_of("CN=bob,O=Example", rules);
@@ -133,8 +134,8 @@ TEST(Session, ReplaysToASuccessor_ChangeNothing) {
 }
 
 // Both directions of the key exchange have one key (DDS-Security 1.2, clause 10.5.2.1). A message
-// of one side must not come back to it as one of the other side, because the other side's tokens
-// would then count as received.
+// of one side must not return to it as one of the other side, or the other side's tokens would
+// count as received.
 TEST(Reflection, KeyExchangeMessagesSentBack_ChangeNothing) {
   for (const bool to_a : {true, false}) {
     Pair pair(everything(kEncrypt));
@@ -159,7 +160,7 @@ TEST(Reflection, KeyExchangeMessagesSentBack_ChangeNothing) {
   }
 }
 
-// The keys come by the stateless endpoint, or in the clear (T46).
+// Keys that arrive on the stateless endpoint, or in the clear (T46 in docs/attacks.md).
 TEST(Session, KeysOutsideOfTheVolatileSecureChannel_AreIgnored) {
   Pair pair(everything(kEncrypt));
   ASSERT_TRUE(pair.match());
@@ -189,7 +190,7 @@ TEST(Session, KeysOutsideOfTheVolatileSecureChannel_AreIgnored) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
 }
 
-// ORIGINAL_WRITER_INFO names a writer that did not send it (T11).
+// ORIGINAL_WRITER_INFO names a writer that did not send the sample (T11 in docs/attacks.md).
 TEST(Session, ClaimedOriginalWriter_IsNotTakenForTheWriter) {
   Pair pair({});
   ASSERT_TRUE(pair.match());
@@ -212,8 +213,8 @@ TEST(Session, ClaimedOriginalWriter_IsNotTakenForTheWriter) {
   EXPECT_EQ(pair.b.listener.changes[0].writer, pair.writer);
 }
 
-// Where discovery is protected, strangers cannot read the name and the user data of a participant
-// (T63).
+// The name and the user data of a participant, where discovery is protected (T63 in
+// docs/attacks.md).
 TEST(Session, UserDataAndName_AreNotReadableByStrangers) {
   const Rules rules{.discovery = kEncrypt};
   Pair pair(rules);

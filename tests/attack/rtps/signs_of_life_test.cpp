@@ -1,5 +1,5 @@
-// Only messages that an authenticated peer's own keys protect, and that are not repetitions, keep
-// its lease alive, under every governance.
+// Only new messages that its own keys protect renew the lease of an authenticated peer, under every
+// governance.
 #include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/info_source.hpp"
@@ -41,8 +41,8 @@ struct Silence {
   MonotonicTime lease() {
     return pair.b->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
   }
-  // Participant a is gone, and everything that it ever sent is sent again and again. Returns how
-  // long b keeps it, at most twice its lease.
+  // Participant a is gone, and everything that it ever sent is repeated again and again. Returns
+  // how long b keeps a; at most twice its lease.
   MonotonicTime believed() {
     const auto since = pair.world.now, most = 2 * lease();
     pair.world.nodes = {&pair.b};
@@ -57,7 +57,7 @@ struct Silence {
   std::vector<Bytes> recorded;
 };
 
-// Before the fix, each recorded announcement renewed the lease, for ever.
+// Otherwise each recorded announcement would renew the lease, for ever.
 TEST(SignsOfLife, NothingThatIsRecorded_RenewsTheLeaseOfAPeerThatIsGone) {
   for (const auto& rules : governances()) {
     Silence silence(rules);
@@ -80,8 +80,8 @@ TEST(SignsOfLife, AnIdlePeer_AnswersWhateverIsProtected) {
   }
 }
 
-// Half of all messages are lost for ten leases. In that time all questions and answers of one lease
-// may be lost, so that not every seed keeps the peer.
+// Half of all messages are lost for ten leases. All questions and answers of a lease may be lost,
+// so not every seed keeps the peer.
 TEST(SignsOfLife, AnIdlePeer_StaysThoughMostMessagesAreLost) {
   int stayed = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -102,7 +102,7 @@ TEST(SignsOfLife, AnIdlePeer_StaysThoughMostMessagesAreLost) {
   EXPECT_GE(stayed, 10);
 }
 
-// Before the fix, the peer stayed for as long as any other peer had something new to send.
+// New messages of any other peer must not renew the lease of the peer that is named after them.
 TEST(SignsOfLife, AnotherPeersNews_AreNoneOfThePeerThatIsNamedBehindThem) {
   for (const auto& rules : {Rules{.discovery = kEncrypt, .metadata = kEncrypt},
                             Rules{.metadata = kSign}, Rules{.data = kEncrypt}}) {
@@ -135,7 +135,7 @@ TEST(SignsOfLife, AnotherPeersNews_AreNoneOfThePeerThatIsNamedBehindThem) {
   }
 }
 
-// Messages of strangers in an idle peer's name have no effect on it, however often they come.
+// Messages of strangers in an idle peer's name do not harm it, however often they are sent.
 TEST(SignsOfLife, AForgedDisposeOrAnnouncement_EndsNoLeaseOfAPeerThatAnswers) {
   Silence silence({});
   ASSERT_TRUE(silence.begin());

@@ -1,5 +1,5 @@
-// Strangers with one address attack room that is shared by address: whatever they announce, send or
-// cut into fragments, an honest peer with another address joins in time.
+// Strangers with one address compete for room that is shared by address. Whatever they announce,
+// send or cut into fragments, an honest peer with another address joins in time.
 #include <malloc.h>
 
 #include "tests/unit/rtps_security/attacker.hpp"
@@ -12,15 +12,15 @@ using namespace testing;
 
 const Locator kStranger = *Locator::parse("192.0.2.66", 7410);
 
-// Returns an auth_request, which is one word that costs nothing.
+// Returns an auth_request, a short message that costs its sender nothing.
 Bytes one_word(const GuidPrefix& from, const GuidPrefix& to) {
   return handshake_message(from, to, spi::Token{"DDS:Auth:PKI-DH:1.0+AuthReq", {}, {}},
                            message_class::kAuthRequest);
 }
 
 struct Sources : ::testing::Test {
-  // Returns the time until the pair has joined, with `per_step` called in each step of 10 ms; empty
-  // if that takes more than 30 s.
+  // Calls `per_step` in each step of 10 ms. Returns how long the pair needed; nothing if it did not
+  // join within 30 s.
   std::optional<MonotonicTime> joined_after(const std::function<void()>& per_step) {
     pair.world.nodes = {&pair.a, &pair.b};
     const auto begin = pair.world.now;
@@ -39,8 +39,8 @@ struct Sources : ::testing::Test {
   std::uint32_t fakes = 0;
 };
 
-// One name has ever new addresses, and the forged announcement is heard first. Before the fix, the
-// pair had not joined after 120 s.
+// The attacker announces one name with ever new addresses, and its announcement arrives first.
+// Without shares, the pair did not join within 120 s.
 TEST_F(Sources, ForgedAddresses_DoNotPushOutThePeersOwn) {
   std::uint16_t port = 10'000;
   const auto forge = [&](int count) {
@@ -61,8 +61,8 @@ TEST_F(Sources, ForgedAddresses_DoNotPushOutThePeersOwn) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// The table is full of participants that each sent one word, and 1,000 more come in a second.
-// Before the fix, the pair had not joined after 60 s.
+// The table is full of participants that each sent one message, and 1,000 more come each second.
+// Without shares, the pair did not join within 60 s.
 TEST_F(Sources, FakesThatSpeak_GiveWayToANewcomerFromElsewhere) {
   pair.world.nodes = {&pair.a};
   for (int i = 0; i < 1'000; ++i) {
@@ -81,8 +81,8 @@ TEST_F(Sources, FakesThatSpeak_GiveWayToANewcomerFromElsewhere) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// A forged announcement with an impossible token is heard first, then 10,000 silent fakes a second.
-// Before the fix, the pair had not joined after 60 s.
+// A forged announcement with an impossible token arrives first, and then 10,000 silent fakes a
+// second. Without shares, the pair did not join within 60 s.
 TEST_F(Sources, FakesThatAreSilent_DoNotUseUpTheStartsOfOthers) {
   auto impossible = secured_data(pair.b->prefix(), static_cast<std::uint16_t>(pair.b.port));
   impossible.identity_token->class_id = "DDS:Auth:Nothing:9.9";
@@ -100,7 +100,7 @@ TEST_F(Sources, FakesThatAreSilent_DoNotUseUpTheStartsOfOthers) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// Before the fix, 512 participants took 73 MiB.
+// Without the bound, 512 participants took 73 MiB.
 TEST_F(Sources, LargeAnnouncements_TakeFewOctetsTogether) {
   pair.world.nodes = {&pair.a};
   pair.world.run(2);
@@ -122,8 +122,8 @@ TEST_F(Sources, LargeAnnouncements_TakeFewOctetsTogether) {
   EXPECT_LT(*took, seconds(2));
 }
 
-// Returns the handshake messages of a datagram in fragments as Cyclone DDS cuts them, each in a
-// datagram of its own. Returns the datagram itself if it has none that must be cut.
+// Returns the handshake messages of one datagram in fragments of Cyclone DDS's size, each in a
+// datagram of its own; the datagram itself if nothing must be cut.
 std::vector<Bytes> in_fragments(const Bytes& datagram) {
   constexpr std::uint16_t kSize = 1344;
   auto reader = MessageReader::open(datagram);
@@ -172,8 +172,8 @@ Bytes seventeen_names(std::uint32_t first) {
   return to_bytes(out.view());
 }
 
-// Before the fix, one datagram of 1.1 kB between two honest fragments was enough: the pair had not
-// joined after 90 s.
+// Without shares, one datagram of 1.1 kB between two honest fragments kept the pair from joining
+// for 90 s.
 TEST_F(Sources, FragmentsInManyNames_TakeNoRoomOfTheHonest) {
   pair.world.nodes = {&pair.a};
   pair.world.run(2);

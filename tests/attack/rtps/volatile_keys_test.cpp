@@ -1,4 +1,4 @@
-// A participant without any right to a topic sends key messages in another's name, protected by
+// A participant without any right to a topic sends key messages in another participant's name, with
 // keys that it was given.
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
@@ -28,8 +28,7 @@ KeyMaterial made_up(ProtectionKind kind, std::uint8_t number) {
   return out;
 }
 
-// Alice writes and bob reads. Mallory may use another topic only, and keeps all keys that it is
-// given.
+// Alice writes and bob reads. Mallory may use another topic only, and keeps all keys that it gets.
 struct Outsider {
   explicit Outsider(const Rules& rules) : Outsider(rules, KeyThief::into(stolen)) {}
   Outsider(const Rules& rules, const Node::Wrap& wrap)
@@ -58,7 +57,7 @@ struct Outsider {
     world.run(100);
   }
 
-  // Sends bob each of the submessages in alice's name, under each of the keys.
+  // Sends to bob each of the submessages in alice's name, with each of the keys.
   template <class Submessage>
   void forge(const std::vector<Submessage>& all) {
     std::uint32_t session = 0x40000000;
@@ -129,7 +128,7 @@ TEST(VolatileKeys, TokensUnderAnotherKeyOfThePeer_ReplaceNone) {
     if (is_protected(rules.rtps))
       messages.push_back(all.key_message(message_class::kParticipantTokens,
                                          {crypto_token(made_up(rules.rtps, 4))}));
-    std::vector<Data> forgeries;  // the next number of alice's writer is not known
+    std::vector<Data> forgeries;  // several, because the next number of alice's writer is not known
     for (std::int64_t number = 1; number < 40; ++number)
       for (const auto& message : messages)
         forgeries.push_back({kVolatileMessageReader,
@@ -171,7 +170,7 @@ struct Requests {
   std::optional<GuidPrefix> own = {};
 };
 
-// Does what the plugin behind it does, but never acknowledges key tokens. Instead, it requests a
+// Does the same as the plugin behind it, but never acknowledges key tokens. Instead, it requests a
 // fragment of each message of the volatile writer.
 class Requester final : public spi::Cryptography, spi::CryptoTransform {
  public:
@@ -258,7 +257,7 @@ class Requester final : public spi::Cryptography, spi::CryptoTransform {
     ++requests_.answers;
     const auto to = GuidPrefix::from(plain.subspan(kDestinationAt, GuidPrefix::size));
     if (to != requests_.own.value_or(to)) ++requests_.for_others;
-    requests_.own = requests_.own.value_or(to);  // the first comes before any request
+    requests_.own = requests_.own.value_or(to);  // the first one comes before any request
   }
 
   std::unique_ptr<spi::Cryptography> engine_;
