@@ -1,4 +1,5 @@
-// Who may authenticate, who is admitted without, and which endpoints may match.
+// Which peers may authenticate, which are admitted without authentication, and which endpoints may
+// match.
 #include "rtps/security/admission.hpp"
 
 #include "tests/unit/rtps_security/security_fixture.hpp"
@@ -56,7 +57,7 @@ TEST(Joining, APlainParticipant_GetsWhatIsOpenAndNothingElse) {
   }
 }
 
-// The identity of a CA that the other side does not know.
+// Returns the properties of an identity of a CA that the other side does not know.
 spi::PropertyList of_another_ca(const std::string& subject, const Rules& rules) {
   static const auto ca = pki::make_ca("CN=Another CA,O=Example");
   auto out = properties_of(subject, rules);
@@ -102,8 +103,8 @@ TEST(Joining, PeerThatFailsToAuthenticate_GetsWhatIsOpenWhereThatIsAllowed) {
   }
 }
 
-// Admission without authentication is no end: nothing that an attacker does to handshakes keeps a
-// member from what is protected.
+// Admission without authentication is not final: whatever an attacker does to handshakes, a member
+// still gets access to protected topics.
 TEST(Joining, PeerAdmittedWithoutAuthentication_StillAuthenticates) {
   const Rules rules{.discovery = kSign, .allow_unauthenticated = true, .access_control = false};
   Pair pair(rules);
@@ -116,7 +117,8 @@ TEST(Joining, PeerAdmittedWithoutAuthentication_StillAuthenticates) {
   EXPECT_FALSE(pair.a.knows(pair.b));
   EXPECT_FALSE(pair.b.knows(pair.a));
   EXPECT_TRUE(pair.a.events.has(Code::rtps_admitted_unauthenticated));
-  EXPECT_EQ(pair.a.listener.matched + pair.b.listener.matched, 0);  // its discovery is protected
+  // They do not match, because the discovery of their topic is protected.
+  EXPECT_EQ(pair.a.listener.matched + pair.b.listener.matched, 0);
   pair.world.filter = {};
   ASSERT_TRUE(pair.world.run_until(
       [&] { return pair.a.listener.matched == 1 && pair.b.listener.matched == 1; }, 1000))
@@ -141,7 +143,8 @@ TEST(Joining, Permissions_DecideHereAndThere) {
   Node a(1, properties_of("CN=alice,O=Example", {}, {"Circle"}));
   EXPECT_EQ(code_of(a->create_writer(square(default_writer_qos()), a.listener, {})),
             Code::topic_not_allowed);
-  // Who is not controlled by its own governance is refused by the other's.
+  // A participant that its own governance does not control is refused by the governance of the
+  // other one.
   Rules lax;
   lax.access_control = false;
   Node c(1, properties_of("CN=carol,O=Example", lax, {"Circle"}));

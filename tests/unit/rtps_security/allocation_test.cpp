@@ -1,4 +1,4 @@
-// Protection allocates nothing for a sample: not to write it, not on the wire, not to take it.
+// Protection allocates nothing for a sample: neither writing it, nor sending it, nor taking it.
 #include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps/sample_flow.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"

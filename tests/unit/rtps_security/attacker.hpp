@@ -1,4 +1,5 @@
-// What somebody without keys can do to two secured participants: hear all, and send in any name.
+// An attacker without keys between two secured participants: it receives everything, and sends in
+// any name.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 
 namespace ddssec::rtps::testing {
 
-/// A plain message in somebody's name.
+/// Returns an unprotected message in the name of `from`.
 template <class... S>
 Bytes forged(const GuidPrefix& from, const S&... submessages) {
   Bytes buffer(65536);
@@ -28,7 +29,7 @@ inline Bytes stateless(const GuidPrefix& from, const GenericMessage& message) {
       Data{kStatelessMessageReader, kStatelessMessageWriter, {1}, {}, PayloadKind::data, payload});
 }
 
-/// A handshake message of `from` to `to`.
+/// Returns a handshake message of `from` to `to`.
 inline Bytes handshake_message(const GuidPrefix& from, const GuidPrefix& to, spi::Token token,
                                std::string_view message_class = message_class::kAuthentication) {
   GenericMessage message;
@@ -55,7 +56,8 @@ inline GuidPrefix fake_prefix(std::uint32_t i) {
   return prefix;
 }
 
-/// What a secured participant of that name would say in a domain where nothing is protected.
+/// Returns what a secured participant of that name would announce in a domain where nothing is
+/// protected.
 inline ParticipantData secured_data(const GuidPrefix& prefix, std::uint16_t port = 7999) {
   ParticipantData data;
   data.guid = {prefix, kEntityIdParticipant};
@@ -67,12 +69,12 @@ inline ParticipantData secured_data(const GuidPrefix& prefix, std::uint16_t port
   return data;
 }
 
-/// An announcement of somebody who will never prove anything.
+/// Returns the announcement of a participant that will never prove anything.
 inline Bytes fake_announcement(std::uint32_t i) {
   return announcement(secured_data(fake_prefix(i)));
 }
 
-/// Every handshake token that was sent, the latest of its kind.
+/// Keeps the latest handshake token of each kind that was sent.
 class Eavesdropper {
  public:
   void hear(BytesView datagram) {
@@ -87,7 +89,7 @@ class Eavesdropper {
       if (message && message->data.size() == 1) note(message->data.front());
     }
   }
-  /// "+Req", "+Reply", "+Final"; nullptr: not heard yet.
+  /// Returns the token of kind "+Req", "+Reply" or "+Final"; nullptr if none was heard yet.
   const spi::Token* heard(std::string_view kind) const {
     const auto at = heard_.find(std::string(kind));
     return at == heard_.end() ? nullptr : &at->second;

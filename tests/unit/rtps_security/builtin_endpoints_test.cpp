@@ -1,4 +1,4 @@
-// On which builtin topic liveliness is asserted.
+// The builtin topic on which liveliness is asserted.
 #include "rtps/participant/builtin_endpoints.hpp"
 
 #include "tests/unit/rtps_security/security_fixture.hpp"

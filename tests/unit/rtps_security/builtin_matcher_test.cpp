@@ -1,5 +1,5 @@
-// Fast DDS announces DCPSParticipantsSecure. Up to 2.9 it does not have it; since 2.10 it waits for
-// our data from there before it takes part in anything else.
+// Fast DDS announces DCPSParticipantsSecure. Versions up to 2.9 do not have it. Since 2.10, Fast
+// DDS waits for our data on this topic before it takes part in anything else.
 #include "rtps/participant/builtin_matcher.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing;
 
-// Its participant proves to be one of Fast DDS.
+// Lets the peer prove that it is a participant of Fast DDS.
 class AsFastDds final : public ForwardingAuthentication {
  public:
   using ForwardingAuthentication::ForwardingAuthentication;
@@ -42,7 +42,7 @@ class AsFastDds final : public ForwardingAuthentication {
   }
 };
 
-// As reader and writer stand in ACKNACK, HEARTBEAT and DATA.
+// The reader and the writer in the form of ACKNACK, HEARTBEAT and DATA.
 bool is_about_participants_secure(BytesView datagram) {
   Bytes both = to_bytes(kParticipantsSecureReader.view());
   both.insert(both.end(), kParticipantsSecureWriter.octets.begin(),
@@ -77,8 +77,8 @@ struct FastDds : ::testing::Test {
   const Rules rules;
   Node host, ours, fast;
   World world;
-  bool is_heard = true;  // at DCPSParticipantsSecure
-  int said = 0;          // by us, there
+  bool is_heard = true;  // for messages on DCPSParticipantsSecure
+  int said = 0;          // the number of our messages on that topic
 };
 
 TEST_F(FastDds, HeardPeer_GetsOurData) {

@@ -1,5 +1,5 @@
-// ChaCha20-Poly1305 between embedded participants: what is announced, what is on the wire, and who
-// is kept apart by it.
+// ChaCha20-Poly1305 between embedded participants: what is announced, what is sent, and which
+// participants cannot match because of it.
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -80,8 +80,8 @@ TEST(Cipher, CipherOfOneWriter_IsAPropertyOfItsQos) {
             Code::invalid_property);
 }
 
-// Whoever changes what discovery says of ciphers changes nothing: the handshake's signatures
-// cover another copy.
+// An attacker who changes what discovery says about ciphers changes nothing, because the
+// handshake's signatures cover another copy.
 TEST(Cipher, AnAnnouncementChangedOnItsWay_TakesNothingAway) {
   Pair pair({.metadata = kEncrypt}, {.metadata = kEncrypt}, {kEndpoints}, {kEndpoints});
   const std::string name(spi::property::kAnnouncedCiphers);

@@ -1,4 +1,4 @@
-// When announcements of endpoints are read again. What an attacker gains:
+// When announcements of endpoints are read again. What an attacker gains is tested in
 // tests/attack/rtps/clear_endpoints_test.cpp.
 #include "rtps/participant/clear_announcements.hpp"
 
@@ -9,14 +9,14 @@ namespace {
 
 using namespace testing;
 
-// a writes, b reads.
+// Participant a writes and b reads.
 struct ClearAnnouncementsTest : ::testing::Test {
   static bool will_read_again(const Pair& pair) {
     const auto& b =
         pair.a.participant->remote_participants().all().at(pair.b.participant->prefix());
     return b.announcement_refresh.due() != kNever;
   }
-  // b's reader changes its partition, and then ends. Returns true if either is read again.
+  // The reader of b changes its partition, and then ends. Returns true if either is read again.
   static bool reads_changes_again(const Rules& rules) {
     Pair pair(rules);
     EXPECT_TRUE(pair.match());

@@ -1,5 +1,5 @@
-// Many secured participants that begin at once, over a network that loses every fifth message: all
-// authenticate all, and their writers and readers match, in bounded time.
+// Many secured participants begin at the same time, over a network that loses every fifth message.
+// All of them authenticate one another, and their writers and readers match, in bounded time.
 #include <random>
 
 #include "tests/unit/rtps_security/security_fixture.hpp"
@@ -26,7 +26,7 @@ struct Crowd {
       EXPECT_TRUE((*node)->create_reader(square(requested), node->listener, world.now));
     }
   }
-  // Remote endpoints that match those of `node`.
+  // Returns the number of remote endpoints that match those of `node`.
   std::size_t matched(Node& node) const {
     return static_cast<std::size_t>(std::ranges::count_if(
         node.listener.known, [&](const Guid& id) { return id.prefix != node->prefix(); }));
@@ -58,7 +58,7 @@ TEST_P(Converge, LossOfTwentyPercent_AllMatch) {
   }
 }
 
-// Their messages change places, too, and come twice.
+// The messages are also reordered and duplicated.
 TEST_P(ConvergeInDisorder, LossReorderingAndDuplicates_AllMatch) {
   Crowd crowd(GetParam());
   std::mt19937 random(static_cast<unsigned>(GetParam()) + 100);
@@ -71,7 +71,7 @@ TEST_P(ConvergeInDisorder, LossReorderingAndDuplicates_AllMatch) {
   EXPECT_TRUE(crowd.world.run_until([&] { return crowd.complete(); }, 3000));
 }
 
-// With the label long.
+// These have the label long.
 INSTANTIATE_TEST_SUITE_P(Many, Converge, ::testing::Values(20, 50));
 INSTANTIATE_TEST_SUITE_P(Many, ConvergeInDisorder, ::testing::Values(20, 50));
 

@@ -10,8 +10,8 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// The key that protects keys is one of a pair: what is meant for one must not wait until it is
-// asked for because others are there too.
+// The key that protects keys belongs to one pair. A message for one peer must not wait until it is
+// requested because other peers exist.
 TEST(Joining, KeysOfSeveralPeers_LeaveAtOnce) {
   std::vector<std::unique_ptr<Node>> nodes;
   World world;

@@ -1,5 +1,5 @@
-// What an endpoint is tagged with counts for what its participant may do, here and there
-// (DDS-Security 1.2, clause 10.4.1.5.3.4).
+// The data tags of an endpoint count for the rights of its participant, on both sides (DDS-Security
+// 1.2, clause 10.4.1.5.3.4).
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -12,7 +12,7 @@ Qos tagged(Qos qos, const std::string& level) {
   return qos;
 }
 
-// Alice may write and read what is tagged as open, or not at all.
+// Alice may write and read what is tagged as open, and nothing else.
 struct DataTags : ::testing::Test {
   const Rules rules{.discovery = ProtectionKind::encrypt};
   Node a{1, properties_of("CN=alice,O=Example", rules, {"*"}, 24h,
@@ -42,14 +42,14 @@ TEST_F(DataTags, TagsOfARemoteWriter_MustBeAllowed) {
       a->create_writer(square(tagged(default_writer_qos(), "open")), a.listener, world.now);
   ASSERT_TRUE(b->create_reader(square(default_reader_qos()), b.listener, world.now));
   ASSERT_TRUE(match()) << b.events.text();
-  // Nothing here keeps it from lying.
+  // Nothing on Alice's side keeps it from lying.
   ASSERT_TRUE(a->change_qos(*writer, tagged(default_writer_qos(), "secret"), world.now));
   EXPECT_TRUE(world.run_until([&] { return b.listener.matched == 0; }, 300));
   EXPECT_TRUE(b.events.has(Code::announced_writer_not_allowed)) << b.events.text();
 }
 
-// Access control comes before QoS: the reader was told of a mismatch with a writer that may not
-// use its topic at all.
+// Access control comes before QoS: a reader must not be notified of a mismatch with a writer that
+// may not use its topic at all.
 TEST_F(DataTags, AWriterThatIsNotAllowed_ChangesNoStatusOfTheReader) {
   const auto writer =
       a->create_writer(square(tagged(default_writer_qos(), "open")), a.listener, world.now);
@@ -62,7 +62,7 @@ TEST_F(DataTags, AWriterThatIsNotAllowed_ChangesNoStatusOfTheReader) {
       world.run_until([&] { return b.events.has(Code::announced_writer_not_allowed); }, 300));
   EXPECT_EQ(b.listener.incompatible, 0);
   EXPECT_FALSE(b.events.has(Code::rtps_qos_incompatible)) << b.events.text();
-  // One that may is told apart.
+  // For a writer that is allowed, the mismatch is reported.
   unfit.data_tags = {{"level", "open", false}};
   ASSERT_TRUE(a->change_qos(*writer, unfit, world.now));
   EXPECT_TRUE(world.run_until([&] { return b.listener.incompatible == 1; }, 300));
@@ -79,9 +79,9 @@ TEST_F(DataTags, TagsOfARemoteReader_MustBeAllowed) {
   EXPECT_TRUE(b.events.has(Code::announced_reader_not_allowed)) << b.events.text();
 }
 
-// Tags say something of what they stand on.
+// Tags say something about the data of their endpoint.
 TEST_F(DataTags, ProtectedDiscovery_HidesThem) {
-  // Permissions, which name them too, go in the clear.
+  // Permissions also name the tags, and are sent in the clear.
   ASSERT_TRUE(world.run_until([&] { return a.knows(b) && b.knows(a); }));
   bool seen = false;
   world.filter = [&](const Node&, Bytes datagram) {

@@ -7,7 +7,7 @@
 
 namespace ddssec::rtps::testing {
 
-/// The documents of one participant in files that it looks at once a second.
+/// The documents of one participant, in files that it looks at once a second.
 class DocumentFiles {
  public:
   explicit DocumentFiles(const spi::PropertyList& documents) { put(documents); }

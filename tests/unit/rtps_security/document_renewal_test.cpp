@@ -11,9 +11,9 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// Alice writes, and her documents are in files; bob reads.
+// Alice writes, and her documents are in files. Bob reads.
 struct Renewed {
-  // `b_is_ahead`: by how much bob's clock is wrong at first.
+  // `b_is_ahead` is the error of bob's clock at the beginning.
   explicit Renewed(Short first, const Rules& governance = everything(kEncrypt),
                    std::chrono::hours b_is_ahead = 0h)
       : rules(governance),
@@ -36,7 +36,7 @@ struct Renewed {
   void advance(std::chrono::seconds time) {
     a.clock.advance(time);
     b.clock.advance(time);
-    world.run(250);  // each looks once a second
+    world.run(250);  // each of them looks once a second
   }
   void put(const spi::PropertyList& documents) {
     files.put(documents);
@@ -157,8 +157,8 @@ TEST(DocumentRenewal, ARightThatIsGivenAgain_MatchesAgain) {
   EXPECT_TRUE(two.one_session()) << two.text();
 }
 
-// Bob never knew of the loss, so he has no reason to send his keys again. Before, Alice waited for
-// them for good.
+// Bob never knew of the loss, so he has no reason to send his keys again. Alice must not wait for
+// them for ever.
 TEST(DocumentRenewal, ARightThatIsGivenAgainBeforeThePeerHears_MatchesAgain) {
   for (const bool revises : {false, true}) {
     Renewed two(Short::permissions,
@@ -180,7 +180,7 @@ TEST(DocumentRenewal, ARightThatIsGivenAgainBeforeThePeerHears_MatchesAgain) {
   }
 }
 
-// Before, the two never met again, and nothing said so.
+// The two must meet again once the clock is right.
 TEST(DocumentRenewal, AClockThatWasWrongForAWhile_PartsNobodyForGood) {
   Renewed two(Short::permissions);
   const auto before = two.b.clock.now();
@@ -192,13 +192,13 @@ TEST(DocumentRenewal, AClockThatWasWrongForAWhile_PartsNobodyForGood) {
   EXPECT_TRUE(two.all_arrive()) << two.text();
 }
 
-// Before: it was either not tried again, or each try ended its matches.
+// The peer must be tried again, and a failed try must not end its matches.
 TEST(DocumentRenewal, ARefusedPeer_ThatIsAdmitted_TakesPartUntilATrySucceeds) {
   constexpr auto kWrong = 13h;
   Renewed two(Short::certificate, Rules{.allow_unauthenticated = true, .access_control = false},
               kWrong);
   EXPECT_FALSE(two.b.knows(two.a));
-  two.world.run(6000);  // more than one try
+  two.world.run(6000);  // more than one try takes place
   EXPECT_EQ(two.b.listener.unmatched, 0) << two.text();
   EXPECT_TRUE(two.all_arrive()) << two.text();
   two.b.clock.advance(-kWrong);

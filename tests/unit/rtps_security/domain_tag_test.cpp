@@ -6,7 +6,7 @@ namespace {
 
 using namespace testing;
 
-// ENCRYPT for the tag "secure", NONE for the empty tag.
+// Returns properties with ENCRYPT for the tag "secure" and NONE for the empty tag.
 spi::PropertyList two_rules() {
   governance::Governance content;
   for (const auto kind : {ProtectionKind::encrypt, ProtectionKind::none}) {
@@ -39,7 +39,7 @@ TEST(DomainTag, EmbeddedParticipant_IsUnderTheGovernanceRuleOfItsTag) {
   EXPECT_EQ(other.error().code(), Code::domain_not_covered);
 }
 
-// A participant with a tag, by the engines of `host`.
+// Makes a participant with a tag, with the engines of `host`.
 std::unique_ptr<Node> tagged(std::uint8_t n, Node& host, const std::string& subject,
                              const std::string& tag) {
   auto node = std::make_unique<Node>(n);
@@ -61,7 +61,7 @@ bool is_announcement(BytesView datagram) {
   return false;
 }
 
-// Announcements say the other tag.
+// Changes the tag in an announcement to the other one.
 Bytes with_other_tag(Bytes datagram) {
   if (!is_announcement(datagram)) return datagram;
   for (auto at = datagram.begin(); at + 5 < datagram.end(); ++at)
@@ -69,7 +69,7 @@ Bytes with_other_tag(Bytes datagram) {
   return datagram;
 }
 
-// Whoever is on the path could otherwise make participants of two domains talk.
+// Otherwise an attacker on the path could connect participants of two domains.
 TEST(DomainTag, AnnouncedTag_IsNotBelievedAndTheProvenOneCounts) {
   for (const bool same : {true, false}) {
     Node alices(3, member("host-a", {})), bobs(4, member("host-b", {}));
@@ -83,7 +83,7 @@ TEST(DomainTag, AnnouncedTag_IsNotBelievedAndTheProvenOneCounts) {
     const auto met = [&] { return a->knows(*b) || b->knows(*a); };
     EXPECT_EQ(world.run_until(met, 1500), same);
     const auto told = [](const Node& node) { return node.events.has(Code::rtps_domain_differs); };
-    EXPECT_EQ(told(alices) || told(bobs), !same);  // their engines refuse it
+    EXPECT_EQ(told(alices) || told(bobs), !same);  // the engines refuse the other tag
   }
 }
 

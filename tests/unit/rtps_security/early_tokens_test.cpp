@@ -1,4 +1,4 @@
-// Key tokens that come before their endpoints are announced: how many are kept, and how long.
+// Key tokens that arrive before their endpoints are announced: how many are kept, and for how long.
 #include "rtps/security/early_tokens.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 Guid endpoint(std::uint8_t number) { return {{{1}}, {{0, 0, number, 7}}}; }
 
-// Of the pair of endpoints with that number.
+// Returns tokens for the pair of endpoints with that number.
 GenericMessage tokens(std::uint8_t number) {
   GenericMessage out;
   out.destination_endpoint = endpoint(number);

@@ -23,7 +23,7 @@ TEST(Joining, SeveralReadersOfOneParticipant_GetTheSameWriter) {
       [&] { return pair.b.listener.changes.size() == 1 && second.changes.size() == 1; }));
 }
 
-// The keyring's lists of receivers change one by one.
+// The keyring's lists of receivers change by one receiver at a time.
 TEST(Joining, ReadersThatComeAndGo_LeaveTheOthersTheirKeys) {
   Pair pair(everything(ProtectionKind::encrypt_with_origin_authentication));
   ASSERT_TRUE(pair.match());

@@ -1,4 +1,4 @@
-// What discovery takes only from proven participants, and what it announces to others.
+// What discovery accepts only from proven participants, and what it announces to others.
 #include "plugins/spi/session_reset.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
@@ -14,8 +14,8 @@ struct Matched : Pair {
   explicit Matched(const Rules& rules) : Pair(rules) { EXPECT_TRUE(match()); }
 };
 
-// Our plugins in Cyclone DDS answer so whoever writes on to them after the end of a session, as a
-// revoked participant does.
+// Our plugins in Cyclone DDS answer in this way to a participant that sends on after the end of a
+// session, as a revoked one does.
 TEST(Enforcement, ASessionReset_IsNoDamagedMessage) {
   Matched pair({.rtps = kSign});
   const auto before = pair.b->protection_counters();
@@ -56,7 +56,7 @@ TEST(Enforcement, AClearAnnouncement_DoesNotShortenTheLeaseOfAnAuthenticatedPart
   for (const auto& [port, octets] : pair.b.post.sent) EXPECT_NE(port, 7666u);
 }
 
-// One such datagram from a stranger kept a participant busy for ten seconds.
+// One such datagram of a stranger must not keep a participant busy for ten seconds.
 TEST(Enforcement, ALeaseOfNoTime_CausesNoEndlessWork) {
   Matched pair({});
   auto data = secured_data(fake_prefix(1));
@@ -104,7 +104,7 @@ TEST(Enforcement, AnEndpointOfAProtectedTopic_MustBeAnnouncedSecurely) {
   EXPECT_TRUE(pair.b.events.has(Code::rtps_protection_missing));
 }
 
-// Fast DDS without security matches no endpoint that announces masks of nothing.
+// Fast DDS without security matches no endpoint that announces empty masks.
 TEST(Enforcement, Masks_AreLeftOutWhereStrangersMayReadAndNothingIsProtected) {
   const auto announced = [](const Rules& rules) {
     Pair pair(rules);

@@ -1,4 +1,4 @@
-// What permissions say of content-filtered topics: docs/comparison.md.
+// What permissions mean for content-filtered topics: docs/comparison.md.
 #include "tests/unit/rtps_security/secured_dcps.hpp"
 
 namespace ddssec::rtps {

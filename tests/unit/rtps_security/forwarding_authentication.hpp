@@ -1,4 +1,4 @@
-// Authentication as the plugins have it, to look at or to change on its way.
+// The plugins' authentication, wrapped so that a test can watch or change what it returns.
 #pragma once
 
 #include <memory>

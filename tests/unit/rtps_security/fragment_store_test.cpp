@@ -1,4 +1,4 @@
-// Fragmented handshake messages, and fragments that others send in the same name.
+// Fragmented handshake messages, and fragments that attackers send in the same name.
 #include "rtps/security/fragment_store.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ GuidPrefix named(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
 
 const Bytes kWhole = {1, 2, 3, 4, 5, 6, 7, 8, 9};
 
-// One of the three fragments of a message.
+// Returns one of the three fragments of a message.
 DataFrag frag(std::uint32_t first, std::int64_t number = 1, const Bytes& of = kWhole) {
   DataFrag out{kStatelessMessageReader, kStatelessMessageWriter, {number}, {first}, 1, 4};
   out.sample_size = static_cast<std::uint32_t>(of.size());
@@ -62,7 +62,7 @@ TEST(FragmentStore, FragmentsOfOtherMessages_AreNotMixed) {
 
 TEST(FragmentStore, AForgedFragment_StandsBesideTheHonestOne) {
   const Bytes forged(9, 0x66);
-  // Before each honest one, behind each, and all before.
+  // The forged fragments come before each honest one or after it, and once all of them come first.
   for (const bool before : {true, false}) {
     Store store;
     std::vector<Bytes> made;
@@ -94,7 +94,8 @@ TEST(FragmentStore, ManyForms_TheLatestIsTriedFirstAndNotAll) {
   EXPECT_EQ(made[2], (Bytes{98, 98, 98, 98, 99, 99, 99, 99, 9}));
 }
 
-// In a flood one is made of each that comes, and others as long as there is a ration.
+// In a flood, a message is made with each fragment that arrives, and further ones only within a
+// rate limit.
 TEST(FragmentStore, Work_IsRateLimited) {
   Store store;
   std::size_t made = 0;
@@ -125,7 +126,7 @@ TEST(FragmentStore, ManyFragments_AreFewAndNotForLong) {
   EXPECT_EQ(store.size(), FragmentStore::kMaxSenders);
 }
 
-// Before: 30 ms of CPU for each such datagram.
+// Otherwise each such datagram would cost 30 ms of CPU.
 TEST(FragmentStore, TinyFragments_AreNotLookedAt) {
   Store store;
   const Bytes octets(60'000, 1);
@@ -142,7 +143,8 @@ TEST(FragmentStore, ADatagram_IsKeptInOnePiece) {
   DataFrag many{kStatelessMessageReader, kStatelessMessageWriter, {1}, {1}, 127, 512};
   many.sample_size = FragmentStore::kMaxMessage;
   many.payload = octets;
-  // Before, in fragments of 512 octets: 130,000 comparisons for each of these.
+  // Otherwise each of these datagrams, with fragments of 512 octets, would cost 130,000
+  // comparisons.
   for (int i = 0; i < 1'000; ++i) {
     many.sequence_number = {i};
     EXPECT_TRUE(store.got(many).empty());
@@ -161,7 +163,7 @@ TEST(FragmentStore, ManyNamesOfOneSource_TakeNoRoomOfAnother) {
   store.got(frag(2));
   flood();
   EXPECT_EQ(store.got(frag(3)), std::vector<Bytes>{kWhole});
-  // What the stranger says in the peer's own name stands apart.
+  // Fragments that the stranger sends in the peer's own name are kept separately.
   store.add(named(1), frag(1, 2), 1s, stranger);
   store.got(frag(2, 2));
   EXPECT_TRUE(store.got(frag(3, 2)).empty());

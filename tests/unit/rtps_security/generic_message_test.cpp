@@ -25,7 +25,7 @@ GenericMessage example() {
 
 TEST(GenericMessage, WrittenMessage_ComesBackAsItWas) {
   const auto octets = write_generic_message(example());
-  // authentication-discovery reference, section 2: offsets behind the encapsulation.
+  // These are the offsets after the encapsulation (authentication-discovery reference, section 2).
   EXPECT_EQ(octets[1], 1);
   EXPECT_EQ(octets[4 + 16], 7);
   EXPECT_EQ(octets[4 + 40], 5);
@@ -38,7 +38,7 @@ TEST(GenericMessage, WrittenMessage_ComesBackAsItWas) {
 
 TEST(GenericMessage, EveryTruncation_IsRefused) {
   const auto octets = write_generic_message(example());
-  // What pads the end does not count.
+  // The padding at the end may be missing.
   for (std::size_t size = 0; size + 4 < octets.size(); ++size)
     EXPECT_FALSE(read_generic_message(BytesView(octets).first(size))) << size;
 }

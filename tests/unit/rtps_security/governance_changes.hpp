@@ -26,7 +26,7 @@ inline std::string governance(const Rules& rules, std::uint32_t revision) {
       as_bytes(governance::to_xml(document)), pki::kNow, pki::test_random())));
 }
 
-/// Its governance is in a file.
+/// A participant whose governance document is in a file.
 struct Member {
   Member(std::uint8_t n, const std::string& name, const Rules& rules, const std::string& seconds)
       : path(folder.write("governance.p7s", governance(rules, 1))),
@@ -46,7 +46,7 @@ struct Member {
   Node node;
 };
 
-/// Alice writes to bob and carol; bob answers on another topic.
+/// Alice writes to bob and carol. Bob answers on another topic.
 struct Fleet {
   explicit Fleet(const Rules& former, const std::string& seconds = "30", bool has_carol = true)
       : a(1, "alice", former, seconds),
@@ -84,14 +84,14 @@ struct Fleet {
     a.node->local_endpoints().writer(writer)->write(std::move(change), world.now);
     ++written;
   }
-  /// A sample whose text is found on the network if nothing encrypts it.
+  /// Returns a sample whose text can be found on the network if it is not encrypted.
   Bytes marked() const {
     Bytes octets{0, 1, 0, 0};
     for (const char c : kMark) octets.push_back(static_cast<std::uint8_t>(c));
     octets.resize(octets.size() + more, 0x5a);
     return octets;
   }
-  /// Writes all the time; the plugins look at their files once a second.
+  /// Writes all the time, while the plugins look at their files once a second.
   void run(int seconds) {
     for (int i = 0; i < seconds; ++i) {
       for (auto* node : world.nodes) node->clock.advance(1s);
@@ -130,7 +130,7 @@ struct Fleet {
   std::map<const Node*, Guid> readers;
   std::size_t written = 0, more = 0;  ///< more: octets of each sample after the text
   bool watches = false, is_lossy = false;
-  unsigned loss = 20;  ///< of 100
+  unsigned loss = 20;  ///< in percent
   std::vector<Bytes> sent;
   std::minstd_rand random{7};
 };

@@ -1,4 +1,4 @@
-// A governance document that changes rights, or the topics that are used, while it waits: nobody
+// A governance document changes rights while it waits, or the topics in use change. No participant
 // keeps what the new document denies, and nothing is protected less.
 #include "plugins/spi/governance_change_time.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
@@ -87,7 +87,7 @@ struct Member {
   Node node;
 };
 
-// Alice writes, bob and carol read.
+// Alice writes, and bob and carol read.
 struct Three {
   explicit Three(const Document& former, std::vector<std::string> topics_of_carol = {"*"})
       : a(1, "alice", former),
@@ -150,7 +150,7 @@ struct Three {
   std::vector<Bytes> sent;
 };
 
-// Before, carol got the keys of the new protection, since she matched by the old rule.
+// Carol matched by the old rule, but she must not get the keys of the new protection.
 TEST(GovernanceRights, ReaderThatLosesItsRight_GetsNoKeysOfTheNewProtection) {
   for (const bool revises_keys : {false, true}) {
     Three three({{{"Square", kSign, false}, {"*"}}, 1, revises_keys}, {"Other"});
@@ -174,7 +174,7 @@ TEST(GovernanceRights, ReaderThatLosesItsRight_GetsNoKeysOfTheNewProtection) {
   }
 }
 
-// As one does when the key of a CA was stolen.
+// A CA leaves at once if its key was stolen.
 TEST(GovernanceRights, CaLeavesAndAnotherDocumentComesAtOnce_TheOtherOneIsTaken) {
   Three three({{{"Square"}, {"*"}}});
   three.put({&three.a}, {{{"Square", kEncrypt}, {"*"}}, 5, false, second_ca()});
@@ -203,7 +203,7 @@ TEST(GovernanceRights, PeerWithALaterDocument_IsCalledAhead) {
   EXPECT_TRUE(three.b.node.events.has(Code::governance_peer_behind)) << three.text();
 }
 
-// An insider that asks for one revision after the other held the change back.
+// An insider that causes one revision after the other must not delay the change for longer.
 TEST(GovernanceRights, RevisionsWithoutEnd_DelayTheChangeForNoLongerThanItsTime) {
   Three three({{{"Square"}, {"*"}}, 1, true});
   three.put({&three.a, &three.b, &three.c}, {{{"Square", kEncrypt}, {"*"}}, 2, true});
@@ -216,7 +216,8 @@ TEST(GovernanceRights, RevisionsWithoutEnd_DelayTheChangeForNoLongerThanItsTime)
   EXPECT_TRUE(three.bob_has_all()) << three.text();
 }
 
-// Before, the change ended at once for all, and parted those that got the document later.
+// The change must not end for all at once, or it would part participants that get the document
+// later.
 TEST(GovernanceRights, PeerThatLosesARightMeanwhile_EndsNoPhase) {
   Three three({{{"Square"}, {"*"}}, 1, true});
   const Document next{{{"Square", kEncrypt}, {"*"}}, 2, true};
@@ -235,7 +236,8 @@ TEST(GovernanceRights, PeerThatLosesARightMeanwhile_EndsNoPhase) {
   EXPECT_TRUE(three.a.node.events.has(Code::rtps_keys_revised)) << three.text();
 }
 
-// Judged only by the topics in use when it was read, the document would uncover the topic.
+// If only the topics in use when the document was read counted, the document would leave this topic
+// unprotected.
 TEST(GovernanceRights, TopicThatComesIntoUseMeanwhile_IsNotProtectedLess) {
   Three three({{{"Square"}, {"*", kEncrypt}}});
   three.put({&three.a, &three.b}, {{{"Square", kEncrypt}, {"Secret", kNone}, {"*", kEncrypt}}, 2});

@@ -1,4 +1,4 @@
-// A governance document that protects a topic more, while participants exchange data.
+// A governance document that protects a topic more is adopted while participants exchange data.
 #include "plugins/spi/governance_change_time.hpp"
 #include "tests/support/expect_code.hpp"
 #include "tests/unit/rtps_security/document_files.hpp"
@@ -71,8 +71,8 @@ TEST(GovernanceChange, OnALossyNetwork_NothingIsLost) {
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
 }
 
-// Before, the former protection was given up when all peers had said that they had changed, though
-// their new announcements could still be lost.
+// The former protection must not end when all peers have said that they changed, because their new
+// announcements may still be lost.
 TEST(GovernanceChange, OnAVeryLossyNetwork_NobodyParts) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Fleet fleet(rules_of(kSign, kSign));
@@ -199,7 +199,7 @@ TEST(GovernanceChange, AnInsiderThatIsNeverReady_HoldsTheOthersForNoLongerThanTh
   fleet.put({&fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
   fleet.world.filter = [&](const Node& from, Bytes datagram) {
     if (fleet.watches) fleet.sent.push_back(datagram);
-    // Says that it has the document, and acknowledges nothing from then on.
+    // Carol says that it has the document, and acknowledges nothing from then on.
     const bool is_mute =
         &from == &fleet.c.node && fleet.c.node.events.has(Code::governance_changing);
     return is_mute ? std::vector<Bytes>{} : one(std::move(datagram));
@@ -223,7 +223,7 @@ TEST(GovernanceChange, OtherContentUnderTheSameRevision_CountsAsBehind) {
   EXPECT_FALSE(fleet.is_readable_on_the_network());
 }
 
-// What was sent before, by the former protection, counts no more once all have changed.
+// Samples under the former protection do not count any more once all participants have changed.
 TEST(GovernanceChange, AReplayOfTheFormerProtection_IsDropped) {
   Fleet fleet(rules_of(kNone, kNone, kNone));
   fleet.watches = true;
@@ -267,7 +267,7 @@ TEST(GovernanceChangeTime, OtherThanSeconds_IsRefused) {
   for (const auto* text : {"3601", "-1", "soon", ""}) EXPECT_CODE(value(text), invalid_property);
 }
 
-// With this protection of data before.
+// The former document has this protection of data.
 void expect_former_segment_is_given_up(ProtectionKind data) {
   Fleet fleet(rules_of(kNone, data));
   fleet.more = 20'000;

@@ -1,4 +1,5 @@
-// Replies to handshake requests of which most are forged: how many are kept, and what they take.
+// Replies to handshake requests, most of which are forged: how many are kept, and how much they
+// take.
 #include "rtps/security/handshake_answers.hpp"
 
 #include <gtest/gtest.h>

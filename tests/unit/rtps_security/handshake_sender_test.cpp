@@ -1,4 +1,4 @@
-// A handshake request is larger than three announcements: how a peer earns it
+// A handshake request is larger than three announcements. These tests show how a peer earns it
 // (AmplificationLimit).
 #include "rtps/security/handshake_sender.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 using namespace testing;
 
-// How long the pair needs if what contains `text` is lost.
+// Returns how long the pair needs if messages with `text` are lost.
 std::optional<MonotonicTime> time_without(std::string_view text) {
   Pair pair({});
   pair.world.filter = [&](const Node&, Bytes datagram) {
@@ -39,8 +39,8 @@ TEST(AddressProof, OurOwnPeer_RepeatsTheChallenge) {
   EXPECT_EQ(before_request, true);
 }
 
-// The side that answers is the first to be heard: the only auth_request of the other one repeats
-// its challenge and has one as well.
+// The answering side is heard first. The only auth_request of the other side repeats its challenge,
+// and contains a challenge as well.
 TEST(AddressProof, AParticipantThatJoinsLater_IsAuthenticatedAtOnce) {
   for (const bool is_a_first : {true, false}) {
     Pair pair({});
@@ -63,7 +63,7 @@ TEST(AddressProof, LostMessages_AreSentAgain) {
   EXPECT_LT(time_without("dds.sec.auth_request").value_or(kNever), seconds(5));
 }
 
-// What the datagram announces, changed.
+// Returns the datagram with changes to what it announces.
 Bytes changed(BytesView datagram, const std::function<void(ParticipantData&)>& change) {
   auto reader = MessageReader::open(datagram);
   while (reader) {
@@ -80,8 +80,8 @@ Bytes changed(BytesView datagram, const std::function<void(ParticipantData&)>& c
   return {};
 }
 
-// An attacker is the first to announce both of them: with a false address, and as they do it
-// themselves, from two hosts.
+// An attacker announces both of them first, with a false address, and from two hosts, as they do it
+// themselves.
 TEST(AddressProof, APeerWhoseAddressAnotherAnnouncedFirst_IsAuthenticated) {
   Pair pair({});
   pair.world.run(1);
@@ -98,7 +98,7 @@ TEST(AddressProof, APeerWhoseAddressAnotherAnnouncedFirst_IsAuthenticated) {
   EXPECT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));
 }
 
-// How long the pair needs if an attacker is the first to announce both of them, as participants of
+// Returns how long the pair needs if an attacker announces both of them first, as participants of
 // that vendor, and sends so many auth_requests in their names every 10 ms.
 std::optional<MonotonicTime> time_with_forged_vendor(VendorId vendor, int flood) {
   Pair pair({});
@@ -130,7 +130,8 @@ std::optional<MonotonicTime> time_with_forged_vendor(VendorId vendor, int flood)
   return pair.world.now - begin;
 }
 
-// What it says makes them ask each other what only others answer, or nothing at all.
+// The forged vendor makes them ask each other questions that only participants of that vendor
+// answer, or no questions at all.
 TEST(AddressProof, APeerThatAnotherAnnouncedFirstAsOfAnotherVendor_IsAuthenticated) {
   for (const auto& vendor : {kVendorDdssec, kVendorCyclone, kVendorFastDds, VendorId{{1, 1}}})
     for (const int flood : {0, 1, 100}) {
@@ -140,8 +141,8 @@ TEST(AddressProof, APeerThatAnotherAnnouncedFirstAsOfAnotherVendor_IsAuthenticat
     }
 }
 
-// The attacker on the path holds back what proves the peer's identity or its address, and sends a
-// copy of the proof of identity from its own host. Messages to that host are lost.
+// The attacker on the path holds back the proof of the peer's identity or address, and sends a copy
+// of the proof of identity from its own host. Messages to that host are lost.
 struct CopiedProof : ::testing::Test {
   CopiedProof() : pair({}) {
     pair.world.filter = [this](const Node& from, Bytes datagram) {
@@ -174,7 +175,7 @@ struct CopiedProof : ::testing::Test {
 };
 
 TEST_F(CopiedProof, FromAnotherHost_DoesNotPartThePairForGood) {
-  // Messages from several hosts before: no single one is known to have answered.
+  // Messages from several hosts arrived before, so no single host is known to have answered.
   pair.world.run(1);
   for (auto* node : {&pair.a, &pair.b}) {
     auto& other = node == &pair.a ? pair.b : pair.a;
@@ -190,7 +191,7 @@ TEST_F(CopiedProof, FromAnotherHost_DoesNotPartThePairForGood) {
   EXPECT_FALSE(asker_is_misled());
 }
 
-// It may be behind a router.
+// The host may be behind a router.
 TEST_F(CopiedProof, HostsThatAreDoubtedInVain_AreTriedAgain) {
   pair.world.run(1);
   Node& node = pair.a;
@@ -229,7 +230,7 @@ TEST(AddressProof, AForgedChallenge_ProvesNothing) {
   }
 }
 
-// Submessages of that kind that the node sends there in one step.
+// Returns how many submessages of that kind the node sends there in one step.
 int count_sent(const Node& node, std::uint32_t to, SubmessageId kind) {
   int out = 0;
   for (const auto& [port, octets] : node.post.sent) {
@@ -243,7 +244,7 @@ int count_sent(const Node& node, std::uint32_t to, SubmessageId kind) {
   return out;
 }
 
-// What a Cyclone DDS 0.10.2 does before it authenticated us: tests/interop_rtps.
+// The messages of Cyclone DDS 0.10.2 before it has authenticated us: tests/interop_rtps.
 TEST(AddressProof, CycloneDds_EarnsTheRequestByAnswersToOurQuestions) {
   Node node(1, properties_of("CN=alice,O=Example", {}));
   World world{.nodes = {&node}};

@@ -1,5 +1,5 @@
-// The way to authentication over a network that loses, repeats and reorders. What attackers do to
-// it is in tests/attack/rtps.
+// Authentication over a network that loses, duplicates and reorders messages. What attackers do to
+// it is tested in tests/attack/rtps.
 #include "rtps/security/handshakes.hpp"
 
 #include <random>
@@ -20,10 +20,10 @@ TEST(Handshake, LossDuplicatesAndReordering_AreSurvived) {
     pair.world.filter = [&](const Node&, Bytes datagram) {
       std::vector<Bytes> out;
       const auto dice = random() % 10;
-      if (dice < 3) return out;  // lost
+      if (dice < 3) return out;  // the message is lost
       if (dice < 5) out.push_back(datagram);
       out.push_back(std::move(datagram));
-      if (dice > 7) std::swap(late, out);  // an earlier one instead
+      if (dice > 7) std::swap(late, out);  // an earlier message instead of this one
       return out;
     };
     ASSERT_TRUE(pair.match()) << "seed " << seed;
@@ -46,7 +46,7 @@ TEST(Handshake, APeerThatAuthenticated_IsSaidOnceWithItsSubject) {
   }
 }
 
-// With a version in it as Cyclone DDS announces its own.
+// Returns an announcement with a version, in the form of Cyclone DDS.
 Bytes announcement_of(const ParticipantData& data, std::string_view version) {
   constexpr std::uint16_t kVersion = 0x8007, kSentinel = 1;
   const auto text = "host/" + std::string(version) + "/Linux/x86";
@@ -86,11 +86,12 @@ TEST(Handshake, WhatThePeerSigned_ReplacesTheNamesOfAForgedFirstAnnouncement) {
   EXPECT_EQ(known.front().vendor_version, "");
 }
 
-// Whoever loses messages, or forges them, for a while cannot keep two apart for good.
+// An attacker that loses or forges messages for a while cannot keep two participants apart for
+// ever.
 TEST(Handshake, AnyTimeWithoutMessages_IsSurvived) {
   for (const auto seconds_without : {101, 250, 700}) {
     Pair pair({});
-    // Announcements come through, handshake messages do not.
+    // Announcements arrive, and handshake messages do not.
     bool lost = true;
     pair.world.filter = [&](const Node&, Bytes datagram) {
       if (!lost) return one(std::move(datagram));
@@ -118,7 +119,7 @@ bool is_stateless(BytesView datagram) {
   return false;
 }
 
-// The slow pace costs little: both sides together say less than once in ten seconds.
+// The slow pace costs little: both sides together send less than once in ten seconds.
 TEST(Handshake, APeerThatOnlyAnnouncesItself_IsAskedRarelyAfterAWhile) {
   Pair pair({});
   int asked = 0;
@@ -134,13 +135,13 @@ TEST(Handshake, APeerThatOnlyAnnouncesItself_IsAskedRarelyAfterAWhile) {
   EXPECT_LT(asked, 100);
 }
 
-// A participant that starts again has another GUID; the old one's lease ends.
+// A participant that starts again has another GUID, and the lease of the old one ends.
 TEST(Handshake, ARestartedPeer_JoinsAnew) {
   const auto properties = properties_of("CN=bob,O=Example", {});
   Node a(1, properties_of("CN=alice,O=Example", {}));
   auto b = std::make_unique<Node>(2, properties);
   World world{{&a, b.get()}};
-  world.run(4);  // somewhere in the middle
+  world.run(4);  // in the middle of the handshake
   b = std::make_unique<Node>(3, properties);
   world.nodes = {&a, b.get()};
   EXPECT_TRUE(world.run_until([&] { return a.knows(*b) && b->knows(a); }, 1500));

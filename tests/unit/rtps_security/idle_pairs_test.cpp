@@ -1,4 +1,4 @@
-// Pairs with keys that are not matched: each subject has a limit.
+// Pairs with keys that are not matched. Each subject has a limit.
 #include "rtps/security/idle_pairs.hpp"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@ namespace {
 using Why = IdlePairs::Why;
 constexpr auto kMax = static_cast<std::uint32_t>(IdlePairs::kMaxOfOne);
 
-// An endpoint of a participant whose certificate has that subject.
+// Returns an endpoint of a participant whose certificate has that subject.
 Guid endpoint(std::uint8_t subject, std::uint32_t number, std::uint8_t participant = 0) {
   return {{{subject, 0, 0, 0, 0, 0, participant}},
           {{static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
@@ -56,7 +56,7 @@ TEST(IdlePairs, APairThatGoes_LeavesItsRoom) {
   IdlePairs pairs;
   fill(pairs, 1, Why::suspended);
   pairs.remove(endpoint(1, 5, 2));
-  pairs.remove(endpoint(1, kMax + 5));  // unknown
+  pairs.remove(endpoint(1, kMax + 5));  // this pair is not known
   EXPECT_FALSE(pairs.add(endpoint(1, kMax), Why::suspended));
   EXPECT_TRUE(pairs.add(endpoint(1, kMax + 1), Why::suspended));
   for (std::uint32_t i = 0; i < kMax; ++i)

@@ -36,7 +36,7 @@ TEST(Joining, EveryGovernance_LetsDataFlow) {
     for (std::size_t size : {8u, 13u, 1001u, 60'001u}) pair.write(size);
     const bool came = pair.world.run_until([&] { return pair.b.listener.changes.size() == 4; });
     ASSERT_TRUE(came) << pair.b.events.text();
-    // Padding in front of protection may stay behind the payload.
+    // The padding before protection may stay after the payload.
     EXPECT_GE(pair.b.listener.changes[2].payload.size(), 1001u);
     EXPECT_LE(pair.b.listener.changes[2].payload.size(), 1004u);
     EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
@@ -45,7 +45,7 @@ TEST(Joining, EveryGovernance_LetsDataFlow) {
   }
 }
 
-// Has no room for a peer at first.
+// An engine that at first has no room for a peer.
 class Crowded final : public ForwardingAuthentication {
  public:
   using ForwardingAuthentication::ForwardingAuthentication;
@@ -74,7 +74,7 @@ TEST(Joining, APeerForWhichThereWasNoRoom_IsTriedAgain) {
   host.access_control = access_control::make_access_control(services);
   host.cryptography = cryptography::make_cryptography(services);
   const Rules rules;
-  // Of two of its peers at least one has the higher GUID, and gets the request of this one.
+  // At least one of its two peers has a higher GUID, and gets its request.
   Node ours(1, properties_of("CN=ours,O=Example", rules));
   Node third(3, properties_of("CN=third,O=Example", rules));
   Node other(2, properties_of("CN=other,O=Example", rules), host);
@@ -103,7 +103,7 @@ TEST(Joining, EverythingEncrypted_LetsNothingPlainOut) {
   EXPECT_FALSE(seen);
 }
 
-// Before, the participants of one certificate could fill the table of endpoints.
+// Otherwise the participants of one certificate could fill the table of endpoints.
 TEST(Joining, EndpointsOfAPeer_CountForItsIdentity) {
   Pair pair(everything(kEncrypt));
   ASSERT_TRUE(pair.match());
@@ -119,8 +119,8 @@ TEST(Joining, TheGuid_IsBoundToTheSubject) {
   EXPECT_NE(pair.a->prefix(), Node::candidate(1));
 }
 
-// A reader that does not know of the writer yet loses what a volatile writer sends: the writer's
-// owner hears of the match when the reader was heard.
+// A reader that does not know the writer yet loses the samples of a volatile writer. So the
+// writer's owner hears of the match when a message of the reader has arrived.
 TEST(Joining, AWriter_MatchesAProtectedReaderWhenItIsHeard) {
   for (const bool comes_late : {true, false}) {
     Pair pair(Rules{.rtps = kSign});

@@ -1,5 +1,5 @@
-// A durability service in a domain with access control: who may not write a topic says nothing of
-// how it is kept.
+// A durability service in a domain with access control: a participant that may not write a topic
+// does not decide how it is kept.
 #include <filesystem>
 
 #include "tests/unit/rtps_security/document_files.hpp"
@@ -27,7 +27,7 @@ TEST_F(SecuredKeeper, AWriterThatIsNotAllowed_SaysNothingOfHowATopicIsKept) {
   EXPECT_EQ(late_joiner(3), (std::vector<std::int32_t>{1, 2, 3})) << process.events.text();
 }
 
-// Before: one keeper's writer served the samples of both, with the tags of the first.
+// One writer of the keeper must not serve the samples of both, with the tags of the first one.
 TEST_F(SecuredKeeper, DataTags_OfTwoWriters_KeepTheirSamplesApart) {
   using Tags = std::vector<governance::DataTag>;
   const auto allow = [&](DomainParticipantOptions options, const std::string& subject, Tags tags) {
@@ -61,7 +61,7 @@ TEST_F(SecuredKeeper, DataTags_OfTwoWriters_KeepTheirSamplesApart) {
   auto& secret = tagged("secret");
   ASSERT_TRUE(eventually([&] { return keeper->topics() == 2; })) << process.events.text();
   run(50);
-  ASSERT_TRUE(secret.write({1, 7}));  // remembered first, unlike its topic
+  ASSERT_TRUE(secret.write({1, 7}));  // stored first, although its topic came second
   run(50);
   ASSERT_TRUE(open.write({1, 3}));
   run(50);
@@ -82,8 +82,8 @@ TEST_F(SecuredKeeper, DataTags_OfTwoWriters_KeepTheirSamplesApart) {
   std::filesystem::remove(store);
 }
 
-// Before: a keeper that was started without --security served what it had decrypted to all readers
-// of the domain.
+// A keeper that is started without --security must not serve what it decrypted to all readers of
+// the domain.
 TEST_F(SecuredKeeper, AStore_KeptWithSecurity_IsRefusedWithout) {
   mallory.reset();
   keeper.reset();
@@ -107,7 +107,8 @@ TEST_F(SecuredKeeper, AStore_KeptWithSecurity_IsRefusedWithout) {
   }
 }
 
-// Before: only the keeper's own stores said how they were kept, and only if no other stream did.
+// All stores say how they were kept, not only the keeper's own, and whatever other streams they
+// have.
 TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWithout) {
   mallory.reset();
   keeper.reset();
@@ -145,7 +146,7 @@ TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWit
   is_for_secured_only();
 }
 
-// Before: the keeper did not start, and served nothing.
+// The keeper must start nevertheless, and serve the other topics.
 TEST_F(SecuredKeeper, AStoredTopic_ThatIsNoLongerAllowed_IsNamedAndTheOthersAreServed) {
   mallory.reset();
   keeper.reset();
@@ -172,7 +173,7 @@ TEST_F(SecuredKeeper, AStoredTopic_ThatIsNoLongerAllowed_IsNamedAndTheOthersAreS
   std::filesystem::remove(store);
 }
 
-// Before, only a writer that was announced later made it keep the topic.
+// The keeper must keep the topic without a new announcement of a writer.
 TEST_F(SecuredKeeper, ATopic_ThatRenewedPermissionsAllow_IsKept) {
   mallory.reset();
   keeper.reset();
@@ -188,7 +189,7 @@ TEST_F(SecuredKeeper, ATopic_ThatRenewedPermissionsAllow_IsKept) {
   EXPECT_TRUE(keeps_one_soon()) << process.events.text();
 }
 
-// Before, it was served again only when a writer announced it.
+// The keeper must serve the topic without an announcement of a writer.
 TEST_F(SecuredKeeper, AStoredTopic_ThatRenewedPermissionsAllowAgain_IsServed) {
   mallory.reset();
   keeper.reset();
@@ -213,7 +214,7 @@ TEST_F(SecuredKeeper, AStoredTopic_ThatRenewedPermissionsAllowAgain_IsServed) {
   std::filesystem::remove(store);
 }
 
-// Any participant could fill a keeper with announcements, and leave.
+// Otherwise any participant could fill a keeper with announcements, and leave.
 TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowed_TakeNoPlace) {
   auto* publisher = *mallory->participant->create_publisher();
   for (int i = 0; i < 40; ++i) {
@@ -228,8 +229,8 @@ TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowed_TakeNoPlace) {
   EXPECT_EQ(keeper->topics(), 0u);
 }
 
-// Before, one identity could fill the store, and the keeper kept no further sample of any topic.
-// A later version acknowledged the samples beyond the share and dropped them.
+// One identity must not fill the store, or the keeper would keep no further sample of any topic.
+// And samples beyond the share must not be acknowledged and then dropped.
 TEST_F(SmallSecuredKeeper, BeyondAnIdentitysShare_Samples_AreNotAcknowledged) {
   write(*of_mallory, 0, 3000);
   ASSERT_TRUE(eventually([&] { return process.events.has(Code::rtps_store_failed); }));
@@ -256,7 +257,7 @@ TEST_F(SmallSecuredKeeper, BeyondAnIdentitysShare_OnceThereIsRoom_AllIsStoredInO
   EXPECT_TRUE(stored_all_of(*of_alice));
   EXPECT_TRUE(stored_all_of(*of_mallory)) << keeper->unstored();
   EXPECT_EQ(keeper->unstored(), 0u);
-  mallory.reset();  // so that the keeper alone has its samples
+  mallory.reset();  // so that only the keeper has its samples
   run(50);
   auto got = late_joiner(1400 + 703);
   std::erase_if(got, [](std::int32_t value) { return value == 0 || value >= 1'000'000; });
@@ -264,7 +265,7 @@ TEST_F(SmallSecuredKeeper, BeyondAnIdentitysShare_OnceThereIsRoom_AllIsStoredInO
   EXPECT_EQ(std::vector(got.end() - 4, got.end()), (std::vector<std::int32_t>{699, 1, 2, 3}));
 }
 
-// Before, all that an identity sent waited, its own ends as well: it could not make room itself.
+// An identity's own ends must not wait, because they make room.
 TEST_F(SmallSecuredKeeper, BeyondAnIdentitysShare_ItsOwnEnds_MakeRoom) {
   auto& other = mallory->writer(qos);
   write(other, 0, 400);
@@ -282,7 +283,7 @@ struct SmallKeepLastKeeper : SmallSecuredKeeper {
   SmallKeepLastKeeper() { qos.history.depth = qos.durability_service.history.depth = 1; }
 };
 
-// Before, the sample that had waited replaced the later one, and brought the ended instance back.
+// A sample that waited must not replace a later one, and must not bring the ended instance back.
 TEST_F(SmallKeepLastKeeper, ASample_ThatWaited_ReplacesNoLaterOneOfAnother) {
   write(*of_alice, 1'000'000, 700);
   ASSERT_TRUE(stored_all_of(*of_alice));
@@ -296,7 +297,7 @@ TEST_F(SmallKeepLastKeeper, ASample_ThatWaited_ReplacesNoLaterOneOfAnother) {
   EXPECT_TRUE(stored_all_of(*of_alice));
   EXPECT_TRUE(stored_all_of(*of_mallory)) << keeper->unstored();
   ASSERT_TRUE(mallory->participant->delete_contained_entities());
-  mallory.reset();  // so that the keeper alone has its samples
+  mallory.reset();  // so that only the keeper has its samples
   ASSERT_TRUE(alice.participant->delete_contained_entities());
   alice.topic = alice.participant->create_topic<Sensor>("Sensors").value();
   run(50);
@@ -306,13 +307,13 @@ TEST_F(SmallKeepLastKeeper, ASample_ThatWaited_ReplacesNoLaterOneOfAnother) {
   EXPECT_EQ(got, std::vector{-9});
 }
 
-// Before, a sample that waited blocked its writer for good, though the writer had replaced it.
+// A sample that waits must not block its writer after the writer has replaced it.
 TEST_F(SmallKeepLastKeeper, ASample_ThatItsWriterReplaced_IsNotWaitedFor) {
   write(*of_alice, 1'000'000, 700);
   ASSERT_TRUE(stored_all_of(*of_alice));
   write(*of_mallory, 0, 700);
   ASSERT_FALSE(stored_all_of(*of_mallory)) << "the test needs a smaller store";
-  // Of instance 0 the writer still holds a sample before those that wait.
+  // For instance 0 the writer still holds a sample before those that wait.
   for (std::int32_t i = 1; i < 700; ++i) ASSERT_TRUE(of_mallory->dispose({i, 0}));
   EXPECT_TRUE(stored_all_of(*of_mallory)) << keeper->unstored();
   EXPECT_EQ(keeper->unstored(), 0u);

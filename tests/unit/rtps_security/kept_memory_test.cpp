@@ -1,4 +1,4 @@
-// What counts as memory that peers may still have, and when it is used again.
+// What counts as memory that peers may still have, and when it is reused.
 #include "rtps/security/kept_memory.hpp"
 
 #include <fcntl.h>
@@ -28,7 +28,7 @@ struct Ledger {
     with_others.erase(segment);
     kept.forget_returned();
   }
-  // The id of the segment that is used again; 0: none.
+  // Returns the id of the segment that is reused; 0 if there is none.
   std::uint64_t take(std::initializer_list<std::uint8_t> may_read, std::size_t others = 0,
                      std::size_t needed = 1000, MemoryForm form = MemoryForm::plain,
                      const EntityId& writer = kWriter) {
@@ -56,7 +56,7 @@ TEST(KeptMemory, UsedAgain_WhenAllThatMayHaveItMayRead) {
   EXPECT_EQ(ledger.kept.octets(), 0u);
 }
 
-// It may be kept again: whoever has it may leave before it is wiped.
+// The segment may be kept again, because a participant that has it may leave before it is wiped.
 TEST(KeptMemory, UsedAgain_SaysForWhomItCounted) {
   Ledger ledger;
   ledger.keep({1});
@@ -88,7 +88,7 @@ TEST(KeptMemory, Returned_IsForgottenAtOnce) {
   EXPECT_EQ(ledger.kept.segments(), 1u);
 }
 
-// A path can be opened again, and holds the memory.
+// A path can be opened again, so it keeps the memory.
 TEST(KeptMemory, ReaderKeepsOnlyAPath_StillCounts) {
   Ledger ledger;
   for (std::uint8_t i = 1; i <= KeptMemory::kMaxOfOne; ++i) ledger.keep({i});

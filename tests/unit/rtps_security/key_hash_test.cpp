@@ -1,4 +1,4 @@
-// What a key hash says of a key where payloads are encrypted (DDS-Security 1.2, clause 7.4.4).
+// What a key hash reveals about a key if payloads are encrypted (DDS-Security 1.2, clause 7.4.4).
 #include <filesystem>
 #include <functional>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps {
 
-// The same octets, and hashes of the other member.
+// This type has the same octets, and hashes the other member.
 struct MisnamedSensor {
   std::int32_t id = 0;
   std::int32_t value = 0;
@@ -29,7 +29,7 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// That of instance 7, as its writer gives it to what sends and stores it.
+// Returns the hash of instance 7 that its writer passes on to be sent and stored.
 KeyHash hash_under(const Rules& rules) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("ddssec-key-" + std::to_string(::getpid()));
@@ -66,7 +66,7 @@ TEST(KeyHashes, EncryptedPayloads_DoNotShowShortKeys) {
   EXPECT_EQ(hash_under({.metadata = kEncrypt, .data = kEncrypt}), digest);
 }
 
-// Within five seconds of the clock, while both participants do their work.
+// True if `done` becomes true within five seconds of the clock, while both participants are polled.
 bool comes_true(ManualClock& clock, Secured& a, Secured& b, const std::function<bool()>& done) {
   for (int i = 0; i < 500 && !done(); ++i) {
     clock.advance(10ms);
@@ -80,14 +80,14 @@ bool are_matched(const auto& writer, const auto& reader) {
          reader.matched_publication_data(writer.guid());
 }
 
-// The hash beside a payload is covered by no signature, so that anybody could choose the instance.
+// No signature covers the hash beside a payload, so anyone could choose the instance.
 TEST(KeyHashes, ProtectedPayloads_HaveThemComputedAnew) {
   for (const auto kind : {ProtectionKind::sign, kEncrypt}) {
     ManualClock clock{pki::kNow};
     Secured a("CN=alice,O=Example", {.data = kind}, clock);
     Secured b("CN=bob,O=Example", {.data = kind}, clock);
     auto offered = default_writer_qos();
-    offered.durability = DurabilityKind::transient;  // whose samples carry the hash
+    offered.durability = DurabilityKind::transient;  // samples of such a writer carry the hash
     auto& topic = *a.participant->create_topic<MisnamedSensor>("Others").value();
     auto& writer = **a.participant->create_publisher().value()->create_datawriter<MisnamedSensor>(
         topic, offered);

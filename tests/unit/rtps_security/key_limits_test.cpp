@@ -1,5 +1,5 @@
-// Participants that limit how long and for how much their keys are used: what somebody learned of
-// the keys once is good for that long only, and nobody loses anything by it.
+// Participants that limit for how long and for how much their keys are used. Keys that an attacker
+// has learned are useful only until then, and no participant loses a sample by it.
 #include <random>
 
 #include "tests/unit/rtps_security/trio.hpp"
@@ -19,7 +19,7 @@ spi::PropertyList most_blocks(int blocks) {
   return {{std::string(spi::property::kMaxBlocksPerKey), std::to_string(blocks), false}};
 }
 
-// The plugins' clocks go with the world's.
+// The plugins' clocks advance with the world's.
 void live(World& world, milliseconds time) {
   for (milliseconds gone{0}; gone < time; gone += 10ms) {
     for (auto* node : world.nodes) node->clock.advance(10ms);
@@ -33,7 +33,8 @@ void expect_in_order(const Listener& reader, std::size_t written) {
     EXPECT_EQ(reader.changes[i].sequence_number.value, static_cast<std::int64_t>(i) + 1);
 }
 
-// Nobody lost its trust: what ends is what a key is good for that leaked, from carol or else.
+// No participant has lost trust. But keys that leaked, from carol or in another way, are useless
+// afterwards.
 TEST(KeyLimits, TimeLimit_EndsWhatALeakedKeyReads) {
   for (const auto& rules : {everything(kEncryptOa), Rules{.data = kEncrypt}}) {
     Trio trio(revising(rules), Short::nothing, lifetime(60));
@@ -75,7 +76,7 @@ TEST(KeyLimits, BlockLimit_IsForTheSender) {
   EXPECT_EQ(leaked.payloads, (Recorder::Level{.seen = 2, .opened = 0})) << "to bob and to carol";
 }
 
-// With the lowest limits there are, while every fifth datagram is lost or none.
+// These use the lowest possible limits, with every fifth datagram lost, or none.
 class ConstantRevision : public ::testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Network, ConstantRevision, ::testing::Values(false, true));
 
@@ -143,7 +144,7 @@ TEST(KeyLimits, ParticipantsThatStartTogether_EndApart) {
     EXPECT_FALSE(one->events.has(Code::rtps_key_revision_unacknowledged)) << one->events.text();
 }
 
-// A key lives as long as it says from each revision on, whatever that was for.
+// The lifetime of a key begins with each revision, whatever the reason for it.
 TEST(KeyLimits, EndOfTrust_StartsThemAnew) {
   Trio trio(revising(everything(kEncrypt)), Short::nothing, lifetime(100));
   ASSERT_TRUE(trio.match()) << trio.text();

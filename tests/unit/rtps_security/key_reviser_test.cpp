@@ -1,5 +1,5 @@
-// Key revision between participants: who lost its trust kept all keys and reads nothing more; the
-// others lose nothing.
+// Key revision between participants: one that lost trust has all former keys and reads nothing
+// more, and the others lose nothing.
 #include "rtps/security/key_reviser.hpp"
 
 #include <random>
@@ -19,7 +19,7 @@ constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 struct Row {
   Rules rules;
-  bool messages, groups, payloads;  // the recorder can see them once it cannot read any more
+  bool messages, groups, payloads;  // the recorder sees them once it cannot read any more
 };
 
 class LostTrust : public ::testing::TestWithParam<Row> {};
@@ -106,7 +106,7 @@ TEST(KeyRevision, RequestOfTheApplication_CausesOne) {
         [&] { return trio.a.events.count(Code::rtps_keys_revised) == i; }, 300));
     trio.write();
     EXPECT_TRUE(trio.bob_has_all()) << trio.text();
-    // Nobody lost its trust: carol reads on, too.
+    // No participant has lost trust, so carol reads on, too.
     EXPECT_TRUE(trio.world.run_until([&] {
       return trio.c.listener.changes.size() == trio.written;
     })) << trio.text();
@@ -160,7 +160,7 @@ TEST(KeyRevision, OneSideWithoutIt_KeepsThemApart) {
   }
 }
 
-// Writes all the time, while every fifth datagram is lost.
+// The writer writes all the time, while every fifth datagram is lost.
 class RevisionUnderLoss : public ::testing::TestWithParam<bool> {};
 
 INSTANTIATE_TEST_SUITE_P(Network, RevisionUnderLoss, ::testing::Values(false, true));
@@ -224,7 +224,7 @@ TEST(KeyRevision, PeersThatGo_AreNotWaitedFor) {
   trio.a->ignore_participant(trio.c->prefix());
   trio.world.run(50);
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised));
-  // Bob was given the keys that are on their way: another revision follows.
+  // Bob got the keys that are on their way, so another revision follows.
   trio.a->ignore_participant(trio.b->prefix());
   trio.world.run(20);
   EXPECT_EQ(trio.a.events.count(Code::rtps_keys_revised), 2) << trio.a.events.text();
@@ -235,7 +235,7 @@ TEST(KeyRevision, PeerThatJoinsInTheMiddle_LosesNothing) {
     Trio trio(revising(rules));
     Node d(4, member("dave", trio.rules), 4);
     ASSERT_TRUE(trio.match()) << trio.text();
-    trio.silence(trio.b);  // keeps the revision waiting
+    trio.silence(trio.b);  // delays the revision
     trio.a->ignore_participant(trio.c->prefix());
     trio.world.run(30);
     trio.world.nodes.push_back(&d);
@@ -256,7 +256,7 @@ TEST(KeyRevision, PeerThatJoinsInTheMiddle_LosesNothing) {
   }
 }
 
-// A writer made while revised keys are on their way.
+// The writer is made while revised keys are on their way.
 TEST(KeyRevision, WriterMadeInTheMiddle_LosesNothing) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
@@ -281,7 +281,7 @@ TEST(KeyRevision, WriterMadeInTheMiddle_LosesNothing) {
   }
 }
 
-// What it knows is still good when it goes; not any more when its permissions end.
+// What the peer knows is acceptable when it leaves, but not any more when its permissions end.
 TEST(KeyRevision, EndOfAPeerThatHasLeft_CausesOne) {
   Trio trio(revising(everything(kEncrypt)), Short::permissions);
   ASSERT_TRUE(trio.match()) << trio.text();
@@ -306,13 +306,13 @@ TEST(KeyRevision, RevocationOfAPeerThatHasLeft_CausesOne) {
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }
 
-// Anybody can announce it; and what is known of it stays known. Before: one datagram, one
+// Anyone can announce it, and what is known about it stays known. One datagram must not cause a
 // revision.
 TEST(KeyRevision, ClearAnnouncementOfWhoHasLeft_RevisesNothing) {
   Trio trio(revising(everything(kEncrypt)));
   std::optional<Bytes> own;
   trio.world.filter = [&](const Node& from, Bytes datagram) {
-    if (&from == &trio.c && !own) own = datagram;  // the first is an announcement
+    if (&from == &trio.c && !own) own = datagram;  // the first datagram is an announcement
     return one(std::move(datagram));
   };
   ASSERT_TRUE(trio.match()) << trio.text();
@@ -327,13 +327,14 @@ TEST(KeyRevision, ClearAnnouncementOfWhoHasLeft_RevisesNothing) {
     trio.world.run(100);
   }
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << trio.text();
-  // Their leases end, and what is still known is who may be revoked.
+  // After the leases of the forged announcements end, the participant that left can still be
+  // revoked.
   trio.world.run(2000);
   trio.revoke_carol();
   EXPECT_TRUE(trio.revised(1)) << trio.text();
 }
 
-// Nobody watched it meanwhile.
+// Meanwhile the peer was not watched.
 TEST(KeyRevision, PeerThatComesBack_CausesOne) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();

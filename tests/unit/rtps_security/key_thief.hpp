@@ -1,4 +1,4 @@
-// A cryptography plugin that keeps the keys it is given.
+// A cryptography plugin that keeps the keys that it gets.
 #pragma once
 
 #include <functional>
@@ -9,17 +9,17 @@
 
 namespace ddssec::rtps::testing {
 
-/// Does what the plugin it stands before does.
+/// Does the same as the plugin behind it, and keeps its keys.
 class KeyThief : public spi::Cryptography, protected spi::CryptoKeyExchange {
  public:
   using Tokens = std::vector<spi::Token>;
   struct Stolen {
-    Tokens of_participant, of_writer;  ///< the latest
+    Tokens of_participant, of_writer;  ///< the latest ones
     Tokens all;
   };
   KeyThief(std::unique_ptr<spi::Cryptography> engine, Stolen& stolen)
       : engine_(std::move(engine)), stolen_(stolen) {}
-  /// To wrap a plugin.
+  /// Returns a function that wraps a plugin.
   static auto into(Stolen& stolen) {
     return [&stolen](std::unique_ptr<spi::Cryptography> engine) {
       return std::make_unique<KeyThief>(std::move(engine), stolen);

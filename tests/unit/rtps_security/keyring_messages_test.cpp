@@ -1,4 +1,4 @@
-// Messages as a whole: what protects them, and who speaks in them.
+// Whole messages: their protection, and in whose name their submessages are sent.
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/keyrings.hpp"
 #include "wire/acknack.hpp"

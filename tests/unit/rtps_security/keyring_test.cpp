@@ -1,4 +1,4 @@
-// Keys of participants: when they are waited for.
+// When the keys of a participant are waited for.
 #include "rtps/security/keyring.hpp"
 
 #include "tests/unit/rtps_security/key_thief.hpp"
@@ -11,7 +11,7 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// Sends no keys of its participant, as OpenDDS does where messages are not protected.
+// Sends no keys of its participant, as OpenDDS does if messages are not protected.
 class WithoutParticipantKeys final : public KeyThief {
  public:
   using KeyThief::KeyThief;

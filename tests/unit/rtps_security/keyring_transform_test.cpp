@@ -1,4 +1,4 @@
-// What is not protected as its reader or writer requires changes nothing.
+// A message without the protection that its reader or writer requires changes nothing.
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/keyrings.hpp"
 #include "wire/acknack.hpp"
@@ -37,7 +37,7 @@ TEST(KeyringTransform, ClearSubmessagesOfProtectedEndpoints_AreDroppedAndCounted
                                          SequenceNumberSet(SequenceNumber{1}), 1 << 30, true}),
         pair.world.now);
     EXPECT_EQ(pair.a->protection_counters().unprotected, at_a + 1);
-    // The honest writer goes on as if nothing had come.
+    // The honest writer goes on as if nothing had arrived.
     pair.write();
     EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
   }
@@ -52,7 +52,8 @@ TEST(KeyringTransform, APlainPayloadWhereProtectionIsDue_IsDropped) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 200));
 }
 
-// Nothing of it is protected by the payload key. Our writers send the key, so that it is.
+// The payload key protects nothing of such a dispose. Our writers send the key as a payload, so
+// that it is protected.
 TEST(KeyringTransform, ADisposeWithoutAPayloadWherePayloadsAreProtected_IsDropped) {
   for (const auto kind : {kSign, kEncrypt}) {
     Protected pair({.data = kind});
@@ -78,7 +79,8 @@ TEST(KeyringTransform, ADisposeWithoutAPayloadWherePayloadsAreProtected_IsDroppe
   }
 }
 
-// A message of an unknown sender may only be early: it is counted, without an event for each.
+// A message of an unknown sender may have come too early, so it is counted, without an event for
+// each.
 TEST(KeyringTransform, GroupOfAnUnknownSender_IsCountedWithoutAnEvent) {
   Protected pair({.metadata = kSign});
   pair.world.run(200);

@@ -1,4 +1,4 @@
-// Participants that have matched, and what their writer sends.
+// Participants that have matched, and the messages of their writer.
 #pragma once
 
 namespace ddssec::rtps::keyrings {

@@ -1,5 +1,5 @@
-// Access control that lets its own participant do anything, as an attacker's would: what others do
-// about it is what a test looks at.
+// Access control that allows its own participant everything, as an attacker's would. The tests look
+// at what other participants do about it.
 #pragma once
 
 #include <memory>

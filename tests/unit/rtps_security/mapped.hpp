@@ -20,7 +20,7 @@ struct Sides {
   MemoryOffer offer() {
     return {kWriter, passing->offer(slots.segment(), random, now, std::to_string(++peers)).value()};
   }
-  /// Lets the descriptor come over.
+  /// Lets the descriptor arrive.
   void exchange() {
     for (int i = 0; i < 5; ++i) {
       passing->serve(now);
@@ -46,12 +46,12 @@ struct Sides {
   MonotonicTime now = 100s;
   const GuidPrefix prefix = GuidPrefix::from(Bytes(12, 9));
   const Guid writer{prefix, kWriter};
-  // Without a thread, so that each step is seen.
+  // There is no thread, so that the test sees each step.
   std::unique_ptr<memory::DescriptorPassing> passing =
       memory::DescriptorPassing::make(random).value();
   memory::SampleSlots slots = memory::SampleSlots::make(77, 10'000).value();
   std::vector<MemoryAnswer> answers;
-  int peers = 0;  // so that no limit of one is reached
+  int peers = 0;  // another one for each offer, so that no limit of a peer is reached
   MappedMemory mapped{*passing, [this](const GuidPrefix& to, const MemoryAnswer& answer) {
                         EXPECT_EQ(to, prefix);
                         answers.push_back(answer);

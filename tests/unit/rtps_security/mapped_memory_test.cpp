@@ -56,7 +56,7 @@ TEST(MappedMemory, HostileReference_LeadsNowhere) {
   EXPECT_EQ(sides.fetched(good), 5000u);
 }
 
-// A reference costs its sender few octets.
+// A reference costs its sender only a few octets.
 TEST(MappedMemory, SamePayloadNamedAgainAndAgain_CopiedWithinALimit) {
   Sides sides;
   constexpr std::size_t kSize = std::size_t{8} << 20;
@@ -157,7 +157,7 @@ TEST(MappedMemory, LargeSegmentsOfOneParticipant_AreLimited) {
   std::vector<memory::SampleSlots> all;
   std::size_t refused = 0, mapped = 0;
   for (std::uint8_t i = 0; i < 20; ++i) {
-    // One memory under many names, as a hostile writer would offer it.
+    // A hostile writer may offer one memory under many names.
     if (i == 0) all.push_back(memory::SampleSlots::make(1000, std::size_t{16} << 20).value());
     MemoryOffer offer{{{9, 9, i, 2}},
                       sides.passing->offer(all[0].segment(), sides.random, sides.now).value()};
@@ -192,7 +192,7 @@ TEST(MappedMemory, WriterNotMatched_Refused) {
   EXPECT_EQ(sides.answers[0].refusal, MemoryRefusal::not_matched);
 }
 
-// What is answered to an offer that `change` has changed.
+// Returns the answer to an offer that was changed by `change`.
 template <class F>
 std::optional<MemoryRefusal> answer_to(F&& change) {
   Sides sides;

@@ -1,4 +1,4 @@
-// One side shares no memory: the other says so, and all goes by the network.
+// One side shares no memory. The other side reports this, and everything is sent by the network.
 #include "rtps/security/memory_exchange.hpp"
 
 #include <dirent.h>

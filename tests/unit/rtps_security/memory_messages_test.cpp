@@ -1,4 +1,4 @@
-// Offers of memory and their answers, as they are sent.
+// Offers of memory and their answers, in the form in which they are sent.
 #include "rtps/security/memory_messages.hpp"
 
 #include <poll.h>

@@ -1,4 +1,4 @@
-// What a listener makes of participants that meet, or do not.
+// What an observer concludes about participants that meet, or do not meet.
 #include "rtps/observer/meetings.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
 #include "wire/data.hpp"
@@ -13,7 +13,7 @@ bool contains(const Bytes& datagram, std::string_view text) {
   return as_text(datagram).find(text) != std::string_view::npos;
 }
 
-// Hears what gets through of a pair's messages.
+// Hears the messages of a pair that arrive.
 struct Listening {
   using Lets = std::function<bool(const Node& from, const Bytes& datagram)>;
   explicit Listening(Pair& pair, Lets lets = {}) {
@@ -28,7 +28,7 @@ struct Listening {
     EXPECT_EQ(all.size(), 1u);
     return all.empty() ? ObservedMeeting{} : all.front();
   }
-  // They do not talk, for this reason; the sentence.
+  // Expects that they do not talk, for this reason. Returns the sentence.
   std::string reason(Rule rule) const {
     const auto found = meeting();
     EXPECT_EQ(found.state, MeetingState::apart);
@@ -74,7 +74,7 @@ TEST(Observer, LaterFastDdsBesideCycloneDds_IsReported) {
   auto vendors = std::array{kVendorFastDds, kVendorCyclone};
   Observer observer;
   pair.world.filter = [&](const Node& from, Bytes datagram) {
-    auto seen = datagram;  // the vendor is not authenticated
+    auto seen = datagram;  // with another vendor, which is not authenticated
     const auto& vendor = vendors[&from == &pair.a ? 0 : 1];
     std::ranges::copy(vendor.octets, seen.begin() + 6);
     observer.on_datagram(seen, {"127.0.0.1", 7400, pair.world.now});
@@ -178,7 +178,7 @@ TEST(Observer, WhatEveryListenerCanRead_IsReported) {
   EXPECT_GT(encrypted, 0u);
 }
 
-// An announcement as somebody might send it.
+// Returns an announcement that anyone could send.
 Bytes announcement(const ParticipantData& data) {
   std::array<std::uint8_t, 4096> payload_octets, octets;
   SpanWriter payload(payload_octets), out(octets);
@@ -203,7 +203,7 @@ ParticipantData claims(std::uint8_t n, const std::string& identity_ca,
   return data;
 }
 
-// What two that only announce themselves come to.
+// Returns the finding about two participants that only announce themselves.
 std::optional<Rule> rule_of(const ParticipantData& a, const ParticipantData& b,
                             std::uint16_t port_of_b = 7400) {
   Observer observer;
@@ -231,7 +231,7 @@ TEST(Observer, AName_IsOneLine) {
   EXPECT_EQ(name_of(prefix, participant), "CN=a?error[x]: ?[31mforged");
 }
 
-// A relay's message: what follows INFO_SRC is another's (RTPS 8.3.8.9.4).
+// In the message of a relay, what follows INFO_SRC is from another participant (RTPS 8.3.8.9.4).
 TEST(Observer, MessageOfARelay_SpeaksForItsSource) {
   const auto data = claims(1, "CN=CA", "");
   std::array<std::uint8_t, 64> head_octets;
@@ -279,7 +279,7 @@ TEST(Observer, AnnouncementsCutAtEachOctet_AreNotTaken) {
   }
 }
 
-// One announcement of SEDP, in the clear.
+// Returns one announcement of SEDP, in the clear.
 Bytes clear_topic(const GuidPrefix& from, std::uint32_t number) {
   EndpointData data;
   data.guid = {from, {{0, 0, 1, 3}}};
@@ -296,7 +296,7 @@ Bytes clear_topic(const GuidPrefix& from, std::uint32_t number) {
   return to_bytes(out.view());
 }
 
-// Before: 1,024 participants of 4,096 topics each were 2.6 GB.
+// Without the bound, 1,024 participants with 4,096 topics each took 2.6 GB.
 TEST(Observer, TopicsOfStrangers_TakeFewOctetsAndNoPlaceFromOthers) {
   Observer observer;
   const auto say = [&](const GuidPrefix& who, std::uint32_t number) {

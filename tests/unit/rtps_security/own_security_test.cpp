@@ -1,4 +1,4 @@
-// What makes no participant.
+// Reasons for which no participant is made.
 #include "rtps/security/own_security.hpp"
 
 #include "tests/unit/rtps_security/security_fixture.hpp"

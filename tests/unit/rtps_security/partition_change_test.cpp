@@ -11,7 +11,8 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// Before: readers that had its keys read on, whatever they may read in the other partitions.
+// Otherwise readers that have its keys would read on, whatever they may read in the other
+// partitions.
 TEST(KeyRevision, WriterMovedToOtherPartitions_CausesOne) {
   Trio trio(revising({.data = kEncrypt, .partitions = "*"}));
   ASSERT_TRUE(trio.match()) << trio.text();
@@ -57,7 +58,7 @@ TEST(KeyRevision, WithoutIt_AProtectedWriter_StaysInItsPartitions) {
   EXPECT_EQ(moved({.data = kEncrypt, .access_control = false}), Code{}) << "all may read it";
 }
 
-// Before, the call succeeded, and only the remote side refused.
+// The call itself must fail. It is not enough that the remote side refuses.
 TEST(OwnPermissions, PartitionsThatTheyDoNotAllow_AreRefusedForExistingEndpoints) {
   Pair pair(revising({.data = kEncrypt, .partitions = "a*"}));
   auto writing = default_writer_qos();

@@ -1,4 +1,5 @@
-// Which events count as about a peer that has authenticated: only those of what its keys brought.
+// Only events about messages that a peer's keys protect count as events about an authenticated
+// peer.
 #include <gmock/gmock.h>
 
 #include "base/rate_limited_sink.hpp"
@@ -15,7 +16,7 @@ const Event* find(const test::RecordedEvents& events, Code code) {
   return at == events.all.end() ? nullptr : &*at;
 }
 
-// The event of an endpoint of alice that bob's does not fit.
+// Returns the event about an endpoint of alice that does not fit bob's.
 const Event* mismatch_under(Pair& pair) {
   if (!pair.match()) return nullptr;
   auto qos = default_writer_qos();
@@ -41,7 +42,7 @@ TEST(PeerEvent, WhatAProtectedMessageAnnounced_IsOfTheAuthenticatedPeer) {
   EXPECT_THAT(event->peer_subject, HasSubstr("CN=alice"));
 }
 
-// Anybody could have announced it in the name of the peer, whose places it must not use up.
+// Anyone could have announced it in the name of the peer, whose places must not be used up by it.
 TEST(PeerEvent, WhatAClearAnnouncementSays_IsClaimedOnly) {
   Pair pair({.metadata = ProtectionKind::sign});
   const auto* event = mismatch_under(pair);
@@ -70,7 +71,7 @@ TEST(PeerEvent, AFloodOfStrangers_HidesNothingThatAnAuthenticatedPeerCaused) {
     datagram.resize(datagram.size() - 3);
     pair.b->receive(datagram, pair.world.now);
   }
-  // Three endpoints that do not fit; the code is the same.
+  // Three endpoints do not fit, with the same code.
   auto qos = default_writer_qos();
   qos.ownership = OwnershipKind::exclusive;
   for (int i = 0; i < 3; ++i)

@@ -1,4 +1,4 @@
-// The messages of a handshake: lost, doubled or changed.
+// The messages of a handshake are lost, duplicated or changed.
 #include "rtps/security/peer_handshake.hpp"
 
 #include <random>
@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-// Each of the first stateless messages lost once: request, reply, final and their repetitions.
+// Each of the first stateless messages is lost once: request, reply, final and their repetitions.
 TEST(Handshake, AnySingleMessage_MayBeLost) {
   for (int lost = 0; lost < 14; ++lost) {
     Pair pair({});

@@ -1,4 +1,4 @@
-// Every edge of a peer's life, the legal and the others, and what each state gives back.
+// Every transition in a peer's life, legal or not, and what each state returns.
 #include "rtps/security/peer.hpp"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ constexpr Edge kEdges[] = {Edge::begin,     Edge::time_out,  Edge::admit_unauthe
                            Edge::end_probe, Edge::refuse,    Edge::announce_again,
                            Edge::distrust};
 
-// The list at the top of peer.cpp. Nothing: the edge is not legal there.
+// The list at the top of peer.cpp. Returns nothing if the transition is not legal.
 std::optional<In> leads_to(In from, Edge edge) {
   using enum In;
   static const std::map<std::pair<In, Edge>, In> legal = {
@@ -72,7 +72,7 @@ std::optional<In> leads_to(In from, Edge edge) {
   return at == legal.end() ? std::nullopt : std::optional(at->second);
 }
 
-// A peer whose handshakes hold a share of `data`, and whose association counts what is given back.
+// A peer whose handshakes hold a share of `data`, and whose association counts what is returned.
 class PeerStatesTest : public ::testing::Test {
  protected:
   std::unique_ptr<PeerHandshake> handshake() {
@@ -191,7 +191,7 @@ TEST_F(PeerStatesTest, IllegalEdge_KeepsWhatTheStateOwns) {
       apply(*peer, edge);
       EXPECT_EQ(peer->handshake(), before);
       EXPECT_EQ(handshakes(), held);
-      // What came with the edge is given back at once.
+      // What came with the transition is returned at once.
       EXPECT_EQ(given_back(), edge == Edge::associate ? "keys permissions " : "");
     }
 }

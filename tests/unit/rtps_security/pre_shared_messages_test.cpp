@@ -1,5 +1,5 @@
-// A domain whose bootstrapping messages are protected by a pre-shared key (T62 of the catalogue of
-// attacks): who joins, and what others see.
+// A domain whose bootstrapping messages are protected by a pre-shared key (T62 in docs/attacks.md):
+// which participants join, and what others see.
 #include "rtps/security/pre_shared_messages.hpp"
 
 #include "plugins/spi/files_poll_interval.hpp"
@@ -40,14 +40,14 @@ struct Domain : Pair {
   }
 };
 
-// What one has who knows that passphrase.
+// Returns the keys of a participant that knows that passphrase.
 std::unique_ptr<spi::PreSharedKeys> keys_of(Node& node, std::string_view text) {
   return node.cryptography->key_factory()
       .pre_shared_keys({phrase(text), {.rtps_psk = kEncrypt}, 0, ""})
       .value();
 }
 
-// As somebody in the domain of `of` could have made it.
+// Protects a message as any participant in the domain of `of` could.
 Bytes sealed(BytesView plain, Node& of) {
   auto keys = keys_of(of, kText);
   Bytes out(plain.size() + spi::protection_overhead(0));
@@ -55,7 +55,7 @@ Bytes sealed(BytesView plain, Node& of) {
   return out;
 }
 
-// Everything that is sent, for one without the passphrase.
+// Records everything that is sent, without the passphrase.
 struct Recorder {
   explicit Recorder(World& world) {
     world.filter = [this](const Node&, Bytes datagram) {
@@ -95,7 +95,7 @@ TEST(PreSharedKey, ARecorderWithoutIt_SeesNeitherIdentityNorPermissionsNorTopic)
   EXPECT_THAT(recorder.seen_of(words), ::testing::IsEmpty());
   EXPECT_EQ(recorder.count(false), 0u);
   EXPECT_GT(recorder.count(true), 10u);
-  // Without the key all of it is there to see.
+  // Without the key, everything can be seen.
   Domain open(Rules{}, {}, {});
   const Recorder of_open(open.world);
   ASSERT_TRUE(open.talk());
@@ -165,7 +165,7 @@ TEST(PreSharedKey, SignedAndEncrypted_DoNotMeet) {
 
 TEST(PreSharedKey, AnnouncementWithoutIt_IsAMismatch) {
   Domain domain(kHidden);
-  // Whoever has the passphrase and another governance announces no such protection.
+  // A participant with the passphrase and another governance announces no such protection.
   domain.a->receive(sealed(announcement(secured_data(fake_prefix(1))), domain.b), domain.world.now);
   EXPECT_TRUE(domain.a.events.has(Code::rtps_security_info_mismatch)) << domain.a.events.text();
 }
@@ -183,7 +183,7 @@ TEST(PreSharedKey, APassphrase_IsChangedInARunningDomain) {
   EXPECT_EQ(apart.b->remote_participants().size(), 0u);
 }
 
-// The writer never pauses, and each participant looks at its files when it comes to it.
+// The writer never pauses, and each participant looks at its files at its own time.
 TEST(PreSharedKey, ChangeWhileParticipantsTalk_LosesNothing) {
   constexpr std::string_view kOld = "1:old passphrase", kNew = "2:new passphrase";
   const test::TemporaryFolder of_a, of_b;
@@ -209,7 +209,8 @@ TEST(PreSharedKey, ChangeWhileParticipantsTalk_LosesNothing) {
     return one(std::move(datagram));
   };
   std::size_t written = 0;
-  // One looks after the other: until the second has they are a step apart.
+  // One participant looks after the other, so they differ by one step until the second one has
+  // looked.
   const auto both_look = [&](int changes) {
     for (auto* node : {&domain.a, &domain.b}) {
       for (int i = 0; i < 120; ++i, ++written) {
@@ -261,8 +262,8 @@ TEST(PreSharedKey, ChangedOrCutOffMessages_AreNotHeard) {
   EXPECT_EQ(domain.b->remote_participants().size(), 1u);
 }
 
-// 20,000 messages a second that name the right key, in ever other names and in that of the honest
-// peer: the work is bounded, and the honest peer joins.
+// 20,000 messages a second name the right key, under ever new names and under that of the honest
+// peer. The work is bounded, and the honest peer joins.
 TEST(PreSharedKey, AFloodOfForgedMessages_CostsLittleAndKeepsNoMemberOut) {
   Domain domain(kHidden);
   auto forged = sealed(announcement(secured_data(fake_prefix(1))), domain.b);

@@ -16,7 +16,7 @@ using namespace testing;
 TEST(GovernanceChange, EndpointsMadeMeanwhile_MatchAndKeepTheirSamples) {
   Fleet fleet(rules_of(kSign, kSign));
   fleet.put({&fleet.a, &fleet.b}, rules_of(kEncrypt, kEncrypt), 2);
-  fleet.run(4);  // carol is waited for
+  fleet.run(4);  // the others wait for carol
   auto reading = default_reader_qos();
   reading.reliability.kind = ReliabilityKind::reliable;
   reading.history.kind = HistoryKind::keep_all;

@@ -1,4 +1,4 @@
-// How often a reader that is said to have ended is asked.
+// How often a reader is asked whether it has ended, after a report says so.
 #include "rtps/participant/reader_end_checks.hpp"
 
 #include <map>
@@ -43,7 +43,7 @@ TEST(DoubtedReader, SilentReader_IsAskedAtMostEachFourSecondsAndAtLeast) {
   EXPECT_GE(host.asked[0], 3500 / 4);
 }
 
-// Cyclone DDS reports the ends of readers in this way: they stay silent for good.
+// If Cyclone DDS reports the ends of readers in this way, they stay silent for ever.
 TEST(DoubtedReader, ManySilentReadersOfOneParticipant_ShareTheQuestions) {
   Count host;
   ReaderEndChecks checks(host);

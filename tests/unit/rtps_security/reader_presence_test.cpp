@@ -1,5 +1,5 @@
 // Where discovery is protected, Cyclone DDS reports the end of a reader without protection. Such a
-// report makes the writer ask.
+// report makes the writer ask the reader.
 #include "rtps/participant/reader_presence.hpp"
 
 #include <algorithm>
@@ -13,13 +13,13 @@ namespace {
 using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
-constexpr int kAnswerTimeout = ReaderEndChecks::kAnswerTimeout / 10ms;  // steps
+constexpr int kAnswerTimeout = ReaderEndChecks::kAnswerTimeout / 10ms;  // in steps
 
 bool is_about(BytesView datagram, const EntityId& id) {
   return !std::ranges::search(datagram, id.octets).empty();
 }
 
-// a writes, b reads.
+// Participant a writes and b reads.
 struct ReaderPresenceTest : ::testing::Test {
   static constexpr Rules kRules{.discovery = kEncrypt};
   ReaderPresenceTest() : pair(kRules) {
@@ -28,7 +28,7 @@ struct ReaderPresenceTest : ::testing::Test {
       return is_cut_off && (&from == &pair.b || cuts_both) ? std::vector<Bytes>() : one(datagram);
     };
   }
-  // What an attacker, or Cyclone DDS itself, says.
+  // Reports the end, as an attacker or Cyclone DDS itself does.
   void report_end(const Guid& endpoint) {
     Bytes buffer(64);
     SpanWriter out(buffer);
@@ -41,7 +41,7 @@ struct ReaderPresenceTest : ::testing::Test {
   int matched() { return pair.a.listener.matched; }
   std::size_t received() { return pair.b.listener.changes.size(); }
   bool acknowledged() { return pair.a->local_endpoints().writer(pair.writer)->all_acknowledged(); }
-  // The number of datagrams from a meanwhile.
+  // Returns the number of datagrams that a sends in that time.
   std::size_t sent_in(int steps, bool reported) {
     std::size_t count = 0;
     for (int i = 0; i < steps; ++i) {
@@ -88,7 +88,7 @@ TEST_F(ReaderPresenceTest, ReaderThatIsSilent_CountsAsEnded) {
   EXPECT_EQ(pair.a->remote_participants().size(), 1u) << "its participant stays";
 }
 
-// The report was forged while the reader was out of reach.
+// The report was forged while the reader could not be reached.
 TEST_F(ReaderPresenceTest, SilentReaderIsInReachAgain_Matches) {
   is_cut_off = cuts_both = true;
   report_end(pair.reader);
@@ -100,7 +100,7 @@ TEST_F(ReaderPresenceTest, SilentReaderIsInReachAgain_Matches) {
   EXPECT_TRUE(pair.world.run_until([&] { return received() == 1; }, 100));
 }
 
-// Recorded before the reader fell silent.
+// The answer was recorded before the reader fell silent.
 TEST_F(ReaderPresenceTest, RepeatedAnswer_DoesNotBringItBack) {
   Bytes recorded;
   pair.world.filter = [&](const Node& from, Bytes datagram) {
@@ -119,8 +119,8 @@ TEST_F(ReaderPresenceTest, RepeatedAnswer_DoesNotBringItBack) {
   EXPECT_EQ(matched(), 0);
 }
 
-// Where only payloads are protected, anyone can send a HEARTBEAT or an ACKNACK. A count that no
-// honest message reaches does not keep the reader from being asked, or its answer from being heard.
+// If only payloads are protected, anyone can send a HEARTBEAT or an ACKNACK. A count that no honest
+// message reaches does not keep the reader from being asked, or its answer from being accepted.
 struct ForgedCount : ReaderPresenceTest, ::testing::WithParamInterface<bool> {
   void forge() {
     constexpr std::int32_t kFarAhead = 0x40000000;

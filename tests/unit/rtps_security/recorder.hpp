@@ -1,5 +1,5 @@
-// Somebody who took part once and kept everything: each key that its plugin was ever given, and a
-// copy of whatever is sent. Tries every key on everything.
+// An attacker that took part once and kept everything: each key that its plugin ever got, and a
+// copy of everything that is sent. It tries every key on everything.
 #pragma once
 
 #include <optional>
@@ -14,13 +14,13 @@
 
 namespace ddssec::rtps::testing {
 
-/// Reads what is sent with all keys that a KeyThief was given. What it cannot open it cannot look
-/// into.
+/// Reads everything that is sent, with all keys that a KeyThief got. It cannot look into what it
+/// cannot open.
 class Recorder {
  public:
   struct Level {
-    int seen = 0;    ///< protected by a key of an id that it knows
-    int opened = 0;  ///< of these; verified, where it is only signed
+    int seen = 0;    ///< how many were protected with a key whose id it knows
+    int opened = 0;  ///< how many of these it opened, or verified if only signed
     bool operator==(const Level&) const = default;
   };
   Level messages, groups, payloads;
@@ -66,7 +66,7 @@ class Recorder {
     }
   }
 
-  /// DATA without inline QoS.
+  /// Reads a DATA without inline QoS.
   void read_payload(BytesView submessage) {
     using namespace cryptography;
     const bool data = submessage.size() > 24 && submessage[0] == submessage_id::kData;

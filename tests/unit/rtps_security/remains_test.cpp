@@ -1,5 +1,5 @@
-// After participants have met, talked and gone, none of their secrets is left anywhere in memory:
-// stack, heap and every other page that this process can write to is searched.
+// After participants have met, talked and gone, none of their secrets is left in memory. The stack,
+// the heap and every other page that this process can write to are searched.
 #include "tests/support/remains.hpp"
 
 #include "tests/unit/rtps_security/forwarding_authentication.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 using test::Remains;
 
-// Notes the shared secrets that it gives away.
+// Notes the shared secrets that it passes on.
 class SecretWatch final : public ForwardingAuthentication {
  public:
   SecretWatch(std::unique_ptr<spi::Authentication> real, Remains& remains)
@@ -27,7 +27,7 @@ class SecretWatch final : public ForwardingAuthentication {
   Remains& remains_;
 };
 
-// Notes all keys that others' tokens bring.
+// Notes all keys in the tokens of others.
 class KeyWatch final : public spi::Cryptography, spi::CryptoKeyExchange {
  public:
   KeyWatch(std::unique_ptr<spi::Cryptography> real, Remains& remains)
@@ -69,8 +69,8 @@ class KeyWatch final : public spi::Cryptography, spi::CryptoKeyExchange {
   }
 
   spi::CryptoKeyExchange& exchange() { return real_->key_exchange(); }
-  // KeyMaterial_AES_GCM_GMAC (DDS-Security 1.2, clause 10.5.2.1.2) with keys of 256 bits: the salt
-  // is public to nobody else, either.
+  // Notes KeyMaterial_AES_GCM_GMAC (DDS-Security 1.2, clause 10.5.2.1.2) with keys of 256 bits. The
+  // salt is secret, too.
   void note(const std::string& whose, Given tokens) {
     constexpr std::size_t kSalt = 8, kSenderKey = 48, kReceiverKey = 88, kSize = 32;
     for (const auto& token : tokens) {
@@ -87,14 +87,14 @@ class KeyWatch final : public spi::Cryptography, spi::CryptoKeyExchange {
   Remains& remains_;
 };
 
-// Written down nowhere as it is.
+// Returns a passphrase that the program does not contain as text.
 std::string passphrase() {
   std::string out(40, '\0');
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<char>('!' + (i * 29 + 7) % 90);
   return out;
 }
 
-// The participant's private key is encrypted.
+// Returns the properties with the participant's private key encrypted.
 spi::PropertyList with_passphrase(spi::PropertyList properties) {
   namespace property = spi::property;
   auto secret = spi::Property{std::string(property::kPassword), passphrase(), false};
@@ -109,7 +109,7 @@ spi::PropertyList with_passphrase(spi::PropertyList properties) {
   return properties;
 }
 
-// Two secured participants match under everything encrypted, and talk.
+// Two secured participants match with everything encrypted, and talk.
 [[gnu::noinline]] void live(Remains& remains) {
   auto phrase = spi::Property{"", passphrase()};
   remains.look_for("passphrase", as_bytes(phrase.value));
@@ -141,12 +141,13 @@ spi::PropertyList with_passphrase(spi::PropertyList properties) {
 TEST(Remains, TwoParticipantsThatHaveLeft_LeaveNoSecrets) {
   Remains remains;
   test::at_depth([&] { live(remains); });
-  // Both sides' shared secret, and at least participant's, writer's and reader's keys of each.
+  // There are the shared secret of both sides, and at least the keys of the participant, writer and
+  // reader of each.
   EXPECT_GE(remains.size(), 40u);
   EXPECT_EQ(remains.find(), std::vector<std::string>());
 }
 
-// The search itself: it finds what is on the heap, on the stack and in a thread's memory.
+// The search itself finds secrets on the heap, on the stack and in a thread's memory.
 TEST(Remains, SecretsInAnyMemory_AreFound) {
   Remains remains;
   {

@@ -14,7 +14,7 @@ Locator at(const char* address, std::uint32_t port) {
   return *Locator::parse(address, static_cast<std::uint16_t>(port));
 }
 
-// a writes, b reads and moves.
+// Participant a writes, and b reads and moves.
 struct AddressChange : ::testing::TestWithParam<ProtectionKind> {
   AddressChange() : pair({.rtps = GetParam(), .discovery = GetParam()}) {
     EXPECT_TRUE(pair.match());
@@ -47,7 +47,7 @@ TEST_P(AddressChange, ReaderMoves_WriterFollows) {
   EXPECT_EQ(pair.a.listener.unmatched + pair.b.listener.unmatched, 0);
 }
 
-// An insider could otherwise have others send to any host.
+// Otherwise an insider could have others send to any host.
 TEST_P(AddressChange, HostItWasNeverHeardFrom_IsNotUsed) {
   move(at("192.0.2.50", 7100));
   pair.world.run(100);

@@ -1,5 +1,5 @@
-// What was judged before is not judged again. A program of its own: it stands before OpenSSL's
-// functions and counts the calls.
+// What was judged before is not judged again. This is a program of its own, because it replaces
+// OpenSSL's functions and counts the calls.
 #include <bit>
 #include <dlfcn.h>
 
@@ -18,7 +18,7 @@ struct Work {
 };
 Work work;
 
-// OpenSSL's own of this name.
+// Returns OpenSSL's own function of this name.
 template <class F>
 F original(F, const char* name) {
   return std::bit_cast<F>(dlsym(RTLD_NEXT, name));
@@ -61,7 +61,7 @@ namespace {
 
 using namespace testing;
 
-// Every datagram comes twice, which is no work either.
+// Every datagram arrives twice, which must not cause work either.
 TEST(RepeatedWork, KnownPeer_IsAuthenticatedByItsSignatureAlone) {
   const auto rules = everything(ProtectionKind::encrypt);
   const auto of_bob = properties_of("CN=bob,O=Example", rules);
@@ -82,7 +82,7 @@ TEST(RepeatedWork, KnownPeer_IsAuthenticatedByItsSignatureAlone) {
   EXPECT_EQ(work, (Work{2, 1, 1, 0})) << "only the new process has something to learn";
 }
 
-// Alice's clock runs 10,000 times as fast as bob's. To bob she is a peer that renews her
+// Alice's clock runs 10,000 times as fast as bob's. For bob, she is a peer that renews her
 // certificate and permissions a thousand times a second.
 struct Hasty {
   explicit Hasty(const Rules& rules)
@@ -117,7 +117,7 @@ struct Hasty {
     by_bob.signatures += work.signatures - before.signatures;
     deliver(bob, alice, of_alice);
   }
-  // Alice takes the documents, and offers them to bob.
+  // Alice adopts the documents, and offers them to bob.
   void renew(std::vector<std::string> topics) {
     files.put(documents(std::move(topics)));
     alice.clock.advance(2s);
@@ -141,7 +141,8 @@ TEST(RepeatedWork, AThousandRenewalsInASecond_FewAreJudgedAndTheLastCounts) {
   two.renew({"Circle"});
   EXPECT_EQ(two.of_bob - begin, 1s);
   EXPECT_EQ(two.alice.events.count(Code::permissions_renewed), kRenewals);
-  // Three at once; each has one document, two signatures of the session's offer and a chain.
+  // Three renewals arrive at once. Each has one document, two signatures of the session's offer,
+  // and a chain.
   EXPECT_EQ(two.by_bob.documents, 3);
   EXPECT_LE(two.by_bob.signatures, 6);
   EXPECT_EQ(two.bob.events.count(Code::peer_permissions_renewed), 3);

@@ -9,7 +9,7 @@ using namespace testing;
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-// Alice writes, bob and carol read; alice and bob look at the list.
+// Alice writes, and bob and carol read. Alice and bob look at the list.
 struct Three {
   explicit Three(const Rules& rules = everything(kEncrypt))
       : alice(list.watched_by(properties_of("CN=alice,O=Example", rules))),
@@ -52,7 +52,7 @@ TEST(Revocation, RevokedPeer_IsCutOffAndNoOther) {
     Three three(rules);
     ASSERT_TRUE(three.match()) << three.text();
     three.revoke(three.carol);
-    // The participants look once a second.
+    // The participants look at the list once a second.
     EXPECT_TRUE(three.world.run_until([&] { return three.a.listener.matched == 1; }, 110));
     EXPECT_TRUE(three.a.events.has(Code::crl_renewed));
     EXPECT_EQ(three.a.events.count(Code::certificate_revoked), 1) << three.text();
@@ -83,7 +83,7 @@ TEST(Revocation, RevokedPeer_IsToldThatTheSessionHasEnded) {
   EXPECT_TRUE(three.a.knows(three.b));
 }
 
-// The peer goes on announcing itself, and accepts no handshake.
+// The peer still announces itself, and accepts no handshake.
 TEST(Revocation, AParticipantThatItsPeerCutsOff_SaysSoOnce) {
   Three three;
   ASSERT_TRUE(three.match()) << three.text();
@@ -99,7 +99,7 @@ TEST(Revocation, AParticipantThatItsPeerCutsOff_SaysSoOnce) {
   EXPECT_FALSE(three.a.events.has(Code::session_not_resumed));
 }
 
-// It announces itself on and on, and each of its handshakes is refused for the reason.
+// The peer announces itself again and again, and each of its handshakes is refused for this reason.
 TEST(Revocation, RevokedPeer_DoesNotComeBack) {
   Three three;
   ASSERT_TRUE(three.match()) << three.text();
@@ -112,7 +112,7 @@ TEST(Revocation, RevokedPeer_DoesNotComeBack) {
   EXPECT_GT(three.a.events.count(Code::certificate_revoked), refused) << three.text();
 }
 
-// Made anew with the same certificate, it is a stranger with a bad name.
+// A new participant with the same certificate is a stranger that is refused.
 TEST(Revocation, ARestart_DoesNotHelp) {
   Three three;
   ASSERT_TRUE(three.match()) << three.text();
@@ -139,7 +139,7 @@ TEST(Revocation, OwnRevocation_EndsAllOurPeers) {
   EXPECT_TRUE(three.a.events.has(Code::certificate_revoked)) << three.text();
 }
 
-// In the middle of its handshake: whatever it still says is refused.
+// The certificate is revoked in the middle of the handshake. All further messages are refused.
 TEST(Revocation, RevocationOfAJoiningPeer_KeepsItOut) {
   for (int steps = 0; steps < 12; ++steps) {
     Three three;

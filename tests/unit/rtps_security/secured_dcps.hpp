@@ -25,10 +25,10 @@ struct TypeTraits<Sensor> {
 
 namespace testing {
 
-/// What one process brings along for a secured participant.
+/// The engines and services that a process has for a secured participant.
 struct SecuredProcess {
   using Wrap = std::unique_ptr<spi::AccessControl> (*)(std::unique_ptr<spi::AccessControl>);
-  /// `wrap`: puts something around its access control.
+  /// `wrap` wraps its access control.
   explicit SecuredProcess(ManualClock& clock, Wrap wrap = nullptr)
       : services{clock, random, events},
         authentication(authentication::make_authentication(services)),
@@ -36,7 +36,7 @@ struct SecuredProcess {
         cryptography(cryptography::make_cryptography(services)) {
     if (wrap != nullptr) access_control = wrap(std::move(access_control));
   }
-  /// `topics`: what it may publish and subscribe to.
+  /// `topics` are those that it may publish and subscribe to.
   DomainParticipantOptions options(const std::string& subject, const Rules& rules,
                                    std::string store = {},
                                    std::vector<std::string> topics = {"*"}) {
@@ -59,7 +59,7 @@ struct SecuredProcess {
   std::unique_ptr<spi::Cryptography> cryptography;
 };
 
-/// A secured participant with its entities, polled by the test.
+/// A secured participant with its entities, which the test polls.
 struct Secured : SecuredProcess {
   Secured(const std::string& subject, const Rules& rules, ManualClock& clock,
           std::string store = {}, std::vector<std::string> topics = {"*"}, Wrap wrap = nullptr)

@@ -26,7 +26,7 @@ struct SecuredKeeper : ::testing::Test {
   std::unique_ptr<Keeper> keeper =
       Keeper::create(process.options("CN=keeper,O=Example", rules), {}, process.services).value();
   Secured alice{"CN=alice,O=Example", rules, clock};
-  /// May use another topic only, and does not keep to it.
+  /// Mallory may use another topic only, and does not obey this.
   std::optional<Secured> mallory{std::in_place,
                                  "CN=mallory,O=Example",
                                  rules,
@@ -66,7 +66,7 @@ struct SecuredKeeper : ::testing::Test {
     });
     return out;
   }
-  /// The keeper stores a sample of the topic, whose writer then leaves.
+  /// Lets the keeper store a sample of the topic. Its writer then leaves.
   void store_one(Topic& topic) {
     auto* publisher = *alice.participant->create_publisher();
     auto& writer =
@@ -78,7 +78,7 @@ struct SecuredKeeper : ::testing::Test {
     ASSERT_TRUE(keeper->flush(5s));
     ASSERT_TRUE(publisher->delete_contained_entities());
   }
-  /// What was refused is considered again by a thread of its own, once a second.
+  /// A thread of its own considers refused topics again, once a second.
   bool keeps_one_soon() {
     for (int i = 0; i < 100 && keeper->topics() == 0; ++i) {
       run(30);
@@ -88,7 +88,7 @@ struct SecuredKeeper : ::testing::Test {
   }
 };
 
-/// With a store so small that an identity soon has used its share.
+/// A keeper with a store so small that an identity soon uses up its share.
 struct SmallSecuredKeeper : SecuredKeeper {
   Qos qos = durable(DurabilityKind::transient);
   DataWriter<Sensor>* of_alice = nullptr;
@@ -99,11 +99,11 @@ struct SmallSecuredKeeper : SecuredKeeper {
     keeper = Keeper::create(process.options("CN=keeper,O=Example", rules),
                             {.store_octets = std::size_t{256} << 10}, process.services)
                  .value();
-    mallory.emplace("CN=mallory,O=Example", rules, clock);  // may write the topic
+    mallory.emplace("CN=mallory,O=Example", rules, clock);  // this one may write the topic
     of_alice = &alice.writer(qos);
     of_mallory = &mallory->writer(qos);
   }
-  /// Samples of different instances.
+  /// Writes samples of different instances.
   void write(DataWriter<Sensor>& writer, std::int32_t first, std::int32_t count) {
     ASSERT_TRUE(eventually([&] { return !writer.matched_subscriptions().empty(); }));
     for (std::int32_t i = first; i < first + count; ++i) {
@@ -113,7 +113,8 @@ struct SmallSecuredKeeper : SecuredKeeper {
       ASSERT_TRUE(keeper->flush(5s));
     }
   }
-  /// The store has a thread of its own, which the test's clock does not wait for.
+  /// True once the keeper has stored all samples. The store has a thread of its own, which does not
+  /// follow the test's clock.
   bool stored_all_of(DataWriter<Sensor>& writer) {
     return eventually(
         [&] { return keeper->flush(5s) && writer.wait_for_acknowledgments(0ms).has_value(); });

@@ -1,5 +1,5 @@
-// Secured participants without sockets: keys and documents made on the spot, a network that the
-// test carries, and time that it moves.
+// Secured participants without sockets: keys and documents that are made by the tests, a network
+// that the test carries, and time that it moves.
 #pragma once
 
 #include <functional>
@@ -47,7 +47,7 @@ struct Listener final : EndpointListener {
     return true;
   }
   void on_sample_lost(std::int64_t) override {}
-  /// Wants to hear of each assertion.
+  /// Asks to be notified of each assertion.
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override {
     signals[writer] = signal;
     if (signal) signal->notify(*this, writer);
@@ -60,7 +60,7 @@ struct Listener final : EndpointListener {
   void on_acknowledged() override {}
 };
 
-/// With any domain tag: tests that run at the same time keep apart by theirs.
+/// Returns a set with any domain tag, because tests that run at the same time use different tags.
 inline governance::DomainSet any_domain() {
   return {.ranges = {{0, 230}}, .tag_expressions = {{"*", 0}}};
 }
@@ -76,7 +76,7 @@ struct Rules {
   bool allow_unauthenticated = false;
   bool access_control = true;
   bool revises_keys = false;
-  /// An expression: which partitions the permissions allow. nullptr: only the default partition.
+  /// An expression for the partitions that the permissions allow; nullptr: only the default one.
   const char* partitions = nullptr;
   bool clear_topics = false;  ///< discovery is protected, but not that of the topics
   /// The topics ask for protected discovery, whether any protects it or not.
@@ -131,7 +131,7 @@ struct Authorities {
 
 inline std::string data_uri(std::string_view text) { return "data:," + std::string(text); }
 
-/// `topics`: what may be published and subscribed, and how long; `tags`: with which data tags.
+/// `topics` may be published and subscribed, for the time `valid`, with the data tags `tags`.
 inline spi::PropertyList properties_of(const std::string& subject, const Rules& rules,
                                        std::vector<std::string> topics = {"*"},
                                        std::chrono::hours valid = 24h,
@@ -168,8 +168,8 @@ inline spi::PropertyList properties_of(const std::string& subject, const Rules& 
        sign(governance::to_xml(governance::Permissions{.grants = {grant}})), false}};
 }
 
-/// The CA's revocation list in a file that a participant may be made without, and whoever looks at
-/// it once a second.
+/// The CA's revocation list in a file, which need not exist at first. A participant with its
+/// properties looks at it once a second.
 class RevocationFile {
  public:
   spi::PropertyList watched_by(spi::PropertyList properties) const {
@@ -179,7 +179,7 @@ class RevocationFile {
     properties.push_back({std::string(property::kFilesPollInterval), "1", false});
     return properties;
   }
-  /// Puts the next list there.
+  /// Puts the next list in place.
   void revoke(const spi::PropertyList& whose) {
     const auto* uri = spi::find_property(whose, spi::property::kIdentityCertificate);
     revoked_.push_back(
@@ -207,7 +207,7 @@ struct Node {
   };
 
   static GuidPrefix candidate(std::uint8_t n) { return GuidPrefix::from(Bytes(12, n)); }
-  /// Announces itself to the first `others`.
+  /// Returns the configuration of a participant that announces itself to the first `others`.
   static ParticipantConfig config(std::uint8_t n, const GuidPrefix& prefix, int others = 3) {
     const auto at = [](std::uint32_t port) {
       return *Locator::parse("127.0.0.1", static_cast<std::uint16_t>(port));
@@ -220,11 +220,11 @@ struct Node {
             .announce_to = std::move(announce_to),
             .address_secret = sha256(prefix.octets)};
   }
-  /// Unsecured.
+  /// Makes an unsecured participant.
   explicit Node(std::uint8_t n) : port(7000u + n), random(n) {
     participant = std::make_unique<RtpsParticipant>(config(n, candidate(n)), post, events);
   }
-  /// What may stand between a participant and its keys.
+  /// Wraps the cryptography of a participant.
   using Wrap =
       std::function<std::unique_ptr<spi::Cryptography>(std::unique_ptr<spi::Cryptography>)>;
   Node(std::uint8_t n, const spi::PropertyList& properties, int others = 3, const Wrap& wrap = {})
@@ -239,7 +239,7 @@ struct Node {
     if (wrap) cryptography = wrap(std::move(cryptography));
     join(n, *this, properties, others);
   }
-  /// With the engines, and so the clock, of another one, which lives longer.
+  /// Uses the engines, and so the clock, of another node, which must live longer.
   Node(std::uint8_t n, const spi::PropertyList& properties, Node& host)
       : port(7000u + n), random(n) {
     join(n, host, properties, 3);
@@ -276,7 +276,7 @@ struct Node {
 
 inline std::vector<Bytes> one(Bytes datagram) { return std::vector<Bytes>(1, std::move(datagram)); }
 
-/// Carries datagrams; a filter may lose, change or add some.
+/// Carries datagrams. A filter may lose, change or add some.
 struct World {
   using Filter = std::function<std::vector<Bytes>(const Node& from, Bytes datagram)>;
   std::vector<Node*> nodes;
@@ -302,7 +302,7 @@ struct World {
       for (auto* node : nodes) (*node)->tick(now);
     }
   }
-  /// True once `done`, at most after so many steps of 10 ms.
+  /// True once `done` is true. Runs at most that many steps of 10 ms.
   bool run_until(const std::function<bool()>& done, int steps = 3000) {
     for (int i = 0; i < steps && !done(); ++i) run(1);
     return done();
@@ -327,7 +327,7 @@ struct Pair {
         b(2, properties_of("CN=bob,O=Example", of_b)) {
     world.nodes = {&a, &b};
   }
-  /// With further properties of each participant.
+  /// Makes a pair with further properties for each participant.
   Pair(const Rules& of_a, const Rules& of_b, const spi::PropertyList& more_of_a,
        const spi::PropertyList& more_of_b)
       : a(1, both(properties_of("CN=alice,O=Example", of_a), more_of_a)),

@@ -27,7 +27,7 @@ TEST(Joining, AnEndedPermission_EndsTheParticipation) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.matched == 0; }, 300));
 }
 
-// Two grants of one subject, one after the other: what the first gave ends with it.
+// One subject has two grants, one after the other. The rights of the first grant end with it.
 TEST(Joining, ANarrowerGrantThatFollows_IsInForceForWhatIsMatched) {
   const auto rules = everything(kEncrypt);
   auto bob = properties_of("CN=bob,O=Example", rules);
@@ -57,7 +57,7 @@ TEST(Joining, ANarrowerGrantThatFollows_IsInForceForWhatIsMatched) {
   ASSERT_TRUE(world.run_until([&] { return a.listener.matched == 1 && b.listener.matched == 1; }));
   a.clock.advance(1h);
   EXPECT_TRUE(world.run_until([&] { return a.listener.matched == 0; }, 300)) << a.events.text();
-  // It comes again, with what it still may.
+  // The peer returns, with the rights that it still has.
   EXPECT_TRUE(world.run_until([&] { return a.knows(b); })) << a.events.text();
   world.run(300);
   EXPECT_EQ(a.listener.matched, 0);

@@ -1,4 +1,4 @@
-// The segments of shared memory that this process has mapped: as writer and as reader.
+// The segments of shared memory that this process has mapped as writer and as reader.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace ddssec::rtps::testing {
 
-/// Their lines of /proc/self/maps.
+/// Returns their lines of /proc/self/maps.
 inline std::vector<std::string> mappings() {
   std::vector<std::string> out;
   std::ifstream maps("/proc/self/maps");

@@ -36,8 +36,8 @@ TEST_F(SessionEndsTest, AProvenEnd_IsTakenOnceAndInTime) {
 }
 
 TEST_F(SessionEndsTest, WithoutAProof_NothingIsTaken) {
-  receive(kPeer, secret(2), kPeer);   // of another session
-  receive(kPeer, secret(1), kOther);  // of the other side
+  receive(kPeer, secret(2), kPeer);   // the secret of another session
+  receive(kPeer, secret(1), kOther);  // a message of the other side
   receive(kOther, secret(1), kPeer);  // in the name of another peer
   const spi::ResetToken nothing{.name = {}, .proof = *spi::ResetProof::copy_of(Bytes(32))};
   ends.received(kPeer, *spi::read_reset(spi::write_reset(kPeer, nothing)), kNow);

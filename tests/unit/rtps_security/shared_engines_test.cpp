@@ -1,5 +1,5 @@
-// Two participants of one process on one set of engines, and a remote one that both deal with: what
-// ends for the one goes on for the other.
+// Two participants of one process on one set of engines, and a remote one that both deal with. What
+// ends for one of them goes on for the other.
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -11,7 +11,7 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
 struct SharedEngines : ::testing::TestWithParam<ProtectionKind> {
-  // How long whose permissions are valid.
+  // The parameters say how long the permissions of each are valid.
   void join(std::chrono::hours of_first = 24h, std::chrono::hours of_remote = 24h) {
     const auto rules = everything(GetParam());
     engines.emplace(9, properties_of("CN=engines,O=Example", rules));
@@ -32,7 +32,7 @@ struct SharedEngines : ::testing::TestWithParam<ProtectionKind> {
         << remote->events.text();
   }
 
-  // Whether what `from` writes comes to `to`.
+  // True if samples of `from` arrive at `to`.
   bool talks(Node& from, Node& to, int steps = 500) {
     const auto before = to.listener.changes.size();
     Change change;
@@ -68,16 +68,16 @@ TEST_P(SharedEngines, OneLeaves_TheOtherGoesOn) {
   (*first)->leave();
   world.run(50);
   world.nodes = {&*second, &*remote};
-  first.reset();  // its handles go back
+  first.reset();  // its handles are returned
   expect_talk(*second, *remote);
-  // As long as handshakes and keys of the one that is left do, too.
+  // A new participant works for as long as handshakes and keys of the remaining one do.
   Node fourth(1, properties_of("CN=fourth,O=Example", everything(GetParam())));
   world.nodes.push_back(&fourth);
   EXPECT_TRUE(world.run_until([&] { return fourth.knows(*second) && second->knows(fourth); }));
   expect_talk(*second, *remote);
 }
 
-// The one no longer hears the remote, whose lease then ends there.
+// One participant no longer hears the remote, whose lease then ends there.
 TEST_P(SharedEngines, OneLosesTheRemote_TheOtherKeepsIt) {
   join();
   const auto deaf = first->port;

@@ -1,4 +1,4 @@
-// Participants that may use shared memory, and the octets that they send besides.
+// Participants that may use shared memory, and the octets that they send in messages.
 #pragma once
 
 #include "rtps/participant/shared_memory.hpp"
@@ -7,14 +7,14 @@
 namespace ddssec::rtps::testing {
 
 inline constexpr std::size_t kLarge = 64 << 10;
-inline const Bytes kNeedle(256, 0x5a);  // of payload()
+inline const Bytes kNeedle(256, 0x5a);  // the content of payload()
 
 inline spi::PropertyList shm(std::string value = "on", std::string trust = "false") {
   return {{std::string(spi::property::kSharedMemory), std::move(value), false},
           {std::string(spi::property::kTrustKernel), std::move(trust), false}};
 }
 
-/// Octets that participants sent, since the last call.
+/// Counts the octets that participants sent since the last call.
 struct Volume {
   explicit Volume(World& world) {
     world.filter = [this](const Node&, Bytes datagram) {

@@ -1,5 +1,5 @@
 // Samples between secured participants through shared memory, with the protection that the
-// governance demands; and what peers may try.
+// governance demands, and what peers may try.
 #include "rtps/participant/shared_memory.hpp"
 
 #include <dirent.h>
@@ -17,7 +17,7 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-// ---- which kinds of protection go through memory
+// ---- kinds of protection that allow shared memory
 
 struct Case {
   const char* name;
@@ -148,7 +148,7 @@ TEST(SharedMemory, Reader_MapsNothingForWriting) {
   ASSERT_TRUE(pair.share());
   int writable = 0;
   for (const auto& line : mappings()) writable += line.find(" rw-s ") != std::string::npos ? 1 : 0;
-  EXPECT_EQ(writable, 1);  // the writer's own
+  EXPECT_EQ(writable, 1);  // that of the writer itself
 }
 
 TEST(SharedMemory, ParticipantsGone_NoSegmentAndNoDescriptorStays) {

@@ -1,4 +1,4 @@
-// Three participants of a domain that revises keys; one of them keeps every key it is given.
+// Three participants of a domain that revises keys. One of them keeps every key that it gets.
 #pragma once
 
 #include "tests/unit/rtps_security/recorder.hpp"
@@ -11,7 +11,7 @@ inline Rules revising(Rules rules) {
   return rules;
 }
 
-/// What is good for half a day only.
+/// The document that is valid for half a day only.
 enum class Short { nothing, permissions, certificate };
 
 inline spi::PropertyList member(const std::string& name, const Rules& rules,
@@ -31,8 +31,8 @@ inline spi::PropertyList member(const std::string& name, const Rules& rules,
   return properties;
 }
 
-/// Alice writes to bob and carol; carol's plugin keeps every key it is given. `more`: what alice
-/// and bob are told besides.
+/// Alice writes to bob and carol. Carol's plugin keeps every key that it gets. `more` are further
+/// properties of alice and bob.
 struct Trio {
   explicit Trio(const Rules& rules, Short of_carol = Short::nothing,
                 const spi::PropertyList& more = {})
@@ -80,7 +80,7 @@ struct Trio {
         },
         steps);
   }
-  /// Nothing of it arrives any more.
+  /// Loses all messages of that node from now on.
   void silence(const Node& whom) {
     world.filter = [&whom](const Node& from, Bytes datagram) {
       return &from == &whom ? std::vector<Bytes>{} : one(std::move(datagram));
@@ -106,7 +106,7 @@ struct Trio {
   std::size_t written = 0;
 };
 
-/// Whatever alice and bob send is given to the recorder.
+/// Passes everything that alice and bob send to the recorder.
 inline void record(Trio& trio, Recorder& recorder) {
   trio.world.filter = [&](const Node& from, Bytes datagram) {
     if (&from != &trio.c) recorder.read(datagram);
@@ -114,7 +114,7 @@ inline void record(Trio& trio, Recorder& recorder) {
   };
 }
 
-/// Some of everything: samples, announcements, liveliness, acknowledgements.
+/// Causes some messages of all kinds: samples, announcements, liveliness, acknowledgments.
 inline void traffic(Trio& trio) {
   for (int i = 0; i < 3; ++i) {
     trio.write();

@@ -34,7 +34,7 @@ TEST(RequestPace, ALargerSample_IsRequestedAgainLater) {
   EXPECT_TRUE(pace.is_due(31s));
 }
 
-// Before: it was sent again twice a second.
+// It must not be sent again twice a second.
 TEST_F(SmallSecuredKeeper, ALargeSampleThatWaits_IsSeldomSentAgain) {
   auto* topic = *alice.participant->create_topic<Chunk>("Chunks");
   auto* publisher = *alice.participant->create_publisher();
@@ -84,7 +84,7 @@ struct ExclusiveSecuredKeeper : SecuredKeeper {
 };
 
 TEST_F(ExclusiveSecuredKeeper, BeyondAnIdentitysInstances_SamplesWait_AndAreNotAcknowledged) {
-  mallory.emplace("CN=mallory,O=Example", rules, clock);  // may write the topic
+  mallory.emplace("CN=mallory,O=Example", rules, clock);  // this one may write the topic
   auto& greedy = writer_of(*mallory, 10);
   write(greedy, 0, kShare);
   ASSERT_TRUE(stored_all_of(greedy));

@@ -1,4 +1,4 @@
-// Who reads shared memory, until when, and what a peer may keep of it.
+// Which participants read shared memory, until when, and what a peer may keep of it.
 #include "rtps/security/written_memory.hpp"
 
 #include <dirent.h>
@@ -24,9 +24,9 @@ using namespace testing;
 using ::testing::HasSubstr;
 using enum ProtectionKind;
 
-// ---- who may read
+// ---- participants that may read
 
-// A reader's participant that keeps what it has mapped: a copy of each segment of this process.
+// A reader's participant that keeps its mappings: a copy of each segment of this process.
 struct KeptMapping {
   KeptMapping() {
     auto* const folder = ::opendir("/proc/self/fd");
@@ -89,7 +89,8 @@ struct Three {
     ++written;
     world.run(100);
   }
-  // Carol's process keeps her mapping, and finds nothing new there. Bob goes on with new memory.
+  // Carol's process keeps her mapping, and finds nothing new there. Bob uses new memory from then
+  // on.
   void expect_carol_sees_nothing_more(const std::function<void()>& end) {
     const KeptMapping kept;
     ASSERT_EQ(kept.kept.size(), 1u);
@@ -121,7 +122,7 @@ TEST(SharedMemory, ReaderUnmatched_SeesNothingMore) {
   });
 }
 
-// A hostile peer may fetch the memory and say that it has not.
+// A hostile peer may fetch the memory and deny it.
 TEST(SharedMemory, ReaderDeniesToHaveMemory_SeesNothingMore) {
   Three three({.metadata = sign});
   auto& carols = memory_of(three.c->remote_participants().core())->mapped();
@@ -156,9 +157,10 @@ TEST(SharedMemory, PeerIgnored_SeesNothingMore) {
   });
 }
 
-// ---- memory that a reader does not give back
+// ---- memory that a reader does not return
 
-// Octets of the segments of this process, each once, also of those that only a test has mapped.
+// Returns the octets of the segments of this process, each counted once, including those that only
+// a test has mapped.
 std::size_t octets_in_memory() {
   std::map<std::string, std::size_t> by_inode;
   for (const auto& line : mappings()) {
@@ -203,7 +205,7 @@ TEST(SharedMemory, ReaderComesAndGoes_SegmentsAreUsedAgain) {
     EXPECT_LE(octets_in_memory(), 2 * churn.before) << i;
     Volume volume(churn.world);
     churn.write();
-    EXPECT_LT(volume.take(), kLarge / 4) << i;  // both read memory
+    EXPECT_LT(volume.take(), kLarge / 4) << i;  // both of them read memory
     churn.world.filter = {};
   }
   EXPECT_LE(churn.kept().segments(), 1u);
@@ -211,7 +213,7 @@ TEST(SharedMemory, ReaderComesAndGoes_SegmentsAreUsedAgain) {
       churn.world.run_until([&] { return churn.b.listener.changes.size() == churn.written; }));
 }
 
-// Carol's participants come one after the other, and her process keeps what each has mapped.
+// Carol's participants come one after the other, and her process keeps all mappings.
 struct Restarts : Churn {
   Restarts() { leave(c, readers[1]); }
   void restart() {
@@ -222,7 +224,7 @@ struct Restarts : Churn {
     mapped.push_back(std::make_unique<KeptMapping>());
     leave(node, reader);
   }
-  // The participants are gone, and the memory is not.
+  // The participants are gone, and the memory still exists.
   void end_participants() {
     world.nodes.resize(3);
     for (auto& node : others) (*node)->leave();
@@ -278,7 +280,7 @@ TEST(SharedMemory, SegmentUsedAgain_HasNoFormerSamples) {
   EXPECT_FALSE(segment_of_bob_and_carol.has_needle());
 }
 
-// ---- a peer that passes another descriptor than of memory
+// ---- a peer that passes a descriptor of something else than memory
 
 TEST(SharedMemory, PeerPassesAnotherDescriptor_ItsIdentityIsAskedForNoOther) {
   Shared pair({.data = encrypt});
@@ -301,7 +303,7 @@ TEST(SharedMemory, PeerPassesAnotherDescriptor_ItsIdentityIsAskedForNoOther) {
 TEST(SharedMemory, FirstOfferIsTooLate_NoEventSaysThatMemoryIsUnused) {
   Shared pair({.data = encrypt});
   auto& carols = memory_of(pair.b->remote_participants().core())->mapped();
-  carols.remove_reader(pair.writer, pair.reader.entity);  // it has not matched yet
+  carols.remove_reader(pair.writer, pair.reader.entity);  // as if it had not matched yet
   EXPECT_FALSE(pair.share());
   carols.add_reader(pair.writer, pair.reader.entity);
   for (int i = 0; i < 5; ++i) pair.share();
