@@ -92,7 +92,7 @@ class Folders(AgentTest):
         self.assertFalse((self.at / "asked").exists(), "the CA was asked first")
 
     def test_a_folder_without_the_list_gets_no_next_one_by_a_hook_if_the_agent_has_it(self):
-        """Before, an owner who removed the list from the folder got a certificate that no list names."""
+        """Otherwise an owner who removes the list from the folder would get a certificate that no list names."""
         self.run_program("identity", "revoke", "demo/talker", "--ca", "demo", exit=None)
         (self.talker / "crl.pem").unlink()
         lists = self.at / "lists.pem"

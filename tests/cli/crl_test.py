@@ -183,7 +183,7 @@ class Revocation(Transcript):
         for folder in ("fourth", "fleet/fifth"):
             self.assertEqual(self.files()[folder + "/crl.pem"], 0o644)
             self.json("crl", "verify", folder, "--ca", "ca", *NOW)
-        after = ("--now", "2027-06-01T00:00:00Z")  # a list that is over would shut everybody out
+        after = ("--now", "2027-06-01T00:00:00Z")  # an expired list would exclude all participants
         self.run_program("identity", "issue", "sixth", "--ca", "ca", "-o", "sixth", *after)
         self.assertNotIn("sixth/crl.pem", self.files())
 

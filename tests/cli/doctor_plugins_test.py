@@ -147,7 +147,7 @@ class Plugins(DoctorTest):
         self.assertEqual(told[0]["severity"], "warning")
         self.assertIn("of two products: authentication: stock, not ddssec's", told[0]["message"])
         self.assertIn("export LD_LIBRARY_PATH=", told[0]["hint"])
-        # Without a configuration nobody knows the names; CYCLONEDDS_URI comes first.
+        # Without a configuration the names are not known. CYCLONEDDS_URI comes first.
         self.assertEqual(plugins(ours, 0, self.paths["correct"]), ([], []))
         named = f"file://{self.at}/demo/talker/cyclonedds.xml"
         self.assertEqual(len(plugins(ours, 0, self.paths["correct"], CYCLONEDDS_URI=named)[0]), 3)

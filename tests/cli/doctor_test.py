@@ -86,7 +86,7 @@ SENTENCES = {
 }
 
 
-# What products run, and lint takes for a mistake all the same.
+# Documents that products accept, and that lint nevertheless treats as a mistake.
 CONTRADICTIONS = {"governance-unauthenticated"}
 
 

@@ -232,7 +232,7 @@ class Documents(Transcript):
         self.json("check", "talker", "listener", "--topics", "open", *words, exit=1)
         return self.json("can", "talker", "publish", "open", *words, exit=1)
 
-    # An open topic asks for no permission; the participant must come up all the same.
+    # An open topic needs no permission, but the participant must still start.
     def test_can_judges_the_whole_chain_as_check_does(self):
         self.participant()
         self.run_program("identity", "issue", "listener", "--ca", "ca", "-o", "listener", *NOW,

@@ -98,7 +98,7 @@ governance("small-letters", "<rtps_protection_kind>SIGN<", "<rtps_protection_kin
 governance("unknown-kind", "<rtps_protection_kind>SIGN<", "<rtps_protection_kind>SIGNED<")
 governance("unauthenticated", "<allow_unauthenticated_participants>false<",
            "<allow_unauthenticated_participants>true<")
-# The standard demands that of those who allow it: nothing protects what everybody may send.
+# The standard demands this if unauthenticated participants are allowed: nothing protects what everyone may send.
 governance("unauthenticated-open", """<allow_unauthenticated_participants>false</allow_unauthenticated_participants>
       <enable_join_access_control>true</enable_join_access_control>
       <discovery_protection_kind>ENCRYPT</discovery_protection_kind>

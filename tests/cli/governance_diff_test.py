@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""governance diff: what a change of a document changes, and for whom."""
+"""governance diff: what a change of a document changes, and for which participants."""
 
 import itertools
 import re

@@ -20,7 +20,7 @@ def packets(octets):
 
 
 def pcap(of, lost=lambda octets: 0):
-    """`lost`: how many octets of each packet whoever captured cut off."""
+    """`lost` says how many octets the capturing program cut off each packet."""
     out = CAPTURE.read_bytes()[:24]
     for seconds, fraction, octets in of:
         left = octets[:len(octets) - lost(octets)]
@@ -52,7 +52,7 @@ class Inspect(Transcript):
         self.assertRegex(text, r"CN=talker and CN=listener: authenticated within \d+ ms\n$")
 
     def test_cyclone_dds_and_fast_dds(self):
-        """Which Fast DDS it is nobody announces: what its later versions do is a note."""
+        """Fast DDS does not announce its version, so what its later versions do is a note."""
         vendors, with_others = {}, []
         for seconds, fraction, octets in packets(CAPTURE.read_bytes()):
             at = octets.find(b"RTPS")
@@ -127,7 +127,7 @@ class Inspect(Transcript):
         self.assertEqual((out["result"]["participants"], out["result"]["rtps_messages"]), ([], 0))
 
     def test_every_octet_may_be_another(self):
-        """Nobody promised that a capture holds what participants send."""
+        """A capture may hold other octets than participants send."""
         whole = bytearray(CAPTURE.read_bytes()[:6000])
         for at in range(24, len(whole), 97):
             changed = bytearray(whole)

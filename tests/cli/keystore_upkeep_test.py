@@ -242,7 +242,7 @@ class Upkeep(KeystoreTest):
             self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
         self.run_program("identity", "revoke", "ks/enclaves/b", "--ca", "ks", *NOW)
         self.run_program("keystore", "rotate", "ks", "--role", "identity", *NOW)
-        self.json("keystore", "verify", "ks", *NOW, exit=1)  # /b stays with a CA that nobody has
+        self.json("keystore", "verify", "ks", *NOW, exit=1)  # /b stays with a CA that no other enclave has
         self.json("doctor", "ks/enclaves/a", *NOW)
 
     def test_rotate_takes_the_revocation_list_along(self):

@@ -327,7 +327,7 @@ class Several(Lists):
 
     def test_can_leaves_out_a_list_whose_place_a_newer_one_takes(self):
         shutil.copytree(self.at / "demo/ca", self.at / "once")
-        for file in ("crl.pem", "issued.jsonl"):  # a CA that forgot whom it revoked
+        for file in ("crl.pem", "issued.jsonl"):  # a CA that forgot which certificates it revoked
             (self.at / "once/identity" / file).unlink()
         for _ in range(3):
             self.run_program("crl", "new", "--ca", "once/identity", *LATER)

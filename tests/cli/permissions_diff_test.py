@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""permissions diff: what a change of a document changes, and for whom."""
+"""permissions diff: what a change of a document changes, and for which participants."""
 
 import subprocess
 

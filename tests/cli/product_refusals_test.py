@@ -271,7 +271,7 @@ class UnreadByUs(ProductRefusals):
         self.expect()
 
     def test_kinds_of_keys_that_fast_dds_takes(self):
-        # With Ed25519 it starts and authenticates nobody (measured).
+        # Measured: with Ed25519 it starts, and authenticates no peer.
         for kind, verdict, answer in (("rsa1024", "unsafe", 3), ("ed25519", "late", 1)):
             Folder(self.shop, self.at / kind, f"/CN={kind}", kind, kind=kind)
             self.assertEqual(self.doctor(folder=kind)[0]["fastdds@2.9.1"], verdict)

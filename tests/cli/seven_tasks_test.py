@@ -57,7 +57,7 @@ class SevenTasks(Transcript):
         return start(self.namespace, product, self.at / folder, role, SECONDS, DROPIN)
 
     def run_both(self, writer, reader, a, b, works):
-        """All samples arrive, or nobody matches."""
+        """Either all samples arrive, or the two do not match."""
         both = [self.peer(a, writer, "--publish"), self.peer(b, reader, "--subscribe")]
         said = [one.communicate(timeout=60)[0] for one in both]
         ended = [one.returncode for one in both]

@@ -1,4 +1,4 @@
-"""A keystore as sros2 makes it: one CA, keys that everybody can read."""
+"""A keystore as sros2 makes it: one CA, keys that every user can read."""
 
 import pathlib
 import shutil

@@ -109,12 +109,12 @@ class StockSpelling(WithoutLists):
             with self.subTest(old=old):
                 self.assertEqual(self.judged(), ("unsafe", 3))
         self.sign("p", "<permissions>", "<permissions> ")
-        for folder in self.folders:  # what nobody signed, behind the last boundary
+        for folder in self.folders:  # unsigned text after the last boundary
             file = folder.path / "permissions.p7s"
             file.write_bytes(file.read_bytes() + b"\ntrailing text\n")
         self.assertEqual(self.judged(), ("unsafe", 3))
         for folder in self.folders:
-            folder.replace("permissions.p7s", "Square", "Circle")  # now nobody believes it
+            folder.replace("permissions.p7s", "Square", "Circle")  # now no product accepts it
         self.assertEqual(self.judged()[0], "fail")
 
     def test_certificates_and_keys_in_other_forms(self):

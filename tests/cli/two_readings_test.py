@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A signed file that two readers read as two documents is an error for every command. Nobody signs the header, so that
+"""A signed file that two readers read as two documents is an error for every command. The header is not signed, so
 anyone who passes the file on can change it."""
 
 import re

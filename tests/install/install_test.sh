@@ -53,7 +53,7 @@ grep -q 'peer "CN=listener".*rtps_peer_authenticated' "$scratch/publisher.log" |
 if "$scratch/examples/publisher" "$scratch/nowhere" 121 lo 2>"$scratch/refused"; then die "no folder, no error"; fi
 grep -q "nowhere" "$scratch/refused" || die "the error does not name the folder"
 
-# An error that a program ends with is printed once, with what to do, whoever finds it.
+# An error that ends a program is printed once, with what to do, whichever part of it finds the error.
 "$installed/bin/ddssec" permissions new --cert "$scratch/demo/talker/cert.pem" --publish Other --domain 121 -o "$scratch/demo/other.xml" \
   --sign --ca "$scratch/demo" --quiet >"$scratch/refused" || { cat "$scratch/refused"; die "permissions of another topic"; }
 cp -r "$scratch/demo/talker" "$scratch/demo/elsewhere"

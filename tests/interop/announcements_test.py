@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Announcements that Cyclone DDS sends in fragments, of 1344 octets each: long partitions, and user data of a
-participant and its endpoints. The endpoints that have them match, those made later do too, and nobody is accused.
+participant and its endpoints. The endpoints that have them match, those made later do too, and no event accuses a peer.
 
 Usage: announcements_test.py BUILD [FILTER]
 """

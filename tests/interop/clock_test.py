@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""The calendar of one of two Cyclone DDS processes on our plugins is set while they talk. Wrong for some seconds, it
-parts nobody, as with stock plugins; set to stay, it ends what has ended by it, when the time of grace is over, but
-not what was not yet valid at the time that it shows. A handshake that is under way goes on.
+"""The calendar of one of two Cyclone DDS processes on our plugins is set while they talk. If it is
+wrong for some seconds, it parts no participants, as with stock plugins. If it stays, documents that have ended by it end
+when the time of grace is over, but not those that are not valid yet at the time that it shows. A handshake that is under
+way goes on.
 
 Usage: clock_test.py BUILD
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What `ddssec doctor` and `check` foretell is what the products do: participants are started on the
+"""What `ddssec doctor` and `check` predict is what the products do: participants are started on the
 folders of tests/cli/golden_folders.py, and on pairs of them.
 
 Usage: doctor_test.py SOURCE BUILD [--ours | FOLDER...]

@@ -365,7 +365,7 @@ def source(world):
     insider = world.insider("publish", "source", Permissions())
     world.until("a false source", lambda: said(insider, "tampered"))
     if world.kind != "ours-ac":
-        # Without our authentication nobody knows that the name is another peer's.
+        # Without our authentication the plugins do not know that the name is another peer's.
         code = "info_source_of_peer" if world.kind == "ours" else "info_source_mismatch"
         one_event_names(world, code, insider, 1)
         go_on(world, subscriber)

@@ -35,7 +35,7 @@ SHARED_KEYS = Governance(discovery=E, liveliness=E, metadata=E)
 WRITERS = [bytes.fromhex(f"0000{number:02x}{kind:02x}") for number in range(1, 6) for kind in (2, 3)]
 FAR = 1 << 30  # a sequence number that the honest writer does not reach
 
-# Sends each line to every UDP port of the namespace: the prefix in it says whom it is for.
+# Sends each line to every UDP port of the namespace: the prefix in it says which participant it is for.
 SENDER = """import socket, sys, time
 ports = {int(line.split()[1].split(":")[1], 16) for line in list(open("/proc/net/udp"))[1:]}
 out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

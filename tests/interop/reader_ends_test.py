@@ -62,7 +62,7 @@ def they_end(world, kind):
 
 
 def they_have_ended(world, kind):
-    """Before the writer comes. The host announces the readers to it all the same, and our plugins that they are gone."""
+    """They end before the writer comes. The host still announces them to the writer, and our plugins announce their end."""
     readers = world.readers()
     world.until("the readers leaving", lambda: has_gone(readers), PATIENCE)
     writer = world.writer(kind)

@@ -411,7 +411,7 @@ CHACHA = "org.ddssec.ChaCha20-Poly1305"
 
 
 def cipher_cases():
-    """Between two of ours it works, whoever of them chose it; a peer that did not announce it is
+    """Between two of ours it works, whichever of them chose it. A peer that did not announce it is
     refused with that reason."""
     def case(row, pair, sides, outcomes=frozenset({DATA}), **more):
         starts = pair[0] != "fast" or pair[1] == "fast"

@@ -34,7 +34,8 @@ ALLOWED = ["--property", "org.ddssec.access.allow_shared_memory=true"]
 PLAINTEXT = bytes(range(256))  # a payload of peer.c is this, again and again
 PAYLOAD = 4000
 PATIENCE = 20.0
-# Samples that must come. What is written before RouDi has connected both sides is lost, so nobody knows which.
+# Samples that must arrive. Those that are written before RouDi has connected both sides are lost, so which ones is
+# not known.
 SAMPLES = 3
 OPEN = Governance(join=False, read=False, write=False)
 PROTECTED = {

@@ -148,7 +148,7 @@ def fewer(announcement):
 
 
 def nameless(announcement):
-    """With a parameter that nobody knows in the place of the identity token."""
+    """Returns the announcement with an unknown parameter in the place of the identity token."""
     at = announcement.index(b"DDS:Auth:PKI-DH:1.0") - 8
     return announcement[:at] + struct.pack("<H", UNKNOWN) + announcement[at + 2:]
 
@@ -203,7 +203,7 @@ def clear_discovery(of, to, number, endpoint, is_reader, payload, disposes):
 
 
 def elsewhere(topic, type_name):
-    """A reliable reader of the topic, at a port where nobody listens."""
+    """Returns a reliable reader of the topic, at a port on which no program listens."""
     locator = struct.pack("<iI", 1, 9) + bytes(12) + socket.inet_aton("127.0.0.1")
     return (parameter(0x05, text(topic)) + parameter(0x07, text(type_name)) + parameter(0x1a, struct.pack("<IiI", 2, 1, 0))
             + parameter(0x2f, locator))

@@ -37,7 +37,7 @@ ON_ITS_WAY = 1.0  # seconds a sample may come after that
 FAST = ("--interval", "1", "--payload", "16000")
 WARM_UP, MEASURED = 200, 1000  # samples that both heard
 GROWTH = 4096  # KiB the process may take more for MEASURED samples, of 15625 KiB in all
-# What a host would have to be told of that used handles of somebody who has gone.
+# What a host would be told if it used handles of a participant that is gone.
 MISTAKES = re.compile(r"unknown_identity|crypto_handle_unknown|crypto_not_matched|unknown_permissions")
 
 
@@ -103,7 +103,7 @@ def check(what, is_so):
 
 
 def goes_on(watched):
-    """The one that is left hears on, every sample in order; nobody used what was gone."""
+    """The remaining participant gets every further sample in order, and no handle is used after its end."""
     before = len(watched.samples)
     watched.until("the other one hearing on", lambda: len(watched.samples) >= before + FURTHER)
     mistakes = watched.logged(MISTAKES)

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A subscriber that starts later is sent, again and again, all that was recorded of the publisher before: as it
-was, and for everybody and under later sequence numbers where these are readable. Where both sides are ours (the embedded
-participant, or Cyclone DDS with our plugins) it takes nothing that was recorded. The publisher's history has one sample,
-which a later subscriber is rightly sent: so the publisher writes more after the recording, before that subscriber starts.
-Publishers with stock plugins say nothing of what they sent before: with data protection alone the recordings are new.
+"""Everything that was recorded from the publisher is sent again and again to a subscriber that starts later: unchanged,
+and for all participants and with later sequence numbers where these are readable. If both sides are ours (the embedded
+participant, or Cyclone DDS with our plugins), the subscriber accepts nothing that was recorded. The publisher's history
+has one sample, which a later subscriber rightly gets. So the publisher writes more after the recording, before that
+subscriber starts. Publishers with stock plugins do not say what they sent before, so with data protection alone the
+recordings are new.
 Usage: freshness_test.py BUILD [--chosen] [--filter TEXT]"""
 
 import subprocess
@@ -40,7 +41,7 @@ def renumbered(message):
     out, at = bytearray(message), 20
     while at + 24 <= len(out):
         kind, flags, size = out[at], out[at + 1], int.from_bytes(out[at + 2:at + 4], "little")
-        if kind == 0x0e:  # INFO_DST: for everybody
+        if kind == 0x0e:  # INFO_DST: for all participants
             out[at + 4:at + 16] = bytes(12)
         if kind in (0x15, 0x16) and flags & 1:
             number = int.from_bytes(out[at + 20:at + 24], "little") + %d

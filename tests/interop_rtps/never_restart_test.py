@@ -171,7 +171,7 @@ class Story:
         return self.renewed if "out" in self.figures else EMBEDDED + CYCLONE
 
     def rotate(self, role):
-        """With overlap. Nobody signs permissions with a successor that others do not know."""
+        """Rotates with an overlap: no permissions are signed with a successor that others do not know."""
         authority, own = ENDS[role]
         folders = [f"demo/{name}" for name in self.present()]
 

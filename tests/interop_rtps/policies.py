@@ -35,7 +35,7 @@ def scenarios(worlds, wanted, space):
 
 
 def table():
-    """A line for each case: who tries it with whom, and why others do not."""
+    """Returns a line for each case: which products try it with each other, and why others do not."""
     lines = ["| policy | case | ours to ours | to Cyclone DDS | from Cyclone DDS | to Fast DDS | from Fast DDS | |",
              "|---|---|---|---|---|---|---|---|"]
     rows = [(policy, name, ["yes" if w in writers and r in readers else "" for w, r in PAIRS], because)

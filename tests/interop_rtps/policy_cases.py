@@ -128,7 +128,7 @@ def states(case):
     yield from case.until("disposed", lambda: "RED:-:D" in case.collect(reader))
     case.w.ask(f"write {writer} RED 2")
     yield from case.until("alive again", lambda: "RED:2:A" in case.collect(reader))
-    if case.r.kind == FAST:  # says nothing of instances without writers, whoever writes
+    if case.r.kind == FAST:  # reports no instances without writers, with any writer
         return
     case.w.ask(f"unregister {writer} RED")
     yield from case.until("without writers", lambda: "RED:-:N" in case.collect(reader))
@@ -207,7 +207,7 @@ def late_joiner(case):
     young = case.reader("history=all")
     yield from case.matched(writer, young, readers=2)
     case.w.ask(f"write {writer} RED 9")
-    # Cyclone DDS sends a volatile reader what it keeps for others, whoever reads.
+    # Cyclone DDS sends any volatile reader what it keeps for others.
     old = ["RED:3:A", "BLUE:3:A", "RED:4:A", "BLUE:4:A"] if case.w.kind == CYCLONE else []
     yield from case.until("got the new sample", lambda: "RED:9:A" in case.collect(young))
     case.check(f"got something old: {case.got[young]}",
@@ -243,7 +243,7 @@ def manual_by_topic(case):
         yield 0.2
         case.w.ask(f"assert {writer}")
     case.check("not asserted", case.r.status(reader)["alive"] == 1)
-    if case.r.kind == FAST:  # never misses a writer of this kind, whoever writes
+    if case.r.kind == FAST:  # never loses the liveliness of a writer of this kind
         return
     yield from case.until("lost its writer", lambda: case.r.status(reader)["not_alive"] == 1)
     yield from case.until("lost its liveliness", lambda: case.w.status(writer)["lost"] >= 1)
@@ -358,7 +358,7 @@ def in_order_and_whole(case):
 
 @case_of("LATENCY_BUDGET", writers=(OURS, FAST), because="Cyclone DDS may batch until its application flushes")
 def batching(case):
-    """Ours waits for more to send; what was written comes all the same, and in time."""
+    """Our writer waits for more samples to send together. Those that were written still arrive in time."""
     writer, reader = yield from case.pair("budget=200 history=all", "budget=400 history=all")
     for x in range(5):
         case.w.ask(f"write {writer} RED {x}")

@@ -41,7 +41,7 @@ finally:
 
 
 class Wire:
-    """What somebody who listens sees of the revisions."""
+    """What an eavesdropper sees of the revisions."""
 
     def __init__(self, space):
         self._process = subprocess.Popen(space.enter([sys.executable, "-c", WATCH]), text=True,

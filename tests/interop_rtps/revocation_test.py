@@ -26,7 +26,7 @@ def ddssec(case, *arguments):
 
 
 def revoke(case, base, name):
-    """When the list was in everybody's folder."""
+    """Revokes the certificate. Returns the time at which each participant has the list in its folder."""
     ddssec(case, "identity", "revoke", f"{base}/{name}", "--ca", base)
     ddssec(case, "crl", "distribute", "--ca", base)
     return time.monotonic()

@@ -64,7 +64,7 @@ def bad_arguments(case):
     check("help", case.start("-h").end() == 0)
 
 
-# ---- who talks to whom --------------------------------------------------------------------------------
+# ---- which programs talk to each other --------------------------------------------------------------------------------
 
 def nobody(case, publisher, subscriber, **other):
     sub = case.start("-S " + subscriber, **other)
