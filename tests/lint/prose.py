@@ -1,27 +1,36 @@
 #!/usr/bin/env python3
 """Keeps out words and sentences that readers stumble over, in what people read.
 
-- Everywhere but in tests: pronouns without a subject ("somebody", "whoever") and unusual verbs ("foretell", "belong into"),
-  also as a part of an identifier ("by_anybody").
+- Everywhere: pronouns without a subject ("somebody", "whoever") and unusual verbs ("foretell", "belong into"), also as a
+  part of an identifier ("by_anybody"). In tests, which quote what others write, only comments and docstrings count.
+- In comments of tests: history ("Before: ..."), and numbers of attacks in a file that does not name docs/attacks.md.
 - In README.md, SECURITY.md and docs/: sentences of more than 45 words.
 
 Exit 1 and a line for each place. Name the subject: "an attacker", "a participant without a certificate".
 """
 
+import ast
+import io
 import pathlib
 import re
 import subprocess
 import sys
+import tokenize
 
 WORDS = re.compile(r"\b(somebody|nobody|anybody|everybody|whoever|whom|whomever|foretells?|foretold|mends?|mended"
                    r"|all the same|belongs? into)\b|(?-i:\b(Who (?:is|has))\b(?![^.!|]*\?))", re.I)
 SOURCES = {".cpp", ".hpp", ".h", ".c", ".def", ".cmake", ".md", ".sh", ".txt", ".idl", ".py", ".yml"}
 TEST_NAME = re.compile(r"\b[A-Z]\w*[./][A-Z]\w*_\w+")  # pages name tests as they are
-# Tests quote what others write, and licences are not ours.
-LEFT_OUT = ("tests/", "LICENSES/")
+# What others wrote.
+LEFT_OUT = ("tests/data/", "LICENSES/")
 ALLOWED = {
     "docs/contributing.md": "names the words that it forbids",
+    "tests/lint/prose.py": "names the words that it forbids",
+    "tests/interop/insider/insider.cpp": "one of the tamperings is called nobody",
 }
+C_FAMILY = {".cpp", ".hpp", ".h", ".c", ".idl"}
+HISTORY = re.compile(r"\bBefore(:| the fix\b)")
+ATTACK = re.compile(r"\bT[1-9]\d?\b")
 MOST_WORDS = 45
 PAGES = re.compile(r"^(README\.md|SECURITY\.md|docs/[\w-]+\.md)$")
 
@@ -31,6 +40,38 @@ def words_of(line):
     line = TEST_NAME.sub("", line)
     line = re.sub(r"_|(?<=[a-z0-9])(?=[A-Z])|(?=[A-Z][a-z])", " ", line)
     return [found[0] for found in WORDS.finditer(line)]
+
+
+def python_comments(text):
+    """Pairs of a line and its comment, and of the first line and each line of a docstring."""
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node):
+            first = node.body[0].lineno
+            yield from enumerate(node.body[0].value.value.split("\n"), first)
+
+
+def comments(path, text):
+    """Pairs of a line of a test and what is a comment in it; whole lines of pages."""
+    if path.suffix == ".py":
+        yield from python_comments(text)
+        return
+    mark = r"(?<!:)//.*" if path.suffix in C_FAMILY else r".*" if path.suffix == ".md" else r"(?:^|\s)#.*"
+    for number, line in enumerate(text.split("\n"), 1):
+        found = re.search(mark, line)
+        if found:
+            yield number, found[0]
+
+
+def unclear_comments(lines, text):
+    """Lines of comments that tell history, or name an attack whose page the file does not name."""
+    for number, line in lines:
+        if HISTORY.search(line):
+            yield number, "say what the test guards, not what was wrong before"
+        if ATTACK.search(line) and "docs/attacks.md" not in text:
+            yield number, f'"{ATTACK.search(line)[0]}": name docs/attacks.md once in this file'
 
 
 def prose(markdown):
@@ -66,10 +107,15 @@ def main():
         if path.suffix not in SOURCES or name.startswith(LEFT_OUT) or not path.is_file():
             continue
         text = path.read_text(encoding="utf-8")
+        lines = list(comments(path, text) if name.startswith("tests/") else enumerate(text.split("\n"), 1))
         if name not in ALLOWED:
-            for number, line in enumerate(text.split("\n"), 1):
+            for number, line in lines:
                 for found in words_of(line):
                     print(f'{name}:{number}: "{found}": name the subject, or use the usual word')
+                    faults += 1
+            if name.startswith("tests/") and path.suffix != ".md":
+                for number, fault in unclear_comments(lines, text):
+                    print(f"{name}:{number}: {fault}")
                     faults += 1
         if PAGES.match(name):
             for number, words, sentence in long_sentences(text):
