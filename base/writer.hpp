@@ -4,6 +4,8 @@
 #include <concepts>
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "base/bytes.hpp"
 #include "base/reader.hpp"
