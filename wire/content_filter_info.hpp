@@ -2,6 +2,7 @@
 // 8.7.3.3 and 9.6.4.1).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -13,6 +14,7 @@ namespace ddssec::rtps {
 /// The MD5 of the filter that a reader announces.
 using FilterSignature = std::array<std::uint8_t, 16>;
 
+/// The result of one filter for a sample.
 struct FilterResult {
   FilterSignature signature{};
   bool passed = false;

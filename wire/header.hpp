@@ -8,6 +8,7 @@
 
 namespace ddssec::rtps {
 
+/// The header at the beginning of a message.
 struct Header {
   ProtocolVersion version = kProtocolVersion;
   VendorId vendor = kVendorDdssec;

@@ -6,6 +6,7 @@
 
 namespace ddssec::rtps {
 
+/// Announces the fragments of a sample up to `last`. A higher `count` marks a newer submessage.
 struct HeartbeatFrag {
   EntityId reader;
   EntityId writer;

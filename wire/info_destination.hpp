@@ -5,6 +5,7 @@
 
 namespace ddssec::rtps {
 
+/// The participant that the following submessages are for.
 struct InfoDestination {
   GuidPrefix prefix;  ///< zero means every participant
   bool operator==(const InfoDestination&) const = default;

@@ -8,6 +8,7 @@
 
 namespace ddssec::rtps {
 
+/// The source time of the following submessages.
 struct InfoTimestamp {
   std::optional<Time> time;  ///< empty if the following submessages have no source time
   bool operator==(const InfoTimestamp&) const = default;

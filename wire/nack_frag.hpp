@@ -6,6 +6,7 @@
 
 namespace ddssec::rtps {
 
+/// Requests the `missing` fragments of a sample. A higher `count` marks a newer submessage.
 struct NackFrag {
   EntityId reader;
   EntityId writer;

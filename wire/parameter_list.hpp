@@ -13,6 +13,7 @@ namespace ddssec::rtps {
 
 using ParameterId = pid::Id;
 
+/// One parameter of a received list. Borrows the list's octets.
 struct Parameter {
   ParameterId id = 0;
   BytesView value;  ///< a multiple of 4 octets; CDR alignment counts from its first octet
