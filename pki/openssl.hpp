@@ -38,7 +38,7 @@ BytesView bio_octets(const BioPtr& bio);
 /// Converts a time of a certificate or revocation list. Error: malformed if OpenSSL cannot read it.
 Result<WallTime> to_wall_time(const ASN1_TIME* time);
 
-/// Converts the time to the form that certificates use (UTCTime up to 2049).
+/// Converts the time to the form that certificates use (UTCTime up to 2049). Error: internal.
 Result<Asn1TimePtr> to_asn1_time(WallTime time);
 
 /// Returns RFC 2253 text: last RDN first, non-ASCII octets escaped.
