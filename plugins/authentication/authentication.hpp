@@ -24,6 +24,8 @@ struct AuthenticationOptions {
   /// are free. The default is a sixteenth: at most a few hundred participants share a certificate,
   /// and an insider that wants to keep newcomers out needs many certificates.
   std::size_t max_identities_of_a_subject = 625;
+  /// The largest number of local identities. Further ones are refused with
+  /// too_many_local_identities.
   std::size_t max_local_identities = 256;
 };
 

@@ -88,7 +88,8 @@ class CryptoKeyFactory {
   /// Returns the ciphers that discovery announces for the participant: those that it can decrypt,
   /// and those that a peer must be able to decrypt to understand it.
   virtual Result<SymmetricCipherInfo> cipher_info(ParticipantCryptoHandle local) = 0;
-  /// Returns the cipher of a local endpoint's keys.
+  /// Each returns the cipher of a local endpoint's keys, even if the endpoint is unprotected and
+  /// never uses them.
   virtual Result<CipherMask> required_ciphers(DatawriterCryptoHandle local) = 0;
   virtual Result<CipherMask> required_ciphers(DatareaderCryptoHandle local) = 0;
 
