@@ -48,7 +48,8 @@ struct DomainParticipantOptions {
   /// indexes 0 to 9. The default reaches participants on this machine that use only the loopback
   /// interface.
   std::vector<std::string> peers = {"127.0.0.1"};
-  /// Others remove this participant if they hear nothing of it for this long.
+  /// Others remove this participant if they hear nothing of it for this long. As in all of DDS, a
+  /// Duration has seconds and a fraction in units of 2^-32 s; Duration::from converts nanoseconds.
   Duration lease_duration{{10, 0}};
   /// Time between announcements of the participant, after the first few. If it is 0, it is derived
   /// from the lease duration.

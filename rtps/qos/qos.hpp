@@ -27,10 +27,11 @@ enum class DataRepresentation : std::int16_t { xcdr1 = 0, xml = 1, xcdr2 = 2 };
 
 inline constexpr std::int32_t kLengthUnlimited = -1;
 
-/// RELIABILITY. A reliable writer that cannot keep a sample waits for at most max_blocking_time.
+/// RELIABILITY. A reliable writer that cannot keep a sample waits for at most max_blocking_time, by
+/// default 100 ms.
 struct Reliability {
   ReliabilityKind kind = ReliabilityKind::best_effort;
-  Duration max_blocking_time{{0, 0x1999999a}};  // 100 ms
+  Duration max_blocking_time{{0, 0x1999999a}};
   bool operator==(const Reliability&) const = default;
 };
 /// LIVELINESS: how, and at least how often, a writer asserts that it is alive.
