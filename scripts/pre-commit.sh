@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks what is about to be committed: the format of changed lines (clang-format 14, .clang-format), changed shell scripts
-# (shellcheck), and the lint tests on the tree. Takes ten seconds; changes nothing.
+# (shellcheck) and Python (pyflakes), and the lint tests on the tree. Takes ten seconds; changes nothing.
 # Usage: scripts/pre-commit.sh     By itself, or as git's hook pre-commit.
 set -euo pipefail
 cd "$(git rev-parse --show-toplevel)"
@@ -28,6 +28,15 @@ if [ ${#changed[@]} -gt 0 ]; then
     scripts/shellcheck.sh "${changed[@]}" || fails shellcheck
   else
     skip shellcheck "shell scripts are not checked"
+  fi
+fi
+
+mapfile -t python < <(git diff --cached --name-only --diff-filter=ACMR -- '*.py')
+if [ ${#python[@]} -gt 0 ]; then
+  if command -v pyflakes3 >/dev/null; then
+    pyflakes3 "${python[@]}" || fails pyflakes
+  else
+    skip pyflakes3 "Python is not checked"
   fi
 fi
 

@@ -11,7 +11,7 @@ import time
 
 import jsonschema
 
-from transcript import DATA, PROGRAM, SCHEMA, Transcript, library_path
+from transcript import PROGRAM, SCHEMA, Transcript, library_path
 
 EVENTS = jsonschema.Draft202012Validator({"$defs": SCHEMA["$defs"], "$ref": "#/$defs/event of agent"})
 SIGN = "openssl x509 -req -sha256 -CA {ca}/ca.pem -CAkey {ca}/ca.key.pem -set_serial 0x$(openssl rand -hex 16)"

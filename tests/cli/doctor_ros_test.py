@@ -6,6 +6,7 @@ import shutil
 import golden_folders
 from doctor_folders import DoctorTest
 from transcript import main, shared_library
+from workshop import allow
 
 
 class Ros(DoctorTest):
@@ -105,7 +106,7 @@ class Ros(DoctorTest):
         self.assertIn('is "rt/Square"', told["DOC065"])
         shop = golden_folders.Workshop(self.at / "shop")
         made = golden_folders.Folder(shop, self.at / "node")
-        rules = golden_folders.allow("rt/robot1/rosout") + golden_folders.allow("ros_discovery_info")
+        rules = allow("rt/robot1/rosout") + allow("ros_discovery_info")
         made.sign("permissions", golden_folders.permissions(golden_folders.grant("CN=talker", rules)))
         self.assertIn("rt/robot1/rosout", self.ros("node", exit=1)["DOC066"])
 

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Revocation lists that are dated in the future: how a command keeps from making one, and the way out if there is one."""
 
-import json
 import os
 import shutil
 

@@ -5,7 +5,7 @@ import pathlib
 import shutil
 
 import golden_texts
-from workshop import CA_EXTENSIONS, GOVERNANCE, Folder, Workshop, allow, grant, openssl, permissions
+from workshop import CA_EXTENSIONS, GOVERNANCE, Folder, Workshop, grant, openssl, permissions
 
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
 LONG_AGO = ("20200101000000Z", "20210101000000Z")

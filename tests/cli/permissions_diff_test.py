@@ -49,8 +49,8 @@ class PermissionsDifferences(Differences):
             sentences = [reading["sentence"] for reading in out["readings"]["all"] if reading["document"] == "new"]
             self.assertTrue(any(f'gives a certificate of "CN=talker" the rights of "{long}"' in one for one in sentences), sentences)
             # What that changes: the product takes another grant than before, in both directions.
-            for topic in ("Square", "Circle"):
-                self.assertTrue(any(one.startswith("with Cyclone DDS: ") and f'topics such as "{topic}"' in one for one in sentences),
+            for shape in ("Square", "Circle"):
+                self.assertTrue(any(one.startswith("with Cyclone DDS: ") and f'topics such as "{shape}"' in one for one in sentences),
                                 sentences)
             self.diff("--fail-on", "any", exit=1)
             self.diff("--fail-on", "narrower", exit=1)

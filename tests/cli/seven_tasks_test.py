@@ -5,10 +5,8 @@ Cyclone DDS, Fast DDS and our plugins run on what came of them.
 Usage: seven_tasks_test.py DDSSEC [DROPIN]; the peers of tests/interop stand beside DDSSEC.
 """
 
-import os
 import pathlib
 import shutil
-import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))

@@ -14,7 +14,6 @@ Nor does a clear request for a type. Neither does so while the two still meet.
 Usage: handshake_test.py BUILD [FILTER]
 """
 
-import os
 import pathlib
 import signal
 import subprocess

@@ -9,7 +9,6 @@ Usage: freshness_test.py BUILD [--chosen] [--filter TEXT]"""
 
 import subprocess
 import sys
-import time
 
 from faults_test import expect, run_cases
 from faulty_world import Loopback

@@ -321,7 +321,7 @@ class SharedMemory(unittest.TestCase):
         other = ("setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups")
         os.chmod(self.folder.name, 0o755)
         for more, expected in (("", False), ("\norg.ddssec.shm.other_users = true", True)):
-            sub = self.start("tput-sub", ENCRYPT, "--size", str(LARGE), shm="on" + more, prefix=other, owner=65534)
+            self.start("tput-sub", ENCRYPT, "--size", str(LARGE), shm="on" + more, prefix=other, owner=65534)
             pub = self.start("tput-pub", ENCRYPT, "--size", str(LARGE), "--duration", "8", shm="on" + more)
             self.assertEqual(pub.wait(60), 0)
             self.assertEqual(self.has_event(pub, "rtps_memory_used"), expected, pub.log.read_text())
