@@ -14,7 +14,9 @@ GOOD = [
     "rtps, wire: read delta lists\n\nWhy.\n\n# A comment of git.\n",
     "rtps/security, access_control: read delta lists\n\nThe path and the name of a folder.\n",
     "all: read delta lists\n\nThe whole tree.\n",
+    "tests/unit/pki, lint: read delta lists\n\nA deep path, and the name of a folder of the second level.\n",
     "fixup! pki: read delta lists\n",
+    "pki: read delta lists\n\nWhy.\n# ------------------------ >8 ------------------------\ndiff --git a/a b/a\n",
 ]
 BAD = [
     "",
@@ -27,6 +29,10 @@ BAD = [
     "pki: read delta lists\nThe second line is not empty.\n",
     "pki: read delta lists\n",
     "pki: read delta lists\n\n  \n# Only a comment of git.\n",
+    "pki: read delta lists\n\n# ------------------------ >8 ------------------------\ndiff --git a/a b/a\n",
+    "wycheproof: read delta lists\n\nThe folder is too deep for its name alone.\n",
+    "data: read delta lists\n\nA part of paths, and no area.\n",
+    "unit/pki: read delta lists\n\nThe path does not begin at the root.\n",
 ]
 
 
