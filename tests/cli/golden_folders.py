@@ -259,23 +259,9 @@ def identity_sha512(shop, path):
     Folder(shop, path, label="sha512", digest="sha512")
 
 
-@folder
-def permissions_ca_expired(shop, path):
-    made = Folder(shop, path)
-    made.permissions_ca = shop.ca("old", dates=LONG_AGO)
-    made.put("permissions_ca.pem", made.permissions_ca / "cert.pem")
-    made.sign("governance", GOVERNANCE)
-    made.own_permissions()
-
-
-@folder
-def permissions_ca_may_not_sign(shop, path):
-    made = Folder(shop, path)
-    made.permissions_ca = shop.ca("nosign", extensions=(
-        CA_EXTENSIONS[0], "keyUsage=critical,keyCertSign,cRLSign"))
-    made.put("permissions_ca.pem", made.permissions_ca / "cert.pem")
-    made.sign("governance", GOVERNANCE)
-    made.own_permissions()
+permissions_under("permissions-ca-expired", "old", dates=LONG_AGO)
+permissions_under("permissions-ca-may-not-sign", "nosign",
+                  extensions=(CA_EXTENSIONS[0], "keyUsage=critical,keyCertSign,cRLSign"))
 
 
 @folder

@@ -29,24 +29,31 @@ def lists(text):
     return {name: re.sub(r"#[^\n]*", "", body).split() for name, body in SET.findall(text)}
 
 
-def uncommented(text):
-    """The line and name of each public function without a comment of its group."""
-    hidden, commented, nested = False, False, False
+def numbered_lines(text):
+    """The number of each line, the line, and whether a user of the header does not see it."""
+    private, nested = False, False
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("namespace detail"):
             nested = True
         elif line.startswith("}  // namespace detail"):
             nested = False
         elif HIDDEN.match(line):
-            hidden = True
+            private = True
         elif SHOWN.match(line):
-            hidden = False
+            private = False
+        yield number, line, private or nested
+
+
+def uncommented(text):
+    """The line and name of each public function without a comment of its group."""
+    commented = False
+    for number, line, hidden in numbered_lines(text):
         stripped = line.strip()
         if not stripped or line.startswith((" public:", "class ", "struct ", "};")):
             commented = False
         if stripped.startswith("///"):
             commented = True
-        if commented or hidden or nested or stripped.startswith("//"):
+        if commented or hidden or stripped.startswith("//"):
             continue
         found = FUNCTION.match(line)
         if found and not trivial(line, found[1]):
@@ -55,22 +62,14 @@ def uncommented(text):
 
 def uncommented_types(text):
     """The line and name of each public type without a comment of its group."""
-    hidden, commented, nested = False, False, False
-    for number, line in enumerate(text.splitlines(), 1):
-        if line.startswith("namespace detail"):
-            nested = True
-        elif line.startswith("}  // namespace detail"):
-            nested = False
-        elif HIDDEN.match(line):
-            hidden = True
-        elif SHOWN.match(line):
-            hidden = False
+    commented = False
+    for number, line, hidden in numbered_lines(text):
         stripped = line.strip()
         found = TYPE.match(line)
         if stripped.startswith("///"):
             commented = True
         elif found:
-            if not (commented or hidden or nested):
+            if not (commented or hidden):
                 yield number, found[1] or found[2]
             commented = commented and stripped.endswith("};")
         elif not stripped.startswith(("template", "typename")):
