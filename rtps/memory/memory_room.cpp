@@ -89,8 +89,8 @@ std::optional<std::uint64_t> memory_room(const std::string& root) {
   return out;
 }
 
-bool has_memory_room(std::uint64_t octets) {
-  const auto room = memory_room();
+bool has_memory_room(std::uint64_t octets, const std::string& root) {
+  const auto room = memory_room(root);
   return !room || *room / 2 >= octets;
 }
 

@@ -12,7 +12,8 @@ namespace ddssec::rtps::memory {
 /// cannot be seen. `root` is the folder before /proc and /sys, for tests.
 std::optional<std::uint64_t> memory_room(const std::string& root = "");
 /// True if so much memory can be taken and as much again is left. Above the limit, the system does
-/// not refuse but ends a process.
-bool has_memory_room(std::uint64_t octets);
+/// not refuse but ends a process. True too if there is no limit, or if it cannot be seen. `root` is
+/// that of memory_room().
+bool has_memory_room(std::uint64_t octets, const std::string& root = "");
 
 }  // namespace ddssec::rtps::memory

@@ -8,10 +8,12 @@
 namespace ddssec {
 namespace {
 
+using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::StartsWith;
 
 // Returns the flaws of a version, with "?" after each that the number alone does not prove.
 std::vector<std::string> of(std::string_view version) {
@@ -70,12 +72,16 @@ TEST(OpensslAdvice, TheTextOfTheLibrary_IsUnderstoodAndNonsenseIsNot) {
   EXPECT_THAT(of("0.0.0"), IsEmpty());
 }
 
-TEST(OpensslAdvice, EveryFlaw_SaysWhatItIsAndWhatToDo) {
-  for (const auto* version : {"3.0.0", "3.0.19", "3.5.1"})
-    for (const auto& flaw : openssl_flaws(version)) {
+TEST(OpensslAdvice, FlawsOfAMaintainedSeries_HaveASummaryAndAFixedVersion) {
+  for (const auto* version : {"3.0.0", "3.0.19", "3.5.1"}) {
+    const auto flaws = openssl_flaws(version);
+    EXPECT_THAT(flaws, Not(IsEmpty())) << version;
+    for (const auto& flaw : flaws) {
       EXPECT_NE(flaw.summary, "") << flaw.id;
       EXPECT_NE(flaw.fixed_in, "") << flaw.id;
+      EXPECT_THAT(of(flaw.fixed_in), Each(Not(StartsWith(std::string(flaw.id))))) << flaw.id;
     }
+  }
 }
 
 TEST(OpensslAdvice, Warning_TellsWhatIsGuardedFromWhatIsNot) {

@@ -67,10 +67,16 @@ TEST(Participant, ASilentParticipant_IsGoneAfterItsLease) {
 }
 
 TEST(Participant, OtherDomainsAndTags_AreNotSeen) {
-  Node a(1), other_domain(2, 1), other_tag(3, 0, "tag");
-  World world{{&a, &other_domain, &other_tag}};
+  Node a(1), b(4), other_domain(2, 1), other_tag(3, 0, "tag");
+  World world{{&a, &b, &other_domain, &other_tag}};
   world.run();
-  for (auto* node : world.nodes) EXPECT_EQ(node->participant.remote_participants().size(), 0u);
+  const auto found_by = [](const Node& node) {
+    return node.participant.remote_participants().size();
+  };
+  EXPECT_EQ(found_by(a), 1u);
+  EXPECT_EQ(found_by(b), 1u);
+  EXPECT_EQ(found_by(other_domain), 0u);
+  EXPECT_EQ(found_by(other_tag), 0u);
 }
 
 TEST(Participant, ForgedAnnouncementsAndDisposes_ChangeNothing) {

@@ -19,6 +19,7 @@ struct Root {
     std::ofstream(at) << content;
   }
   std::optional<std::uint64_t> room() const { return memory_room(path); }
+  bool has_room(std::uint64_t octets) const { return has_memory_room(octets, path); }
   const std::string path = ::testing::TempDir() + "memory_room" + std::to_string(::getpid());
 };
 
@@ -67,7 +68,7 @@ TEST(MemoryRoom, MoreUsedThanAllowed_IsNone) {
 }
 
 // In a container the path is that of the host, and only the top of the hierarchy is mounted.
-TEST(MemoryRoom, VersionOne_PathThatIsNotThere) {
+TEST(MemoryRoom, VersionOneMountedAtTheTop_IsFound) {
   Root root;
   root.write("/proc/self/cgroup", "5:cpu,cpuacct:/x\n4:memory:/docker/1\n0::/\n");
   root.write("/sys/fs/cgroup/memory/memory.limit_in_bytes", "2000\n");
@@ -77,11 +78,23 @@ TEST(MemoryRoom, VersionOne_PathThatIsNotThere) {
 }
 
 TEST(MemoryRoom, AsMuchAgain_MustBeLeft) {
-  EXPECT_TRUE(has_memory_room(1));
-  EXPECT_TRUE(has_memory_room(0));
-  if (const auto room = memory_room()) {
-    EXPECT_FALSE(has_memory_room(*room));
-  }
+  Root root;
+  root.write("/proc/self/cgroup", "0::/\n");
+  root.write("/sys/fs/cgroup/memory.max", "1000\n");
+  root.write("/sys/fs/cgroup/memory.current", "300\n");
+  ASSERT_EQ(root.room(), 700u);
+  EXPECT_TRUE(root.has_room(0));
+  EXPECT_TRUE(root.has_room(350));
+  EXPECT_FALSE(root.has_room(351));
+  EXPECT_FALSE(root.has_room(700));
+}
+
+TEST(MemoryRoom, WithoutALimit_ThereIsRoomForAnySize) {
+  Root root;
+  root.write("/proc/self/cgroup", "0::/\n");
+  root.write("/sys/fs/cgroup/memory.max", "max\n");
+  root.write("/sys/fs/cgroup/memory.current", "300\n");
+  EXPECT_TRUE(root.has_room(std::uint64_t{1} << 60));
 }
 
 }  // namespace
