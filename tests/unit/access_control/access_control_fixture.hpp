@@ -153,7 +153,19 @@ class AccessControlTest : public testing::Test {
                                                token);
   }
 
-  WallTime signing_time = kNow;  ///< of the document that is signed next
+  /// As a host does every few seconds. Returns whose permissions have ended.
+  std::vector<spi::PermissionsHandle> poll(std::chrono::seconds after = 5s) {
+    clock.advance(after);
+    return plugin->expire();
+  }
+  /// As often as a host would in a quarter of a minute. Returns the events of that time.
+  std::vector<Code> codes_after_looking() {
+    log.all.clear();
+    for (int i = 0; i < 3; ++i) poll();
+    return log.codes();
+  }
+
+  WallTime signing_time = kNow;  ///< of what is signed next
   ManualClock clock{kNow};
   SystemRandom random;
   test::RecordedEvents log;

@@ -67,17 +67,6 @@ class AuthorityRenewal : public AccessControlTest {
                    "file:" + folder_.path() + "/renewed.pem", false});
     return plugin->validate_local_permissions(kLocalIdentity, 0, all);
   }
-  std::vector<spi::PermissionsHandle> poll() {
-    clock.advance(5s);
-    return plugin->expire();
-  }
-  std::vector<Code> codes_after_looking() {
-    log.all.clear();
-    for (int i = 0; i < 3; ++i) poll();
-    std::vector<Code> out;
-    for (const auto& event : log.all) out.push_back(event.error.code());
-    return out;
-  }
   void expect_refused(Code code, const std::string& path, std::string_view why) {
     EXPECT_THAT(codes_after_looking(), ElementsAre(code));
     ASSERT_FALSE(log.all.empty());

@@ -43,16 +43,6 @@ class GovernancePhases : public AccessControlTest {
   void put(const std::string& text) { folder_.replace("governance.p7s", text); }
   void put(std::uint32_t revision) { put(document(revision)); }
   void raise() { topic().metadata_protection_kind = topic().data_protection_kind = kEncrypt; }
-  std::vector<Code> codes_after_looking() {
-    log.all.clear();
-    for (int i = 0; i < 3; ++i) {
-      clock.advance(5s);
-      plugin->expire();
-    }
-    std::vector<Code> out;
-    for (const auto& event : log.all) out.push_back(event.error.code());
-    return out;
-  }
   void expect_refused(std::string_view field, std::string_view why) {
     EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
     ASSERT_FALSE(log.all.empty());

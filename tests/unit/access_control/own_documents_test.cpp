@@ -46,18 +46,6 @@ class Renewal : public AccessControlTest {
         kLocalIdentity, 0,
         with_file(properties(signed_document(governance::to_xml(governance_document)), "")));
   }
-  std::vector<spi::PermissionsHandle> poll() {
-    clock.advance(5s);
-    return plugin->expire();
-  }
-  // Polls as often as a host does in a quarter of a minute.
-  std::vector<Code> codes_after_looking() {
-    log.all.clear();
-    for (int i = 0; i < 3; ++i) poll();
-    std::vector<Code> out;
-    for (const auto& event : log.all) out.push_back(event.error.code());
-    return out;
-  }
   void expect_refused(const std::string& text, std::string_view why) {
     const auto before = presented();
     folder_.replace("permissions.p7s", text);

@@ -1,7 +1,7 @@
 // Renewed permissions that a peer shows within its session, and own permissions that it has seen.
 #include <gmock/gmock.h>
 
-#include "tests/unit/access_control/access_control_fixture.hpp"
+#include "tests/unit/access_control/listener_peer.hpp"
 
 namespace ddssec::access_control {
 namespace {
@@ -9,37 +9,20 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-class ShownPermissions : public AccessControlTest {
+class ShownPermissions : public ListenerPeerTest {
  protected:
-  ShownPermissions() {
+  ShownPermissions() : ListenerPeerTest(12h) {
     EXPECT_TRUE(local(open_permissions(kTalker)));
-    peer_ = remote(document({"t"})).value_or(spi::PermissionsHandle{});
-    EXPECT_TRUE(peer_);
+    meet(document({"t"}));
     log.all.clear();
   }
 
-  // Returns permissions of the listener to publish `names`.
-  std::string document(std::vector<std::string> names, std::chrono::seconds from = -24h,
-                       std::chrono::seconds until = 12h, const char* subject = kListener) const {
-    auto out = grant(subject, {publish_rule(true, std::move(names))});
-    out.validity = {kNow + from, kNow + until};
-    return signed_permissions({out});
-  }
-  Status show(const std::string& text) {
-    return plugin->renew_remote_permissions(peer_, permissions_token(),
-                                            credential(authorities().listener, text));
-  }
-  bool may_publish(std::string_view topic) {
-    return plugin->check_remote_datawriter(peer_, 0, {.topic_name = topic}).has_value();
-  }
   bool may_match(std::string_view topic) {
     return plugin
         ->check_remote_match(peer_,
                              {.remote_writes = true, .local = {.topic_name = topic}, .remote = {}})
         .has_value();
   }
-
-  spi::PermissionsHandle peer_;
 };
 
 TEST_F(ShownPermissions, Taken_CountFromThenOnUnderTheSameHandle) {

@@ -99,12 +99,27 @@ struct Engine {
   explicit Engine(std::uint64_t seed = 1, AuthenticationOptions options = {})
       : random(seed), plugin(make_authentication({clock, random, events, &documents}, options)) {}
   spi::Authentication* operator->() { return plugin.get(); }
+  /// As a host does every few seconds. Returns which identities have ended.
+  std::vector<spi::IdentityHandle> poll(std::chrono::seconds after = std::chrono::seconds(5)) {
+    clock.advance(after);
+    return plugin->expire();
+  }
+  /// As often as a host would in a quarter of a minute. Returns the events of that time; `ended`
+  /// has the identities that ended in it.
+  std::vector<Code> codes_after_looking() {
+    events.all.clear();
+    ended.clear();
+    for (int i = 0; i < 3; ++i)
+      for (const auto handle : poll()) ended.push_back(handle);
+    return events.codes();
+  }
 
   ManualClock clock{kNow};
   SeededRandom random;
   test::RecordedEvents events;
   DocumentsInUse documents;
   std::unique_ptr<spi::Authentication> plugin;
+  std::vector<spi::IdentityHandle> ended;
 };
 
 inline Guid candidate(std::uint8_t number) {

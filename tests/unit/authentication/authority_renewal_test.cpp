@@ -73,17 +73,8 @@ class AuthorityRenewal : public testing::Test {
   void put(std::initializer_list<const pki::Authority*> cas) {
     folder_.replace("identity_ca.pem", bundle(cas));
   }
-  std::vector<IdentityHandle> poll() {
-    engine().clock.advance(5s);
-    return engine()->expire();
-  }
-  std::vector<Code> codes_after_looking() {
-    events().clear();
-    for (int i = 0; i < 3; ++i) ended_ = poll();
-    std::vector<Code> out;
-    for (const auto& event : events()) out.push_back(event.error.code());
-    return out;
-  }
+  std::vector<IdentityHandle> poll() { return engine().poll(); }
+  std::vector<Code> codes_after_looking() { return engine().codes_after_looking(); }
   void expect_refused(std::string_view why) {
     EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewal_refused));
     ASSERT_FALSE(events().empty());
@@ -113,7 +104,6 @@ class AuthorityRenewal : public testing::Test {
   const test::TemporaryFolder folder_;
   std::string path_;
   Pairing pairing_;
-  std::vector<IdentityHandle> ended_;
   std::uint8_t carols_ = 10;
 };
 
@@ -145,7 +135,7 @@ TEST_F(AuthorityRenewal, SecondCa_LeavesSessionsAlone) {
   pairing_.expect_success();
   put({&new_ca(), &old_ca()});
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
-  EXPECT_THAT(ended_, IsEmpty());
+  EXPECT_THAT(engine().ended, IsEmpty());
 }
 
 TEST_F(AuthorityRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
@@ -252,7 +242,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_LeavesPeersOfTheOtherAlone) {
   put({&new_ca()});
   EXPECT_THAT(codes_after_looking(),
               ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
-  EXPECT_THAT(ended_, IsEmpty());
+  EXPECT_THAT(engine().ended, IsEmpty());
 }
 
 TEST_F(AuthorityRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew) {

@@ -49,10 +49,7 @@ class Listed : public testing::Test {
     return identity;
   }
   void put(const std::string& text) { folder_.replace("renewed.pem", text); }
-  std::vector<IdentityHandle> poll(std::chrono::seconds after = 5s) {
-    engine().clock.advance(after);
-    return engine()->expire();
-  }
+  std::vector<IdentityHandle> poll(std::chrono::seconds after = 5s) { return engine().poll(after); }
   /// Polls until a minute after the end of Bob's certificate. Returns the identities that ended.
   std::vector<IdentityHandle> pass_the_end() {
     std::vector<IdentityHandle> ended;
@@ -61,8 +58,7 @@ class Listed : public testing::Test {
     return ended;
   }
   std::vector<Code> codes() {
-    std::vector<Code> out;
-    for (const auto& event : events()) out.push_back(event.error.code());
+    const auto out = engine().events.codes();
     events().clear();
     return out;
   }

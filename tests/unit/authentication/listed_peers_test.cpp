@@ -104,9 +104,7 @@ class OwnListed : public testing::Test {
     second_.events.all.clear();
     second_.clock.advance(15s);
     ended_ = second_->expire();
-    std::vector<Code> out;
-    for (const auto& event : second_.events.all) out.push_back(event.error.code());
-    return out;
+    return second_.events.codes();
   }
 
   const test::TemporaryFolder folder_;

@@ -56,19 +56,9 @@ class Renewal : public testing::Test {
     folder_.replace("cert.pem", identity.certificate.pem());
     folder_.replace("key.pem", pem_text(identity.key));
   }
-  std::vector<IdentityHandle> poll() {
-    engine().clock.advance(5s);
-    return engine()->expire();
-  }
-  /// Polls as often as a host does in a quarter of a minute.
-  std::vector<Code> codes_after_looking() {
-    events().clear();
-    for (int i = 0; i < 3; ++i) poll();
-    std::vector<Code> out;
-    for (const auto& event : events()) out.push_back(event.error.code());
-    return out;
-  }
-  /// Expects that the certificate is refused, and that one event says so.
+  std::vector<IdentityHandle> poll() { return engine().poll(); }
+  std::vector<Code> codes_after_looking() { return engine().codes_after_looking(); }
+  /// It is not taken, and that is said once.
   void expect_refused(const Identity& identity, std::string_view field, std::string_view expected,
                       std::string_view found) {
     put(identity);

@@ -145,11 +145,7 @@ struct UnnamedRevocationList : testing::Test {
     }
     return ended;
   }
-  std::vector<Code> codes() const {
-    std::vector<Code> out;
-    for (const auto& event : engine.events.all) out.push_back(event.error.code());
-    return out;
-  }
+  std::vector<Code> codes() const { return engine.events.codes(); }
   Status create() {
     const auto made = engine->validate_local_identity(0, identity.properties, candidate(1));
     if (!made) return std::unexpected(made.error());

@@ -47,11 +47,7 @@ class RunningRevocation : public testing::Test {
   }
   Engine& engine() { return pairing_.first_engine; }
   const std::vector<Event>& events() { return engine().events.all; }
-  std::vector<Code> codes() {
-    std::vector<Code> out;
-    for (const auto& event : events()) out.push_back(event.error.code());
-    return out;
-  }
+  std::vector<Code> codes() { return engine().events.codes(); }
   IdentityHandle& bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }

@@ -24,11 +24,7 @@ struct NetworkTrouble : ::testing::Test {
     options.own_thread = false;
     return DomainParticipant::create(std::move(options), EngineServices{clock, random, events});
   }
-  std::vector<Code> said() const {
-    std::vector<Code> out;
-    for (const auto& event : events.all) out.push_back(event.error.code());
-    return out;
-  }
+  std::vector<Code> said() const { return events.codes(); }
 };
 
 TEST_F(NetworkTrouble, ASmallReceiveBuffer_IsOneWarning) {
