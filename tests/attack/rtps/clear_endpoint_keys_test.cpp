@@ -1,6 +1,7 @@
 // Neither the discovery of a topic nor RTPS messages are protected. An attacker announces that
 // endpoints have ended, whose participant sends their keys only once (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -216,7 +217,7 @@ TEST_P(ClearEndpointsWithoutKeys, AfterAnEmbeddedPeerIsAsked_HaveThemAgain) {
 // A participant of another vendor does not send its keys again.
 TEST_P(ClearEndpointsWithoutKeys, WhereTheyDoNotArrive_AreReported) {
   ASSERT_NO_FATAL_FAILURE(lose_keys());
-  auto& core = const_cast<ParticipantCore&>(pair.b->remote_participants().core());
+  auto& core = ParticipantAccess::core(*pair.b.participant);
   core.security->core().find(pair.a->prefix())->data.vendor = kVendorCyclone;
   pair.world.run(60000);
   EXPECT_EQ(pair.b.listener.matched, 0);

@@ -1,6 +1,7 @@
 // Neither the discovery of a topic nor RTPS messages are protected. An attacker announces endpoints
 // in the name of an authenticated participant (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -74,7 +75,7 @@ struct ClearEndpoints : ::testing::Test {
     Change change;
     change.key_hash = data.guid.octets();
     change.payload = Payload::copy_of(serialized(data));
-    auto& local = const_cast<LocalEndpoints&>(pair.b->local_endpoints());
+    auto& local = ParticipantAccess::local_endpoints(*pair.b.participant);
     local.builtin()
         .writer(BuiltinTopic::subscriptions_secure)
         .write(std::move(change), pair.world.now);

@@ -1,6 +1,7 @@
 // Unprotected announcements, which anyone could have sent in the names of several participants, use
 // up the room for announcements (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -55,7 +56,7 @@ struct ClearRoom : ::testing::Test {
   }
   // Announces by the peer itself, protected with its keys.
   void announce_securely(Node& peer, std::uint32_t count) {
-    auto& local = const_cast<LocalEndpoints&>(peer->local_endpoints());
+    auto& local = ParticipantAccess::local_endpoints(*peer.participant);
     for (std::uint32_t i = 0; i < count; ++i) {
       const auto data = reader(peer->prefix(), i);
       Change change;

@@ -1,6 +1,6 @@
-// An authorized participant announces addresses of other hosts, for its endpoints or for itself.
-// Nothing is sent there before the participant shows that it can be reached there (T60 in
-// docs/attacks.md).
+// An authorized participant announces addresses of other hosts, for its endpoints or for itself:
+// nothing is sent there before the participant shows that it is there (T60).
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -53,7 +53,7 @@ struct InsiderAddresses : ::testing::Test {
     auto qos = default_reader_qos();
     qos.reliability.kind = ReliabilityKind::reliable;
     reader = mallory->create_reader(square(qos), mallory.listener, world.now).value();
-    auto& local = const_cast<LocalEndpoints&>(mallory->local_endpoints());
+    auto& local = ParticipantAccess::local_endpoints(*mallory.participant);
     auto& data = local.find_reader(reader.entity)->data;
     data.unicast = addresses;
     local.publish(data);
@@ -98,7 +98,7 @@ TEST_F(InsiderAddresses, OfAWriter_AtOtherHosts_GetNoAcknacks) {
   alice->create_reader(square(qos), alice.listener, world.now).value();
   const auto hostile =
       mallory->create_writer(square(default_writer_qos()), mallory.listener, world.now).value();
-  auto& local = const_cast<LocalEndpoints&>(mallory->local_endpoints());
+  auto& local = ParticipantAccess::local_endpoints(*mallory.participant);
   auto& data = local.find_writer(hostile.entity)->data;
   data.unicast = victim();
   local.publish(data);

@@ -1,5 +1,6 @@
 // Only payloads are protected, and an attacker sends an overheard payload again as the end of its
 // instance.
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -129,9 +130,7 @@ TEST_P(ForgedEnds, InTheFragmentsOfASample_AreDropped) {
 
 // The peer has an earlier version or is of another vendor. The remedy is to protect metadata, too.
 TEST_P(ForgedEnds, OfAPeerThatDoesNotMarkThem_Count) {
-  auto& a_for_b =
-      const_cast<RemoteParticipant&>(pair.b->remote_participants().all().at(pair.a->prefix()));
-  a_for_b.marks_ends = false;
+  ParticipantAccess::peer(*pair.b.participant, pair.a->prefix()).marks_ends = false;
   pair.write();
   end({.disposed = true});
   ASSERT_EQ(received().size(), 2u);

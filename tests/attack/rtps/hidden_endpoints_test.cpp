@@ -1,6 +1,7 @@
 // Neither the discovery of a topic nor RTPS messages are protected. An attacker uses up the
 // sequence numbers of announcements, so that genuine ones count as known (T60 in docs/attacks.md).
 #include "rtps/discovery/serialized.hpp"
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
@@ -129,9 +130,7 @@ TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
 // it, so no message contradicts another one. Participants of other vendors do not repeat what they
 // have announced.
 TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
-  auto& a_for_b =
-      const_cast<RemoteParticipant&>(pair.b->remote_participants().all().at(pair.a->prefix()));
-  a_for_b.next_offer = kNever;
+  ParticipantAccess::peer(*pair.b.participant, pair.a->prefix()).next_offer = kNever;
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
   invent(next);

@@ -1,6 +1,6 @@
-// A message of a stock reader to one participant can be opened by all others, because the reader
-// has one key for all of them, and INFO_DST is not protected. An attacker on the path sends it to
-// another participant (T41 in docs/attacks.md).
+// What a stock reader says to one participant opens at all others, because it has one key for all
+// of them, and INFO_DST is not protected. An attacker on the path sends it to another one (T41).
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/nack_frag.hpp"
@@ -51,7 +51,7 @@ struct RedirectedRequests : ::testing::Test {
                                 static_cast<int>(within / 10ms));
   }
   const ReaderProxy& proxy() {
-    return *const_cast<LocalEndpoints&>(pair.a->local_endpoints())
+    return *ParticipantAccess::local_endpoints(*pair.a.participant)
                 .builtin()
                 .writer(BuiltinTopic::publications_secure)
                 .readers()
