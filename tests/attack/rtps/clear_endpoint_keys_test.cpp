@@ -1,45 +1,17 @@
 // Neither the discovery of a topic nor RTPS messages are protected. An attacker announces that
 // endpoints have ended, whose participant sends their keys only once (T60 in docs/attacks.md).
-#include "rtps/discovery/serialized.hpp"
+#include "tests/attack/rtps/forged_announcements.hpp"
 #include "tests/attack/rtps/participant_access.hpp"
-#include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
 using namespace testing;
 
-// Participant a writes and b reads, with keys for the topic.
-struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
-  ClearEndpointsWithKeys() : pair(GetParam()) {
-    EXPECT_TRUE(pair.match());
-    pair.world.run(100);
-    data = *pair.b.participant->remote_participants().endpoint(pair.writer);
-  }
-  // Sends to b in a's name.
-  void send(PayloadKind kind, BytesView payload, InlineQos qos = {}) {
-    pair.b->receive(
-        forged(
-            pair.a->prefix(),
-            Data{
-                kPublicationsReader, kPublicationsWriter, {next++}, std::move(qos), kind, payload}),
-        pair.world.now, attacker);
-  }
-  void announce(const EndpointData& endpoint) {
-    Bytes buffer(4096);
-    SpanWriter out(buffer);
-    write_payload(out, endpoint);
-    send(PayloadKind::data, out.view());
-  }
-  void dispose(const Guid& guid) {
-    Bytes buffer(64);
-    SpanWriter out(buffer);
-    write_endpoint_key(out, guid);
-    InlineQos qos;
-    qos.status = {true, true};
-    send(PayloadKind::key, out.view(), std::move(qos));
-  }
-  // Says that a's writer of announcements has later ones only.
+// a writes, b reads, with keys for the topic.
+struct ClearEndpointsWithKeys : ForgedAnnouncements, ::testing::TestWithParam<Rules> {
+  ClearEndpointsWithKeys() : ForgedAnnouncements(Kind::writers_of_a, GetParam()) {}
+  // Says that a's writer of announcements holds only later ones.
   void hide_announcements() {
     const SequenceNumber last{100000};
     pair.b->receive(forged(pair.a->prefix(), Heartbeat{.reader = kPublicationsReader,
@@ -60,12 +32,6 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
     }
     pair.world.run(500);
   }
-  EndpointData other_writer(std::uint32_t number) const {
-    auto out = data;
-    out.guid.entity.octets = {0x40, static_cast<std::uint8_t>(number >> 8),
-                              static_cast<std::uint8_t>(number), 2};
-    return out;
-  }
   bool knows_keys(const Guid& writer) const {
     const auto& core = pair.b.participant->remote_participants().core();
     return core.security->keyring().kind_of(pair.reader.entity, writer) !=
@@ -80,10 +46,6 @@ struct ClearEndpointsWithKeys : ::testing::TestWithParam<Rules> {
     pair.write();
     return pair.world.run_until([&] { return pair.b.listener.changes.size() > received; }, 300);
   }
-  const Locator attacker = *Locator::parse("127.0.0.1", 7000);
-  Pair pair;
-  EndpointData data;      // the data of the true writer
-  std::int64_t next = 2;  // the next number; a has announced one writer
   std::int32_t count = 1000;
 };
 
@@ -98,8 +60,8 @@ TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
 // An invented writer must not take the room of one whose keys are kept.
 TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
   for (std::uint32_t i = 0; i < AnnouncementRefresh::kMaxEnded; ++i) {
-    announce(other_writer(i));
-    dispose(other_writer(i).guid);
+    announce(forged_endpoint(i));
+    dispose(forged_endpoint(i).guid);
   }
   dispose(pair.writer);
   ASSERT_EQ(pair.b.listener.matched, 0);
@@ -109,7 +71,7 @@ TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
 
 TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEndedAgainAndAgain_MatchAgain) {
   for (std::size_t i = 0; i <= AnnouncementRefresh::kMaxEnded; ++i) {
-    announce(data);
+    announce(true_endpoint);
     dispose(pair.writer);
   }
   ASSERT_EQ(pair.b.listener.matched, 0);
@@ -132,8 +94,8 @@ TEST_P(ClearEndpointsWithKeys, WhereAForgedHeartbeatDisturbsTheReading_MatchAfte
   hide_announcements_until_read();
   ASSERT_EQ(pair.b.listener.matched, 0);
   next = 100001;
-  announce(other_writer(1));
-  dispose(other_writer(1).guid);
+  announce(forged_endpoint(1));
+  dispose(forged_endpoint(1).guid);
   EXPECT_TRUE(delivers());
 }
 
@@ -193,7 +155,7 @@ struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
           pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now)
               .value();
       pair.world.run(3);
-      auto announced = data;
+      auto announced = true_endpoint;
       announced.guid = writer;
       announce(announced);
       pair.a->remove(writer, pair.world.now);
@@ -203,7 +165,7 @@ struct ClearEndpointsWithoutKeys : ClearEndpointsWithKeys {
     ASSERT_EQ(pair.b.listener.matched, 0);
     ASSERT_FALSE(knows_keys(pair.writer));
     next = 100001;
-    announce(data);
+    announce(true_endpoint);
   }
 };
 

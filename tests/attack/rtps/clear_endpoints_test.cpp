@@ -1,8 +1,7 @@
 // Neither the discovery of a topic nor RTPS messages are protected. An attacker announces endpoints
 // in the name of an authenticated participant (T60 in docs/attacks.md).
-#include "rtps/discovery/serialized.hpp"
+#include "tests/attack/rtps/forged_announcements.hpp"
 #include "tests/attack/rtps/participant_access.hpp"
-#include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -17,55 +16,22 @@ Locator at(std::uint32_t port) {
 }
 
 // Participant a writes and b reads.
-struct ClearEndpoints : ::testing::Test {
-  ClearEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
-    EXPECT_TRUE(pair.match());
-    pair.world.run(100);
+struct ClearEndpoints : ForgedAnnouncements, ::testing::Test {
+  ClearEndpoints()
+      : ForgedAnnouncements(Kind::readers_of_b,
+                            {.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
     pair.world.attack = [this](World::Traffic& traffic) {
       for (const auto& [port, octets] : traffic)
         if (port >= kFirstPort) ports.insert(port);
     };
   }
-  EndpointData forged_reader(std::uint32_t number) const {
-    auto out = *pair.a.participant->remote_participants().endpoint(pair.reader);
-    out.guid.entity.octets = {0x40, static_cast<std::uint8_t>(number >> 8),
-                              static_cast<std::uint8_t>(number), 7};
-    return out;
-  }
-  void send(PayloadKind kind, BytesView payload, InlineQos qos = {}) {
-    pair.a->receive(forged(pair.b->prefix(), Data{kSubscriptionsReader,
-                                                  kSubscriptionsWriter,
-                                                  {next++},
-                                                  std::move(qos),
-                                                  kind,
-                                                  payload}),
-                    pair.world.now, at(7000));
-  }
-  void announce(const EndpointData& data) {
-    Bytes buffer(4096);
-    SpanWriter out(buffer);
-    write_payload(out, data);
-    send(PayloadKind::data, out.view());
-  }
-  void dispose(const Guid& guid) {
-    Bytes buffer(64);
-    SpanWriter out(buffer);
-    write_endpoint_key(out, guid);
-    InlineQos qos;
-    qos.status = {true, true};
-    send(PayloadKind::key, out.view(), std::move(qos));
-  }
   void announce_at_many_ports(std::uint32_t readers) {
     for (std::uint32_t i = 0; i < readers; ++i) {
-      auto data = forged_reader(i);
+      auto data = forged_endpoint(i);
       for (std::uint32_t j = 0; j < 4; ++j) data.unicast.push_back(at(kFirstPort + 4 * i + j));
       announce(data);
     }
     pair.world.run(10);
-  }
-  bool matches(const Guid& reader) const {
-    const auto matched = pair.a.participant->local_endpoints().matched(pair.writer);
-    return std::ranges::find(matched, reader) != matched.end();
   }
   std::size_t matched() const {
     return pair.a.participant->local_endpoints().matched(pair.writer).size();
@@ -82,9 +48,7 @@ struct ClearEndpoints : ::testing::Test {
     pair.world.run(10);
   }
 
-  Pair pair;
-  std::set<std::uint32_t> ports;  // the attacker's ports to which anything was sent
-  std::int64_t next = 2;          // the next number of an announcement; b has announced one reader
+  std::set<std::uint32_t> ports;  // of the attacker's, to which anything was sent
 };
 
 // Without the bound, messages went to all 800 ports.
@@ -99,7 +63,7 @@ TEST_F(ClearEndpoints, AtManyPorts_GetMessagesAtFewOfThem) {
 }
 
 TEST_F(ClearEndpoints, AtManyPortsAgainAndAgain_GetMessagesAtFewOfThem) {
-  auto data = forged_reader(0);
+  auto data = forged_endpoint(0);
   for (std::uint32_t i = 0; i < 100; ++i) {
     data.unicast = {at(kFirstPort + i)};
     announce(data);
@@ -112,8 +76,8 @@ TEST_F(ClearEndpoints, AtManyPortsAgainAndAgain_GetMessagesAtFewOfThem) {
 // Endpoints that have ended take no room.
 TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
   announce_at_many_ports(10);
-  for (std::uint32_t i = 0; i < 10; ++i) dispose(forged_reader(i).guid);
-  auto data = forged_reader(100);
+  for (std::uint32_t i = 0; i < 10; ++i) dispose(forged_endpoint(i).guid);
+  auto data = forged_endpoint(100);
   data.unicast = {at(30000)};
   announce(data);
   pair.world.run(10);
@@ -125,26 +89,26 @@ TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
 
 // The waiting reader must match without a new announcement.
 TEST_F(ClearEndpoints, ThatUseUpThePlaces_KeepAnotherOutOnlyUntilOneEnds) {
-  for (std::uint32_t i = 1; i < kMaxMatches; ++i) announce(forged_reader(i));
+  for (std::uint32_t i = 1; i < kMaxMatches; ++i) announce(forged_endpoint(i));
   ASSERT_EQ(matched(), kMaxMatches);
-  const auto honest = forged_reader(5000);
+  const auto honest = forged_endpoint(5000);
   announce(honest);
   pair.world.run(10);
   ASSERT_FALSE(matches(honest.guid));
-  dispose(forged_reader(7).guid);
+  dispose(forged_endpoint(7).guid);
   pair.world.run(10);
   EXPECT_TRUE(matches(honest.guid));
   EXPECT_EQ(matched(), kMaxMatches);
 }
 
 TEST_F(ClearEndpoints, ThatUseUpThePlaces_GiveWayToOneAnnouncedSecurely) {
-  for (std::uint32_t i = 1; i < kMaxMatches + 9; ++i) announce(forged_reader(i));
+  for (std::uint32_t i = 1; i < kMaxMatches + 9; ++i) announce(forged_endpoint(i));
   ASSERT_EQ(matched(), kMaxMatches);
-  const auto honest = forged_reader(5000);
+  const auto honest = forged_endpoint(5000);
   announce_securely(honest);
   EXPECT_TRUE(matches(honest.guid));
   EXPECT_TRUE(matches(pair.reader)) << "the last one gives way";
-  EXPECT_FALSE(matches(forged_reader(kMaxMatches - 1).guid));
+  EXPECT_FALSE(matches(forged_endpoint(kMaxMatches - 1).guid));
   EXPECT_EQ(matched(), kMaxMatches);
 }
 
@@ -161,7 +125,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
 }
 
 TEST_F(ClearEndpoints, ThatAreAnnouncedAtAnotherPort_StillGetWhatIsSentToTheirParticipant) {
-  auto data = forged_reader(0);
+  auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.unicast = {at(kFirstPort)};
   for (const bool has_ended_before : {false, true}) {
@@ -182,7 +146,7 @@ TEST_F(ClearEndpoints, ThatAreAnnouncedAtAnotherPort_StillGetWhatIsSentToTheirPa
 }
 
 TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
-  auto data = forged_reader(0);
+  auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.qos.partition = {"elsewhere"};
   announce(data);
@@ -192,7 +156,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
 
 // If the match stayed best effort, samples that are lost on the way would stay lost.
 TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffort_AreReliableAgain) {
-  auto data = forged_reader(0);
+  auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.qos.reliability.kind = ReliabilityKind::best_effort;
   dispose(pair.reader);
@@ -217,7 +181,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffort_AreReliableAgain) {
 // One message is not enough: these policies cannot change, so the change waits for the next
 // reading.
 TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffortMeanwhile_StayReliable) {
-  auto data = forged_reader(0);
+  auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.qos.reliability.kind = ReliabilityKind::best_effort;
   data.qos.durability = DurabilityKind::persistent;
@@ -231,7 +195,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffortMeanwhile_StayReliable) {
 
 // The forged announcement arrived before the genuine one, which replaces it.
 TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNextReading) {
-  auto forged_one = forged_reader(9);
+  auto forged_one = forged_endpoint(9);
   const auto honest = forged_one;
   forged_one.qos.reliability.kind = ReliabilityKind::best_effort;
   announce(forged_one);
@@ -262,8 +226,8 @@ TEST_F(ClearEndpoints, ThatHaveEnded_DoNotComeBack) {
 
 // Endpoints that are read again and have not changed are not reported again.
 TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
-  announce(forged_reader(1));
-  dispose(forged_reader(1).guid);
+  announce(forged_endpoint(1));
+  dispose(forged_endpoint(1).guid);
   const auto before = pair.a.listener.unmatched;
   pair.world.run(1000);
   EXPECT_EQ(pair.a.listener.unmatched, before);
@@ -273,7 +237,7 @@ TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
 // The limit applies to addresses that anyone could have announced.
 TEST_F(ClearEndpoints, AnnouncedSecurelyAtManyPorts_GetMessagesAtAllOfThem) {
   for (std::uint32_t i = 0; i < 20; ++i) {
-    auto data = forged_reader(i);
+    auto data = forged_endpoint(i);
     data.unicast = {at(kFirstPort + i)};
     announce_securely(data);
   }

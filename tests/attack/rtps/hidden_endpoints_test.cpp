@@ -1,8 +1,7 @@
 // Neither the discovery of a topic nor RTPS messages are protected. An attacker uses up the
 // sequence numbers of announcements, so that genuine ones count as known (T60 in docs/attacks.md).
-#include "rtps/discovery/serialized.hpp"
+#include "tests/attack/rtps/forged_announcements.hpp"
 #include "tests/attack/rtps/participant_access.hpp"
-#include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -10,24 +9,18 @@ namespace {
 using namespace testing;
 
 // Participant a writes and b reads. Each test hides a second reader of b from a.
-struct HiddenEndpoints : ::testing::Test {
-  HiddenEndpoints() : pair({.discovery = ProtectionKind::encrypt, .clear_topics = true}) {
-    EXPECT_TRUE(pair.match());
-    pair.world.run(100);
-  }
+struct HiddenEndpoints : ForgedAnnouncements, ::testing::Test {
+  HiddenEndpoints()
+      : ForgedAnnouncements(Kind::readers_of_b,
+                            {.discovery = ProtectionKind::encrypt, .clear_topics = true}) {}
   template <class Message>
   void send_to_a(const Message& message) {
     pair.a->receive(forged(pair.b->prefix(), message), pair.world.now, attacker);
   }
   // Announces in b's name a reader that does not exist.
   void invent(SequenceNumber number) {
-    auto data = *pair.a.participant->remote_participants().endpoint(pair.reader);
-    data.guid.entity.octets = {0x40, 0, 0, 7};
-    Bytes buffer(4096);
-    SpanWriter out(buffer);
-    write_payload(out, data);
-    send_to_a(Data{
-        kSubscriptionsReader, kSubscriptionsWriter, number, {}, PayloadKind::data, out.view()});
+    next = number.value;
+    announce(forged_endpoint(0));
   }
   void claim(SequenceNumber first, SequenceNumber last) {
     send_to_a(Heartbeat{.reader = kSubscriptionsReader,
@@ -41,10 +34,6 @@ struct HiddenEndpoints : ::testing::Test {
     qos.reliability.kind = ReliabilityKind::reliable;
     return pair.b->create_reader(square(qos), pair.b.listener, pair.world.now).value();
   }
-  bool matches(const Guid& reader) const {
-    const auto matched = pair.a.participant->local_endpoints().matched(pair.writer);
-    return std::ranges::find(matched, reader) != matched.end();
-  }
   bool is_found(const Guid& reader, std::chrono::seconds within) {
     return pair.world.run_until([&] { return matches(reader); }, static_cast<int>(within / 10ms));
   }
@@ -54,41 +43,48 @@ struct HiddenEndpoints : ::testing::Test {
         .at(pair.b.participant->prefix())
         .announcement_refresh;
   }
-  const Locator attacker = *Locator::parse("127.0.0.1", 7999);
-  const SequenceNumber next{2};  // b has announced one reader
-  Pair pair;
+  // The readings that begin within this time; `each_second` is called with the second.
+  template <class F>
+  int count_readings(std::chrono::seconds within, F each_second) {
+    int readings = 0;
+    bool was_under_way = false;
+    for (int second = 0; second < within.count(); ++second) {
+      each_second(second);
+      pair.world.run(100);
+      const bool is_under_way = reading().is_under_way();
+      readings += is_under_way && !was_under_way ? 1 : 0;
+      was_under_way = is_under_way;
+    }
+    return readings;
+  }
+
+  const SequenceNumber hidden{2};  // the number of b's next announcement
 };
 
 constexpr auto kShort = 5s;  // AnnouncementRefresh::kMinPause, and some time for the answer
 constexpr auto kOffer = 40s;
 
-TEST_F(HiddenEndpoints, ByAnAnnouncementWithTheirNumber_AreFound) {
-  invent(next);
-  const auto reader = create_reader();
-  pair.world.run(100);
-  ASSERT_FALSE(matches(reader));
-  EXPECT_TRUE(is_found(reader, kShort));
-}
+struct Forgery {
+  const char* name;
+  void (*send)(HiddenEndpoints& test);
+};
+constexpr Forgery kForgeries[] = {
+    {"AnnouncementWithTheirNumber", [](auto& test) { test.invent(test.hidden); }},
+    {"HeartbeatThatSkipsThem", [](auto& test) { test.claim({100001}, {100000}); }},
+    {"HeartbeatThatSkipsOnlyThem", [](auto& test) { test.claim({3}, {2}); }},
+    {"Gap",
+     [](auto& test) {
+       test.send_to_a(Gap{kSubscriptionsReader, kSubscriptionsWriter, test.hidden,
+                          SequenceNumberSet(SequenceNumber{1000})});
+     }},
+};
 
-TEST_F(HiddenEndpoints, ByAHeartbeatThatSkipsThem_AreFound) {
-  claim({100001}, {100000});
-  const auto reader = create_reader();
-  pair.world.run(100);
-  ASSERT_FALSE(matches(reader));
-  EXPECT_TRUE(is_found(reader, kShort));
-}
+struct HiddenByAForgery : HiddenEndpoints, ::testing::WithParamInterface<Forgery> {};
+INSTANTIATE_TEST_SUITE_P(All, HiddenByAForgery, ::testing::ValuesIn(kForgeries),
+                         [](const auto& info) { return std::string(info.param.name); });
 
-TEST_F(HiddenEndpoints, ByAHeartbeatThatSkipsOnlyThem_AreFound) {
-  claim({3}, {2});
-  const auto reader = create_reader();
-  pair.world.run(100);
-  ASSERT_FALSE(matches(reader));
-  EXPECT_TRUE(is_found(reader, kShort));
-}
-
-TEST_F(HiddenEndpoints, ByAGap_AreFound) {
-  send_to_a(Gap{kSubscriptionsReader, kSubscriptionsWriter, next,
-                SequenceNumberSet(SequenceNumber{1000})});
+TEST_P(HiddenByAForgery, Endpoints_AreFoundByTheNextReading) {
+  GetParam().send(*this);
   const auto reader = create_reader();
   pair.world.run(100);
   ASSERT_FALSE(matches(reader));
@@ -102,7 +98,7 @@ TEST_F(HiddenEndpoints, ByAHeartbeat_AreFoundBeforeAnotherIsAnnounced) {
   const auto reader = create_reader();
   claim({100001}, {100000});
   pair.b->receive(forged(pair.a->prefix(), AckNack{kSubscriptionsReader, kSubscriptionsWriter,
-                                                   SequenceNumberSet(next.next()), 1000, true}),
+                                                   SequenceNumberSet(hidden.next()), 1000, true}),
                   pair.world.now, attacker);
   pair.world.run(10);
   pair.world.attack = {};
@@ -117,7 +113,7 @@ TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
   const auto reader = create_reader();
   pair.world.run(1);
   pair.b->receive(forged(pair.a->prefix(), AckNack{kSubscriptionsReader, kSubscriptionsWriter,
-                                                   SequenceNumberSet(next.next()), 1000, true}),
+                                                   SequenceNumberSet(hidden.next()), 1000, true}),
                   pair.world.now, attacker);
   pair.world.run(10);
   pair.world.attack = {};
@@ -133,10 +129,10 @@ TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
   ParticipantAccess::peer(*pair.b.participant, pair.a->prefix()).next_offer = kNever;
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
-  invent(next);
+  invent(hidden);
   pair.world.run(1);
   pair.b->receive(forged(pair.a->prefix(), AckNack{kSubscriptionsReader, kSubscriptionsWriter,
-                                                   SequenceNumberSet(next.next()), 1000, true}),
+                                                   SequenceNumberSet(hidden.next()), 1000, true}),
                   pair.world.now, attacker);
   pair.world.run(10);
   pair.world.attack = {};
@@ -147,31 +143,19 @@ TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
 
 // In the end the forgeries cost the peer one reading in 256 s.
 TEST_F(HiddenEndpoints, ByForgeriesThatGoOn_AreReadLessAndLessOften) {
-  int readings = 0;
-  bool was_under_way = false;
-  for (int i = 0; i < 600; ++i) {
-    invent({i % 2 == 0 ? 100 : 3 + i});
-    claim({1}, {i % 50});
-    pair.world.run(100);
-    const bool is_under_way = reading().is_under_way();
-    readings += is_under_way && !was_under_way ? 1 : 0;
-    was_under_way = is_under_way;
-  }
+  const int readings = count_readings(600s, [this](int second) {
+    invent({second % 2 == 0 ? 100 : 3 + second});
+    claim({1}, {second % 50});
+  });
   EXPECT_GE(readings, 3);
   EXPECT_LE(readings, 9) << "in 600 s";
 }
 
 // There is no forgery.
 TEST_F(HiddenEndpoints, WhereNothingContradicts_EverythingIsReadSeldom) {
-  int readings = 0;
-  bool was_under_way = false;
-  for (int i = 0; i < 1024; ++i) {
-    if (i % 20 == 0) create_reader();
-    pair.world.run(100);
-    const bool is_under_way = reading().is_under_way();
-    readings += is_under_way && !was_under_way ? 1 : 0;
-    was_under_way = is_under_way;
-  }
+  const int readings = count_readings(1024s, [this](int second) {
+    if (second % 20 == 0) create_reader();
+  });
   EXPECT_GE(readings, 3);
   EXPECT_LE(readings, 9) << "in 1024 s";
   EXPECT_TRUE(matches(pair.reader));
