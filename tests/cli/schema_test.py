@@ -5,7 +5,7 @@ import copy
 import unittest
 
 from ocsp_responder import index_line, responder
-from running import running_participant
+from shown_process import running_participant
 from transcript import ANSWERS, DATA, NOW, SCHEMA, Transcript, main
 
 FREE = ("--no-passphrase",)

@@ -8,7 +8,7 @@ import stat
 import subprocess
 import time
 
-from running import answer, certificate, document, participant, refusal, running_participant
+from shown_process import answer, certificate, document, participant, refusal, running_participant
 from transcript import NOW, Transcript, main
 
 WHERE = ("--status-dir", "status", *NOW)

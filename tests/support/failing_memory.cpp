@@ -42,7 +42,7 @@ Pointer counted(Pointer block) {
 
 void fail_at(Source source, Extent extent, long number) { plan = {source, extent, number, false}; }
 
-bool relent() {
+bool stop_failing() {
   plan.left = 0;
   return plan.has_failed;
 }

@@ -15,7 +15,7 @@ enum class Extent { once, from_then_on };
 /// Makes the calling thread's `number`-th allocation of `source` from now on fail, counted from 1.
 void fail_at(Source source, Extent extent, long number);
 /// Makes allocations succeed again. Returns true if any had failed.
-bool relent();
+bool stop_failing();
 
 /// Returns the number of blocks of both sources that are not freed, in all threads. Under a
 /// sanitizer, whose own leak check counts the others, it is that of operator new alone.

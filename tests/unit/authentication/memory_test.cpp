@@ -62,7 +62,7 @@ TEST_P(OutOfMemory, FailingAllocation_DelaysARevocationAndLosesNone) {
     Scene scene;
     failing_memory::fail_at(source, extent, ++number);
     std::size_t ended = scene.poll();
-    failed = failing_memory::relent();
+    failed = failing_memory::stop_failing();
     for (int i = 0; i < 3; ++i) ended += scene.poll();
     EXPECT_EQ(ended, 1u) << "allocation " << number;
     EXPECT_FALSE(scene.pairing.a.discover(scene.pairing.b)) << "allocation " << number;

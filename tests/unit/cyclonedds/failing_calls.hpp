@@ -48,7 +48,7 @@ class Caller {
       Exception ex{};
       if (plan_) memory::fail_at(plan_->source, plan_->extent, number);
       const bool succeeded = call(&ex);
-      const bool wanted_more = memory::relent();
+      const bool wanted_more = memory::stop_failing();
       const std::string message = ex.message != nullptr ? ex.message : "";
       std::free(ex.message);
       if (!wanted_more) {

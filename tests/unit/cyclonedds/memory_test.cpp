@@ -123,7 +123,7 @@ TEST(FailingMemoryAtInit, EachFailure_IsTold) {
       void* context = nullptr;
       memory::fail_at(Source::cpp, Extent::once, number);
       const int result = init("", &context, nullptr);
-      done = !memory::relent();
+      done = !memory::stop_failing();
       EXPECT_EQ(result == 0, done) << entry << number;
       EXPECT_EQ(context != nullptr, done);
       if (context != nullptr) finalize(context);

@@ -26,12 +26,12 @@ struct KeeperPairTest : KeeperTest {
         ASSERT_TRUE(keeper->flush(10s));
       }
   }
-  void gone() {
+  void delete_writers() {
     ASSERT_TRUE(a.publisher->delete_contained_entities());
     serve();
   }
   // Returns what a late joiner gets from this keeper alone.
-  Values of(std::size_t which, std::size_t count) {
+  Values served_by_alone(std::size_t which, std::size_t count) {
     for (std::size_t i = 0; i < keepers.size(); ++i)
       if (i != which) stop(i);
     serve();
@@ -52,7 +52,7 @@ struct KeeperPairTest : KeeperTest {
     serve();
     for (int i = 4; i <= 5; ++i) ASSERT_TRUE(writer.write({"north", i}));
     serve();
-    gone();
+    delete_writers();
     stop(0);
     start(1);
     serve();
@@ -68,12 +68,12 @@ TEST_P(KeeperPairTest, AfterARestart_TheLatestSampleWins) {
   miss_samples(1);
   EXPECT_EQ(keepers[0]->served(), 1u);
   EXPECT_EQ(keepers[1]->served(), 1u);
-  EXPECT_EQ(of(0, 1), (Values{5}));
+  EXPECT_EQ(served_by_alone(0, 1), (Values{5}));
 }
 
 TEST_P(KeeperPairTest, AfterARestart_TheOneThatMissedSamplesGetsThem) {
   miss_samples(3);
-  EXPECT_EQ(of(1, 3), (Values{3, 4, 5}));
+  EXPECT_EQ(served_by_alone(1, 3), (Values{3, 4, 5}));
 }
 
 // A keeper that has the last sample must not refuse those before it.
@@ -97,8 +97,8 @@ TEST_P(KeeperPairTest, AfterARestart_ItTakesWhatTheWriterDidNotHold) {
   start(1);
   start(0);
   serve(200);
-  gone();
-  auto got = of(1, 3);
+  delete_writers();
+  auto got = served_by_alone(1, 3);
   std::ranges::sort(got);
   EXPECT_EQ(got, (Values{1, 2, 3}));
 }
@@ -116,13 +116,13 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
   serve();
   ASSERT_TRUE(writer.dispose({"north"}));
   serve();
-  gone();
+  delete_writers();
   stop(0);
   start(1);
   serve();
   start(0);
   serve(150);
-  EXPECT_EQ(of(0, 1), (Values{2}));
+  EXPECT_EQ(served_by_alone(0, 1), (Values{2}));
 }
 
 // The instance must not come back after it was disposed and removed.
@@ -139,13 +139,13 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasRemovedStaysSo) {
   ASSERT_TRUE(writer.dispose({"north"}));
   serve(100);
   ASSERT_EQ(keepers[0]->served(), 1u);
-  gone();
+  delete_writers();
   stop(0);
   start(1);
   serve();
   start(0);
   serve(150);
-  EXPECT_EQ(of(0, 1), (Values{2}));
+  EXPECT_EQ(served_by_alone(0, 1), (Values{2}));
 }
 
 // A keeper that has a later sample must not treat the instance as ended.
@@ -173,8 +173,8 @@ TEST_P(KeeperPairTest, AfterARestart_ItTakesInstancesThatItNeverStored) {
   start(1);
   start(0);
   serve(200);
-  gone();
-  auto got = of(1, 2);
+  delete_writers();
+  auto got = served_by_alone(1, 2);
   std::ranges::sort(got);
   EXPECT_EQ(got, (Values{1, 2}));
 }
