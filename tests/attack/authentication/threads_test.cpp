@@ -10,7 +10,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(Threads, ManyPeersOfTwoLocalsOnOneEngine_AllAuthenticate) {
+TEST(HandshakeThreads, ManyPeersOfTwoLocalsOnOneEngine_AllAuthenticate) {
   constexpr int kThreads = 4, kRounds = 25;
   const SystemClock clock;
   SystemRandom random;

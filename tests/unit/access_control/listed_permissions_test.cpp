@@ -27,7 +27,7 @@ TEST_F(ListedPeers, TheSameRightsInTheFuture_CountOnceTheyBegin) {
   EXPECT_THAT(codes(), ElementsAre(Code::peer_permissions_listed));
 }
 
-TEST_F(ListedPeers, OfSeveral_TheOneThatEndsLastCounts) {
+TEST_F(ListedPeers, SeveralDocuments_TheOneThatEndsLastCounts) {
   put({document({"t"}, 0s, 40s), document({"t"}, -1h, 12h), document({"t"}, 2s, 30s)});
   poll();
   EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
@@ -72,7 +72,7 @@ TEST_P(OtherRights, RightsInAListedDocument_HaveNoEffect) {
   expect_as_presented();
 }
 
-TEST_P(OtherRights, ThatHaveEnded_HaveNoEffect) {
+TEST_P(OtherRights, EndedDocument_HasNoEffect) {
   put({listed(0s, 5s)});
   poll(6s);
   EXPECT_THAT(codes(), IsEmpty());
@@ -195,7 +195,7 @@ TEST_F(ListedPeers, RightsThatAreGivenBack_CountAtOnce) {
   EXPECT_TRUE(may_publish("u"));
 }
 
-TEST_F(ListedPeers, ForAnotherDomain_ChangeNothing) {
+TEST_F(ListedPeers, DocumentForAnotherDomain_ChangesNothing) {
   auto rule = publish_rule(true, {"t"});
   rule.domains.ranges = {{7, 7}};
   auto out = grant(kListener, {rule});
@@ -236,7 +236,7 @@ TEST_F(ListedPeers, AnExpressionThatIsPresented_IsExtendedByTheNameAlone) {
   EXPECT_THAT(pass_the_end(), IsEmpty());
 }
 
-TEST_F(ListedPeers, OfAnotherSubject_AreOfNoUse) {
+TEST_F(ListedPeers, DocumentOfAnotherSubject_IsOfNoUse) {
   put({document({"t"}, 0s, 24h, kTalker)});
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
 }

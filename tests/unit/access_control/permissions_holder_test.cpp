@@ -6,7 +6,7 @@
 namespace ddssec::access_control {
 namespace {
 
-class Expiry : public AccessControlTest {
+class PermissionsExpiry : public AccessControlTest {
  protected:
   std::string brief() const {
     auto ends = grant(kTalker, {rule(true)});
@@ -16,7 +16,7 @@ class Expiry : public AccessControlTest {
 
   // Two participants of the talker, and the listener as a peer of both.
   struct TwoLocals {
-    TwoLocals(Expiry& test, const std::string& own,
+    TwoLocals(PermissionsExpiry& test, const std::string& own,
               spi::IdentityHandle remote_of_second = kRemoteIdentity,
               const std::string& of_peer = {}) {
       const auto document = of_peer.empty() ? test.open_permissions(kListener) : of_peer;
@@ -40,7 +40,7 @@ class Expiry : public AccessControlTest {
 };
 
 // T3 (docs/attacks.md): a peer stays matched after its permissions have expired.
-TEST_F(Expiry, EndedGrant_IsReportedOnceAndDeniesAlways) {
+TEST_F(PermissionsExpiry, EndedGrant_IsReportedOnceAndDeniesAlways) {
   const auto own = local(open_permissions(kTalker));
   auto brief = grant(kListener, {publish_rule(true, {"t"})});
   brief.validity.not_after = kNow + 10s;
@@ -63,7 +63,7 @@ TEST_F(Expiry, EndedGrant_IsReportedOnceAndDeniesAlways) {
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
 }
 
-TEST_F(Expiry, OwnPermissions_AreWarnedOfBeforeTheirEnd) {
+TEST_F(PermissionsExpiry, OwnPermissions_AreWarnedOfBeforeTheirEnd) {
   auto of_100_days = grant(kTalker, {rule(true)});
   of_100_days.validity = {kNow, kNow + 100 * 24h};
   ASSERT_OK(local(signed_permissions({of_100_days})));
@@ -80,7 +80,7 @@ TEST_F(Expiry, OwnPermissions_AreWarnedOfBeforeTheirEnd) {
   EXPECT_EQ(days, (std::vector{30, 7, 1}));
 }
 
-TEST_F(Expiry, OwnPermissionsThatAnotherGrantFollows_AreNotWarnedOf) {
+TEST_F(PermissionsExpiry, OwnPermissionsThatAnotherGrantFollows_AreNotWarnedOf) {
   auto first = grant(kTalker, {rule(true)}), second = first;
   first.validity = {kNow, kNow + 50 * 24h};
   second.validity = {kNow + 50 * 24h, kNow + 365 * 24h};
@@ -92,7 +92,7 @@ TEST_F(Expiry, OwnPermissionsThatAnotherGrantFollows_AreNotWarnedOf) {
   EXPECT_TRUE(log.all.empty());
 }
 
-TEST_F(Expiry, PeersPermissions_AreNotOurs) {
+TEST_F(PermissionsExpiry, PeersPermissions_AreNotOurs) {
   ASSERT_OK(local(open_permissions(kTalker)));
   auto of_peer = grant(kListener, {rule(true)});
   of_peer.validity = {kNow - 24h * 20, kNow + 25h};
@@ -105,7 +105,7 @@ TEST_F(Expiry, PeersPermissions_AreNotOurs) {
 // T4 (docs/attacks.md): the wall clock at the time of the check counts, even if it jumped.
 // Permissions that were valid do not end when the clock is set back. Otherwise a clock that is
 // wrong for a minute would part honest participants for good.
-TEST_F(Expiry, ClockThatJumps_IsFollowed) {
+TEST_F(PermissionsExpiry, ClockThatJumps_IsFollowed) {
   const auto own = local(open_permissions(kTalker));
   ASSERT_TRUE(own);
   clock.set(kNow + 25h);
@@ -123,7 +123,7 @@ TEST_F(Expiry, ClockThatJumps_IsFollowed) {
   EXPECT_EQ(plugin->expire().size(), 1u);
 }
 
-TEST_F(Expiry, AnotherGrantOfTheDocument_TakesOver) {
+TEST_F(PermissionsExpiry, AnotherGrantOfTheDocument_TakesOver) {
   auto first = grant(kTalker, {rule(true)}), second = grant(kTalker, {rule(true)});
   first.validity.not_after = kNow + 10s;
   second.validity.not_before = kNow + 5s;
@@ -137,7 +137,7 @@ TEST_F(Expiry, AnotherGrantOfTheDocument_TakesOver) {
 }
 
 // Endpoints that were matched under the first grant are not judged again under the second one.
-TEST_F(Expiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
+TEST_F(PermissionsExpiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
   const auto own = local(open_permissions(kTalker));
   ASSERT_TRUE(own);
   const auto first_then = [&](governance::GrantRule rule, bool default_allow) {
@@ -169,7 +169,7 @@ TEST_F(Expiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame) {
 }
 
 // T2 (docs/attacks.md): an expired CA is accepted. Here the permissions CA ends.
-TEST_F(Expiry, EndOfThePermissionsCa_EndsWhatItSigned) {
+TEST_F(PermissionsExpiry, EndOfThePermissionsCa_EndsWhatItSigned) {
   auto ca = pki::make_ca("CN=Brief CA", {}, {kNow - 24h, kNow + 10s});
   auto list = properties(signed_by(ca, governance::to_xml(governance_document)),
                          signed_by(ca, governance::to_xml(governance::Permissions{
@@ -184,7 +184,7 @@ TEST_F(Expiry, EndOfThePermissionsCa_EndsWhatItSigned) {
 }
 
 // Cyclone DDS keeps the writers of a participant that it deleted, so their readers must go.
-TEST_F(Expiry, EndOfALocalParticipant_EndsItsPeersUnlessAnotherHasThem) {
+TEST_F(PermissionsExpiry, EndOfALocalParticipant_EndsItsPeersUnlessAnotherHasThem) {
   auto brief = grant(kTalker, {rule(true)});
   brief.validity.not_after = kNow + 10s;
   const auto own = local(signed_permissions({brief}));
@@ -195,7 +195,7 @@ TEST_F(Expiry, EndOfALocalParticipant_EndsItsPeersUnlessAnotherHasThem) {
   EXPECT_TRUE(plugin->expire().empty());
 }
 
-TEST_F(Expiry, EndOfALocalParticipant_LeavesThePeersOfAnother) {
+TEST_F(PermissionsExpiry, EndOfALocalParticipant_LeavesThePeersOfAnother) {
   auto brief = grant(kTalker, {rule(true)});
   brief.validity.not_after = kNow + 10s;
   const auto own = local(signed_permissions({brief}));
@@ -213,7 +213,7 @@ TEST_F(Expiry, EndOfALocalParticipant_LeavesThePeersOfAnother) {
   EXPECT_EQ(plugin->expire(), std::vector{*own});
 }
 
-TEST_F(Expiry, LocalParticipantsThatEndTogether_EndThePeersTheyShare) {
+TEST_F(PermissionsExpiry, LocalParticipantsThatEndTogether_EndThePeersTheyShare) {
   TwoLocals two(*this, brief());
   clock.advance(10s);
   EXPECT_EQ(plugin->expire(), (std::vector{two.first, two.second, two.at_first, two.at_second}));
@@ -222,7 +222,7 @@ TEST_F(Expiry, LocalParticipantsThatEndTogether_EndThePeersTheyShare) {
 
 // A host that has one participant must not get the events of another host's participant, nor take
 // events away from it.
-TEST_F(Expiry, EndOfALocalParticipant_IsToldToItsOwnHostOnly) {
+TEST_F(PermissionsExpiry, EndOfALocalParticipant_IsToldToItsOwnHostOnly) {
   TwoLocals two(*this, brief(), spi::IdentityHandle{9});
   clock.advance(10s);
   EXPECT_EQ(plugin->expire(two.second), (std::vector{two.second, two.at_second}));
@@ -231,7 +231,7 @@ TEST_F(Expiry, EndOfALocalParticipant_IsToldToItsOwnHostOnly) {
   EXPECT_TRUE(plugin->expire({99}).empty());
 }
 
-TEST_F(Expiry, EndOfAPeer_IsToldToEachHostThatKnowsIt) {
+TEST_F(PermissionsExpiry, EndOfAPeer_IsToldToEachHostThatKnowsIt) {
   auto ends = grant(kListener, {rule(true)});
   ends.validity.not_after = kNow + 10s;
   TwoLocals two(*this, open_permissions(kTalker), kRemoteIdentity, signed_permissions({ends}));
@@ -240,7 +240,9 @@ TEST_F(Expiry, EndOfAPeer_IsToldToEachHostThatKnowsIt) {
   EXPECT_EQ(plugin->expire(two.second), std::vector{two.at_second});
 }
 
-TEST_F(Expiry, WithoutParticipants_HasNoNextEnd) { EXPECT_EQ(plugin->next_expiry(), std::nullopt); }
+TEST_F(PermissionsExpiry, WithoutParticipants_HasNoNextEnd) {
+  EXPECT_EQ(plugin->next_expiry(), std::nullopt);
+}
 
 }  // namespace
 }  // namespace ddssec::access_control

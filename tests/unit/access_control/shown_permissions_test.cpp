@@ -42,7 +42,7 @@ TEST_F(ShownPermissions, Taken_CountFromThenOnUnderTheSameHandle) {
   EXPECT_FALSE(may_publish("u"));
 }
 
-TEST_F(ShownPermissions, ThatAreTheSame_AreNoEvent) {
+TEST_F(ShownPermissions, SameDocumentAgain_IsNoEvent) {
   const auto text = document({"t"}, 0s, 48h);
   ASSERT_TRUE(show(text));
   log.all.clear();
@@ -50,13 +50,13 @@ TEST_F(ShownPermissions, ThatAreTheSame_AreNoEvent) {
   EXPECT_THAT(log.all, IsEmpty());
 }
 
-TEST_F(ShownPermissions, ThatBeginEarlier_AreRefusedAsARollBack) {
+TEST_F(ShownPermissions, EarlierBegin_IsRefusedAsARollBack) {
   EXPECT_REFUSED(show(document({"t", "u"}, -25h, 48h)), permissions_renewal_refused);
   EXPECT_FALSE(may_publish("u"));
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(ShownPermissions, ThatWereSignedEarlier_AreRefusedAsARollBack) {
+TEST_F(ShownPermissions, EarlierSignature_IsRefusedAsARollBack) {
   const auto wide = document({"t", "u"});
   signing_time += 10s;
   ASSERT_TRUE(show(document({"t"})));
@@ -67,7 +67,7 @@ TEST_F(ShownPermissions, ThatWereSignedEarlier_AreRefusedAsARollBack) {
   EXPECT_TRUE(may_publish("u"));
 }
 
-TEST_F(ShownPermissions, OfAnotherSubject_AreRefused) {
+TEST_F(ShownPermissions, AnotherSubject_IsRefused) {
   EXPECT_REFUSED(show(document({"u"}, 0s, 48h, kTalker)), no_grant_for_subject);
   // They are refused also together with the other identity's certificate: the session is the
   // listener's.
@@ -78,7 +78,7 @@ TEST_F(ShownPermissions, OfAnotherSubject_AreRefused) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(ShownPermissions, OfAnotherCa_AreRefused) {
+TEST_F(ShownPermissions, AnotherCa_IsRefused) {
   const auto xml = governance::to_xml(
       governance::Permissions{.grants = {grant(kListener, {publish_rule(true, {"u"})})}});
   log.all.clear();
@@ -88,14 +88,14 @@ TEST_F(ShownPermissions, OfAnotherCa_AreRefused) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(ShownPermissions, ThatAreNotValidNow_AreRefused) {
+TEST_F(ShownPermissions, InvalidNow_AreRefused) {
   log.all.clear();
   EXPECT_FALSE(show(document({"u"}, 1h, 48h)));
   EXPECT_EQ(log.all.size(), 1u);
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(ShownPermissions, OfAPeerThatHasEnded_AreRefused) {
+TEST_F(ShownPermissions, PeerThatHasEnded_IsRefused) {
   clock.advance(13h);
   EXPECT_THAT(plugin->expire(), ElementsAre(peer_));
   EXPECT_REFUSED(show(document({"t"}, 12h, 48h)), permissions_renewal_refused);

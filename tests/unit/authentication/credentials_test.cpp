@@ -29,7 +29,7 @@ TEST(CredentialsFields, AsWritten_ComeBack) {
   EXPECT_EQ(back->hash(), vector_a().hash());
 }
 
-TEST(CredentialsFields, OfAnUnknownAlgorithm_AreRefusedByItsName) {
+TEST(CredentialsFields, UnknownAlgorithm_IsRefusedByItsName) {
   const auto token = request_with(vector_a());
   const auto signature = with(token, "c.dsign_algo", bytes("ECDSA-SHA255"));
   EXPECT_CODE(read(signature), signature_algorithm_unknown);

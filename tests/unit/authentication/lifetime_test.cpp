@@ -21,7 +21,7 @@ struct Ending {
   Pairing pairing;
 };
 
-TEST(Expiry, EndedIdentities_AreRevokedOnce) {
+TEST(IdentityExpiry, EndedIdentities_AreRevokedOnce) {
   Ending ending;
   auto& pairing = ending.pairing;
   EXPECT_EQ(pairing.first_engine->next_expiry(), kYear.not_after);
@@ -48,7 +48,7 @@ TEST(Expiry, EndedIdentities_AreRevokedOnce) {
   EXPECT_EQ(event.error.details().document, "CN=bob,O=Example");
 }
 
-TEST(Expiry, AnEndedIdentity_IsRefusedEverywhere) {
+TEST(IdentityExpiry, AnEndedIdentity_IsRefusedEverywhere) {
   Ending ending;
   auto& pairing = ending.pairing;
   pairing.expect_success();
@@ -67,7 +67,7 @@ TEST(Expiry, AnEndedIdentity_IsRefusedEverywhere) {
 }
 
 // T4 (docs/attacks.md): the calendar jumps, and the next look at it counts.
-TEST(Expiry, CalendarThatIsSet_IsFollowed) {
+TEST(IdentityExpiry, CalendarThatIsSet_IsFollowed) {
   Ending ending({kNow - 24h, kNow + 1000h});
   auto& pairing = ending.pairing;
   pairing.expect_success();
@@ -77,7 +77,7 @@ TEST(Expiry, CalendarThatIsSet_IsFollowed) {
   EXPECT_EQ(pairing.first_engine->expire(), std::vector{ending.bob_at_alice()});
 }
 
-TEST(Expiry, EveryStep_JudgesAgain) {
+TEST(IdentityExpiry, EveryStep_JudgesAgain) {
   for (int step = 0; step < 4; ++step) {
     Ending ending;
     auto& pairing = ending.pairing;
@@ -99,7 +99,7 @@ TEST(Expiry, EveryStep_JudgesAgain) {
   }
 }
 
-TEST(Expiry, EndOfTheCa_Counts) {
+TEST(IdentityExpiry, EndOfTheCa_Counts) {
   const auto ca = make_ca("CN=Short CA", {}, {kNow - 24h, kNow + 5s});
   Engine engine;
   Participant alice(engine, make_identity(ca, "CN=alice"), 1);

@@ -220,7 +220,7 @@ TEST_F(Listed, TheRecord_HasTheListAndWhatWasRefused) {
   EXPECT_THAT(engine().documents.to_json(), HasSubstr("renewal_list_refused"));
 }
 
-TEST(ListedPlace, OfTheProperty_IsReadInsteadOfTheUsualOne) {
+TEST(ListedPlace, PlaceInTheProperty_IsReadInsteadOfTheUsualOne) {
   const test::TemporaryFolder folder;
   auto identity = make_identity(test_ca(), kAlice);
   set(identity.properties, property::kRenewalList,
@@ -231,7 +231,7 @@ TEST(ListedPlace, OfTheProperty_IsReadInsteadOfTheUsualOne) {
   EXPECT_THAT(pairing.first_engine->expire(), IsEmpty());
 }
 
-TEST(ListedPlace, ThatIsNoFile_IsRefused) {
+TEST(ListedPlace, UriThatNamesNoFile_IsRefused) {
   auto identity = make_identity(test_ca(), kAlice);
   set(identity.properties, property::kRenewalList, "data:,x");
   Engine engine;

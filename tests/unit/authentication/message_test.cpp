@@ -32,7 +32,7 @@ TEST_P(Truncation, MessageCutAtAnyOctet_IsRefused) {
 
 using Kind = spi::Authentication::Outline::Kind;
 
-TEST(Outline, OfEachMessage_SaysWhatItIsAndAnswers) {
+TEST(Outline, EachMessage_SaysWhatItIsAndAnswers) {
   Pairing pairing;
   auto& engine = *pairing.two.low.engine;
   const auto request = pairing.two.request();
@@ -54,7 +54,7 @@ TEST(Outline, OfEachMessage_SaysWhatItIsAndAnswers) {
 }
 
 // The host still passes such messages on, so that the plugin says why it refuses them.
-TEST(Outline, OfAnotherPluginsMessage_GoesByTheEndOfItsClass) {
+TEST(Outline, AnotherPluginsMessage_GoesByTheEndOfItsClass) {
   Pairing pairing;
   auto& engine = *pairing.two.low.engine;
   EXPECT_EQ(engine->outline({"com.example:9.9+Req"}).kind, Kind::request);

@@ -26,7 +26,7 @@ TEST(OwnOcsp, BesideTheCertificate_IsSent) {
   EXPECT_THAT(state.dump(), HasSubstr(to_string(kNow + 24h)));
 }
 
-TEST(OwnOcsp, ThatComesLater_IsTaken) {
+TEST(OwnOcsp, LaterResponse_IsTaken) {
   const test::TemporaryFolder folder;
   Pairing pairing(with_file(alice(), folder), with_file(bob(), folder, "bob.der"));
   auto& two = pairing.two;
@@ -63,7 +63,7 @@ struct OwnOcspFile : testing::Test {
   Engine engine;
 };
 
-TEST_F(OwnOcspFile, ThatCannotBeUsed_IsReportedOnceAndDoesNotKeepUsOut) {
+TEST_F(OwnOcspFile, UnusableResponse_IsReportedOnceAndDoesNotKeepUsOut) {
   put(response_about(bob().certificate));
   ASSERT_OK(start());
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(poll().empty());
@@ -75,7 +75,7 @@ TEST_F(OwnOcspFile, ThatCannotBeUsed_IsReportedOnceAndDoesNotKeepUsOut) {
 }
 
 // A recorded answer of the responder must not take the place of a later one.
-TEST_F(OwnOcspFile, ThatIsEarlierThanTheOneInForce_IsRefused) {
+TEST_F(OwnOcspFile, ResponseEarlierThanTheOneInForce_IsRefused) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 48h));
   ASSERT_OK(start());
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, -1h, 1h));
@@ -85,7 +85,7 @@ TEST_F(OwnOcspFile, ThatIsEarlierThanTheOneInForce_IsRefused) {
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 0);
 }
 
-TEST_F(OwnOcspFile, ThatEnds_IsReportedOnce) {
+TEST_F(OwnOcspFile, EndOfTheResponse_IsReportedOnce) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 1h));
   ASSERT_OK(start());
   poll();
@@ -95,7 +95,7 @@ TEST_F(OwnOcspFile, ThatEnds_IsReportedOnce) {
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_ended), 1);
 }
 
-TEST_F(OwnOcspFile, ThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {
+TEST_F(OwnOcspFile, FutureResponse_IsRecordedAsOneThatWaits) {
   ASSERT_OK(start());
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 2h, 24h));
   poll();
@@ -110,7 +110,7 @@ TEST_F(OwnOcspFile, ThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {
   EXPECT_EQ(recorded()["stands"], false);
 }
 
-TEST_F(OwnOcspFile, ThatSaysRevoked_EndsUs) {
+TEST_F(OwnOcspFile, RevokedStatus_EndsUs) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_REVOKED));
   EXPECT_CODE(start(), ocsp_revoked);
   put(response_about(alice().certificate));

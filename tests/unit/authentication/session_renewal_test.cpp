@@ -177,7 +177,7 @@ TEST_F(SessionRenewal, TheCertificateWithoutItsKey_IsRefused) {
   expect_refused(with(*offer(), "c.id", bytes(stolen.certificate.pem())), Code::signature_invalid);
 }
 
-TEST_F(SessionRenewal, OfAnotherSession_IsRefused) {
+TEST_F(SessionRenewal, AnotherSession_IsRefused) {
   put(renewed(3));
   const auto of_former = *offer();
   std::tie(at_alice_, at_bob_) = shake_hands();
@@ -190,21 +190,21 @@ TEST_F(SessionRenewal, SentBackToItsSender_IsRefused) {
   EXPECT_CODE(alice()->take_renewal(at_alice_, *offer()), guid_not_bound_to_subject);
 }
 
-TEST_F(SessionRenewal, OfAnUnknownCa_IsRefused) {
+TEST_F(SessionRenewal, UnknownCa_IsRefused) {
   static const auto other = make_ca();
   put(renewed(3));
   const auto forged = renewed(3, kLong, kAlice, other);
   expect_refused(with(*offer(), "c.id", bytes(forged.certificate.pem())), Code::issuer_unknown);
 }
 
-TEST_F(SessionRenewal, OfAnotherSubject_IsRefused) {
+TEST_F(SessionRenewal, AnotherSubject_IsRefused) {
   put(renewed(3));
   const auto other = renewed(3, kLong, "CN=mallory,O=Example");
   expect_refused(with(*offer(), "c.id", bytes(other.certificate.pem())),
                  Code::guid_not_bound_to_subject);
 }
 
-TEST_F(SessionRenewal, ThatHasEnded_IsRefused) {
+TEST_F(SessionRenewal, EndedCertificate_IsRefused) {
   put(renewed(3, {kNow, kShort.not_after + 1h}));
   const auto shown = *offer();
   bob().clock.advance(days(10) + 2h);

@@ -23,7 +23,7 @@ sigset_t mask_of_a_new() {
   return mask.get_future().get();
 }
 
-TEST(BackgroundThread, Started_SignalsOfTheProcess_AreBlockedInIt) {
+TEST(BackgroundThread, Started_BlocksSignalsOfTheProcess) {
   for (const auto& mask : {mask_of_a_new<std::thread>(), mask_of_a_new<std::jthread>()})
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGCHLD,
                              SIGPIPE, SIGPROF, SIGRTMIN, SIGRTMAX})

@@ -6,7 +6,7 @@
 namespace ddssec {
 namespace {
 
-TEST(OpensslVersion, OfTheLoadedLibrary_IsItsText) {
+TEST(OpensslVersion, LoadedLibrary_GivesItsText) {
   EXPECT_TRUE(openssl_version().starts_with("OpenSSL 3.")) << openssl_version();
 }
 

@@ -105,7 +105,7 @@ struct ClosedFolder : testing::Test {
   const std::string closed = folder.path() + "/closed";
 };
 
-TEST_F(ClosedFolder, OfAnUnreadableFile_IsReportedInItsPlace) {
+TEST_F(ClosedFolder, UnreadableFileInIt_IsReportedAsTheFolder) {
   EXPECT_TRUE(as_another_user([&] {
     const auto path = closed + "/a.pem";
     const auto file = load_uri("file:" + path, "a property", 100);

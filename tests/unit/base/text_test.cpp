@@ -77,7 +77,7 @@ TEST(Text, Distance_CountsInsertionsRemovalsChangesAndSwaps) {
   EXPECT_EQ(edit_distance("abcd", "badc"), 2u);
 }
 
-TEST(ArgumentPointers, OfTexts_PointIntoThemAndEndWithNull) {
+TEST(ArgumentPointers, Texts_ArePointedIntoAndEndWithNull) {
   std::vector<std::string> texts{"one", ""};
   const auto pointers = argument_pointers(texts);
   ASSERT_EQ(pointers.size(), 3U);

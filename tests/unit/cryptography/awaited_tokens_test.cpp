@@ -94,7 +94,7 @@ TEST(AwaitedTokensTest, PeerNeverSendsThem_NothingIsStranded) {
   EXPECT_EQ(host.pass(minutes(60)), 0u);
 }
 
-TEST(AwaitedTokensTest, OfAnotherSession_NothingIsStranded) {
+TEST(AwaitedTokensTest, TokensOfAnotherSession_StrandNothing) {
   Host host;
   EXPECT_EQ(host.tokens_come(), Kind::ticket);
   EXPECT_EQ(host.pass(seconds(310)), 0u);

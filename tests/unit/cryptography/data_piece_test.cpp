@@ -9,7 +9,7 @@
 namespace ddssec::cryptography::testing {
 namespace {
 
-TEST(DataPiece, OfAData_HasItsNumberAndItsWholePayload) {
+TEST(DataPiece, Data_HasItsNumberAndItsWholePayload) {
   for (const bool little : {true, false}) {
     const DataMessage message{.little = little, .number = 7};
     const auto octets = message.octets();
@@ -25,7 +25,7 @@ TEST(DataPiece, OfAData_HasItsNumberAndItsWholePayload) {
   }
 }
 
-TEST(DataPiece, OfADataFrag_HasItsPlaceInTheSample) {
+TEST(DataPiece, DataFrag_HasItsPlaceInTheSample) {
   const auto octets =
       DataMessage{.fragment = Fragment{.first = 2, .size = 60, .whole = 120}}.octets();
   const auto piece = read_data_piece(octets);

@@ -173,13 +173,13 @@ TEST_F(DelayedAnnouncements, Fragments_WaitToo) {
 }
 
 // Anyone can send these announcements in the peer's name.
-TEST_F(DelayedAnnouncements, OfClearWriters_AreNotDelayed) {
+TEST_F(DelayedAnnouncements, ClearWriters_AreNotDelayed) {
   overdraw();
   EXPECT_EQ(announce_under(1, 1, kUserData, {{0, 0, 3, 0xc2}}), Code{});
   EXPECT_EQ(announce_under(1, 1, kUserData, {{0, 0, 4, 0xc2}}), Code{});
 }
 
-TEST_F(DelayedAnnouncements, OfOnesAnnouncedBefore_AreCharged) {
+TEST_F(DelayedAnnouncements, ChangesOfAnnouncedWriters_AreCharged) {
   ASSERT_EQ(announce(1), Code{});
   for (int reader = 0; reader < 30; ++reader)
     peers.peer.work.note_match(reader, kMaxReaders, Cause::host, peers.time);
@@ -188,7 +188,7 @@ TEST_F(DelayedAnnouncements, OfOnesAnnouncedBefore_AreCharged) {
   EXPECT_NEAR(count, 521, 5);
 }
 
-TEST_F(DelayedAnnouncements, OfNewOnes_AreNotChargedAsChanges) {
+TEST_F(DelayedAnnouncements, NewWriters_AreNotChargedAsChanges) {
   for (int reader = 0; reader < 30; ++reader)
     peers.peer.work.note_match(reader, kMaxReaders, Cause::host, peers.time);
   for (std::uint32_t number = 1; number < 2000; ++number) {
@@ -256,7 +256,7 @@ struct Host {
   std::uint32_t number = 0;
 };
 
-TEST(DiscoveryWork, OfAPeerWhoseReadersComeAndGo_IsDelayedWithOneEvent) {
+TEST(DiscoveryWork, PeerWhoseReadersComeAndGo_IsDelayedWithOneEvent) {
   Host host;
   host.churn(host.writer(), 1000, 9000);
   EXPECT_EQ(host.announce(), Code::announcements_delayed);
@@ -266,7 +266,7 @@ TEST(DiscoveryWork, OfAPeerWhoseReadersComeAndGo_IsDelayedWithOneEvent) {
   EXPECT_EQ(host.announce(), Code{});
 }
 
-TEST(DiscoveryWork, OfAnApplicationThatMakesWritersAgainAndAgain_DelaysNoPeer) {
+TEST(DiscoveryWork, ApplicationThatMakesWritersAgainAndAgain_DelaysNoPeer) {
   Host host;
   host.churn(host.own_writer(), 1000, 9000);
   EXPECT_EQ(host.announce(), Code{});
@@ -281,7 +281,7 @@ TEST(DiscoveryWork, AtAnOldWriterOfTheMatchingThread_IsCharged) {
   EXPECT_EQ(host.announce(), Code::announcements_delayed);
 }
 
-TEST(DiscoveryWork, OfTopicsWithOpenDiscovery_IsNotCharged) {
+TEST(DiscoveryWork, TopicsWithOpenDiscovery_AreNotCharged) {
   Host host;
   host.attributes.topic.is_discovery_protected = false;
   host.churn(host.writer(), 1000, 9000);

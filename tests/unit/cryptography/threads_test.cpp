@@ -26,14 +26,14 @@ void while_changing(int rounds, Work&& work, Change&& change) {
   for (auto& thread : threads) thread.join();
 }
 
-class Threads : public ::testing::TestWithParam<AeadChoice> {
+class CryptographyThreads : public ::testing::TestWithParam<AeadChoice> {
  protected:
   static CryptographyOptions options() {
     return {.aead = GetParam(), .max_blocks_per_session = 64};
   }
 };
 
-TEST_P(Threads, TokensComingAgain_DisturbNoDecoding) {
+TEST_P(CryptographyThreads, TokensComingAgain_DisturbNoDecoding) {
   TwoSides two(kOrigin, {}, options());
   const auto e = two.endpoints(endpoint_attributes(kOrigin, kEncrypt));
   const auto plain = data_submessage(40);
@@ -54,7 +54,7 @@ TEST_P(Threads, TokensComingAgain_DisturbNoDecoding) {
       });
 }
 
-TEST_P(Threads, EntitiesThatGoWhileInUse_DoNoHarm) {
+TEST_P(CryptographyThreads, EntitiesThatGoWhileInUse_DoNoHarm) {
   TwoSides two(kOrigin, {}, options());
   const auto attributes = endpoint_attributes(kOrigin, kEncrypt);
   const auto fixed = two.endpoints(attributes);
@@ -82,7 +82,7 @@ TEST_P(Threads, EntitiesThatGoWhileInUse_DoNoHarm) {
       });
 }
 
-TEST_P(Threads, ParticipantsThatGoWhileInUse_DoNoHarm) {
+TEST_P(CryptographyThreads, ParticipantsThatGoWhileInUse_DoNoHarm) {
   TwoSides two(kOrigin, {}, options());
   const auto encoded = encode_message(two, rtps_message({data_submessage(40)})).value();
   const auto decode = [&] {
@@ -111,7 +111,7 @@ TEST_P(Threads, ParticipantsThatGoWhileInUse_DoNoHarm) {
   EXPECT_FALSE(decode()) << "of a participant that is gone";
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, Threads,
+INSTANTIATE_TEST_SUITE_P(Backends, CryptographyThreads,
                          ::testing::Values(AeadChoice::automatic, AeadChoice::openssl),
                          [](const auto& info) {
                            return info.param == AeadChoice::automatic ? "automatic" : "openssl";

@@ -137,7 +137,7 @@ TEST(TokenDestination, LaterFragments_FollowTheirFirstOneOnly) {
   EXPECT_EQ(code_of(check_fragment_request(nack_frag(1), sent)), Code::token_fragment_not_sent);
 }
 
-TEST(FragmentRequest, OfAMessageThatIsNotInFragments_IsRefused) {
+TEST(FragmentRequest, MessageThatIsNotInFragments_IsRefused) {
   const FragmentedTokens none;
   for (const bool little : {true, false}) {
     const auto request = nack_frag(1, little);
@@ -168,7 +168,7 @@ struct Host {
 
 // T46 (docs/attacks.md): Cyclone DDS answers any NACK_FRAG of a matched reader, whatever
 // participant the message is for.
-TEST(KeyTokens, ForAnotherParticipant_AreNotEncryptedForAPeer) {
+TEST(KeyTokens, TokensForAnotherParticipant_AreNotEncryptedForAPeer) {
   Host host(false);
   auto& events = host.two.a.events;
   const auto encode = [&](const GuidPrefix& to) {
@@ -215,7 +215,7 @@ TEST(KeyTokens, InFragments_AreSentAgainToTheirReceiver) {
 
 // The fragments of an embedded participant may end before the destination. It has a volatile writer
 // for each peer, so a message cannot reach another peer.
-TEST(KeyTokens, OfAnEmbeddedHostInTinyFragments_AreSent) {
+TEST(KeyTokens, TinyFragmentsOfAnEmbeddedHost_AreSent) {
   Host host(true);
   expect_sent_again(host, 20);
 }

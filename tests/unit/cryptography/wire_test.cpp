@@ -54,7 +54,7 @@ TEST(ProtectedPayload, LongerOrShorterThanItsLength_IsRefused) {
   EXPECT_EQ(code_of(read_protected_payload(octets)), Code::secure_group_malformed);
 }
 
-TEST(ProtectedPayload, OfAnUnknownKind_IsRefused) {
+TEST(ProtectedPayload, UnknownKind_IsRefused) {
   EXPECT_EQ(code_of(read_protected_payload(payload(TransformKind{{0, 0, 0, 99}}, Bytes(8)))),
             Code::crypto_header_kind_unknown);
 }

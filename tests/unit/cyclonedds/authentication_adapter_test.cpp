@@ -116,7 +116,7 @@ TEST_F(ProcessProperties, EmptyPropertiesOfTheHost_AreReplaced) {
   EXPECT_EQ(validate(crl, "", crl + " = file:/the/list\n"), DDS_SECURITY_VALIDATION_OK);
 }
 
-TEST_F(ProcessProperties, OfPreSharedKeys_UnderCycloneDds_AreRefused) {
+TEST_F(ProcessProperties, PreSharedKeys_AreRefusedUnderCycloneDds) {
   for (const auto name : {spi::property::kPskPassphrase, spi::property::kPskExtraPassphrases,
                           spi::property::kPskCipher}) {
     EXPECT_EQ(validate(crl, "", std::string(name) + " = data:,1:abcdefgh\n"),

@@ -15,14 +15,14 @@ bool is_closed(std::string_view topic, const spi::ParticipantSecurityAttributes&
   return cyclonedds::is_closed({.topic_name = topic}, participant, lookup);
 }
 
-TEST(ClosedReader, OfClearDiscovery_IsSoWhereTheDiscoveryOfAllTopicsIsProtected) {
+TEST(ClosedReader, ClearDiscovery_IsClosedWhereTheDiscoveryOfAllTopicsIsProtected) {
   for (const auto* topic : kDiscovery) {
     EXPECT_TRUE(is_closed(topic, kAllProtected, TypeLookup::open)) << topic;
     EXPECT_FALSE(is_closed(topic, kSomeClear, TypeLookup::closed)) << topic;
   }
 }
 
-TEST(ClosedReader, OfTypeLookup_IsSoUnderEveryGovernanceUnlessTypesAreTrusted) {
+TEST(ClosedReader, TypeLookup_IsClosedUnderEveryGovernanceUnlessTypesAreTrusted) {
   for (const auto* topic : kLookup) {
     EXPECT_TRUE(is_closed(topic, kSomeClear, TypeLookup::closed)) << topic;
     EXPECT_FALSE(is_closed(topic, kAllProtected, TypeLookup::open)) << topic;

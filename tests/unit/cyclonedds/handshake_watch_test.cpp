@@ -293,7 +293,7 @@ TEST_F(SharedPeerTest, ParticipantWithoutASession_GivesItUpOnce) {
 
 // For example, the peer refuses the permissions of the second participant, and tries again and
 // again.
-TEST_F(SharedPeerTest, ThatResetsAnUnusedSession_IsFollowedSeldom) {
+TEST_F(SharedPeerTest, PeerThatResetsAnUnusedSession_IsFollowedSeldom) {
   meet();
   EXPECT_TRUE(watch.follows_unused_reset(guid_of(1)));
   EXPECT_TRUE(watch.follows_unused_reset(guid_of(2)));
@@ -318,7 +318,7 @@ TEST_F(HandshakeWatchTest, UnusedResetsOfTooManyPeers_CrowdOutTheOldest) {
 }
 
 // Stock plugins and Fast DDS would not begin the session of the first participant again.
-TEST_F(SharedPeerTest, ThatKeepsItsSession_IsNotGivenUpForAnother) {
+TEST_F(SharedPeerTest, PeerThatKeepsItsSession_IsNotGivenUpForAnother) {
   meet();
   watch.keeps_its_session(handshake);
   EXPECT_TRUE(after(24h).empty());
@@ -383,7 +383,7 @@ TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
 
 // For example, the revocation list of the second participant is out of date. The host asks once a
 // second.
-TEST_F(SharedPeerTest, ThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoes) {
+TEST_F(SharedPeerTest, PeerThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoes) {
   watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
@@ -397,7 +397,7 @@ TEST_F(SharedPeerTest, ThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoe
 }
 
 // A request that came immediately made the host wait for another one.
-TEST_F(SharedPeerTest, ThatTheHostDoesNotAskAboutAgain_IsGivenUpOnce) {
+TEST_F(SharedPeerTest, PeerThatTheHostDoesNotAskAboutAgain_IsGivenUpOnce) {
   watch.note_met({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);

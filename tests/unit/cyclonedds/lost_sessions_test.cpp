@@ -101,7 +101,7 @@ TEST_F(LostSessionsTest, PeerNotMet_GetsThemSeldom) {
 
 // Without this rule, two processes with two participants each reset one another every 4 to 8 s for
 // ever.
-TEST_F(LostSessionsTest, OfAPeerThatIsDroppedForAReset_ArePresentedAtOnce) {
+TEST_F(LostSessionsTest, PeerThatIsDroppedForAReset_IsPresentedAtOnce) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.established(local, remote(2), secret_of(2));
   sessions.about_to_drop(remote(1));
@@ -119,7 +119,7 @@ TEST_F(LostSessionsTest, OfAPeerThatIsDroppedForAReset_ArePresentedAtOnce) {
 }
 
 // The other participant notices within a second that its own certificate has ended.
-TEST_F(LostSessionsTest, OfAPeerThatIsCutOff_ArePresentedAfterTwoSeconds) {
+TEST_F(LostSessionsTest, PeerThatIsCutOff_IsPresentedAfterTwoSeconds) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.about_to_cut_off(remote(1));
   sessions.lost(remote(1));

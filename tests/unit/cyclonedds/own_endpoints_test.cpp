@@ -159,7 +159,7 @@ struct LostRightsTest : AccessControlAdapterTest {
   DDS_Security_EndpointSecurityAttributes attributes{};
 };
 
-TEST_F(LostRightsTest, OfAnEndpoint_AreReportedAndCounted) {
+TEST_F(LostRightsTest, RightsOfAnEndpoint_AreReportedAndCounted) {
   expire();
   EXPECT_EQ(lost(), 1u);
   ASSERT_FALSE(harness.events.empty());
@@ -167,13 +167,13 @@ TEST_F(LostRightsTest, OfAnEndpoint_AreReportedAndCounted) {
   EXPECT_EQ(AccessControlAdapter::rights_lost({2}), 0u);
 }
 
-TEST_F(LostRightsTest, OfADeletedEndpoint_AreNotReported) {
+TEST_F(LostRightsTest, RightsOfADeletedEndpoint_AreNotReported) {
   EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);
   expire();
   EXPECT_EQ(lost(), 0u);
 }
 
-TEST_F(LostRightsTest, OfABuiltinEndpoint_AreNotReported) {
+TEST_F(LostRightsTest, RightsOfABuiltinEndpoint_AreNotReported) {
   is_builtin = true;
   EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);
   EXPECT_EQ(c->get_datawriter_sec_attributes(c, kUs.value, "DCPSPublications", nullptr, nullptr,

@@ -32,7 +32,7 @@ TEST(PluginsInUse, BesideStockOnes_SaysWhichAreWhose) {
               HasSubstr("access control and cryptography of ddssec"));
 }
 
-TEST(PluginsInUse, OfAnotherVersion_IsSaid) {
+TEST(PluginsInUse, AnotherVersion_IsSaid) {
   EXPECT_THAT(said_of({version(), version(), "0.0.1"}), HasSubstr(", but cryptography of 0.0.1;"));
 }
 

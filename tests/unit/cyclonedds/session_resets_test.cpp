@@ -48,7 +48,7 @@ TEST(SessionResets, WrongProof_IsRefused) {
 }
 
 // The peer lost the session because this participant ended.
-TEST(SessionResets, OfALocalParticipantThatEnded_ResetNoOther) {
+TEST(SessionResets, EndOfALocalParticipant_ResetsNoOther) {
   SessionResets resets;
   resets.expect({{70}, {1}}, {7}, token_of(1));
   resets.expect({{70}, {2}}, {7}, token_of(2));
@@ -60,7 +60,7 @@ TEST(SessionResets, OfALocalParticipantThatEnded_ResetNoOther) {
 }
 
 // For example, the peer refused the permissions of the second local participant.
-TEST(SessionResets, OfASessionWithoutKeysBesideOneWithKeys_AreToldApart) {
+TEST(SessionResets, SessionsWithAndWithoutKeys_AreToldApart) {
   SessionResets resets;
   PeersWithKeys peers;
   for (const std::uint8_t local : {1, 2}) {

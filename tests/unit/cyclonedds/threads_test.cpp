@@ -49,7 +49,7 @@ void toggle_listeners(Domain& domain, const std::atomic<bool>& stop) {
 }
 
 // Each thread has a participant of its own in either domain.
-TEST(Threads, ParticipantsComingAndGoingAtTwoDomains_TalkAllTheSame) {
+TEST(HostThreads, ParticipantsComingAndGoingAtTwoDomains_StillTalk) {
   Domain left(kPaths), right(kPaths);
   std::vector<std::thread> threads;
   std::atomic<bool> stop = false;
@@ -70,7 +70,7 @@ TEST(Threads, ParticipantsComingAndGoingAtTwoDomains_TalkAllTheSame) {
 }
 
 // All threads share one local participant, and each thread matches it with a peer of its own.
-TEST(Threads, PeersComingAndGoingAtOneParticipant_TalkAllTheSame) {
+TEST(HostThreads, PeersComingAndGoingAtOneParticipant_StillTalk) {
   Domain left(kPaths);
   Participant hub(left, kPki, "a", "origin");
   std::vector<std::thread> threads;

@@ -10,7 +10,7 @@ bool matches(const std::string& expression, std::string_view name) {
   return Pattern(expression).matches(name);
 }
 
-TEST(ExpressionText, OfAName_MatchesJustThatName) {
+TEST(ExpressionText, LiteralName_MatchesJustThatName) {
   for (const std::string name : {"rt/a", "", "*", "?x", "[a]", "a\\b", "]", "-", "!", "\\*"}) {
     const auto expression = expression_of(name);
     EXPECT_TRUE(Pattern(expression).is_literal()) << expression;
@@ -20,7 +20,7 @@ TEST(ExpressionText, OfAName_MatchesJustThatName) {
   EXPECT_FALSE(matches(expression_of("*"), "a"));
 }
 
-TEST(ExpressionText, OfOctets_MatchesEachOfThemAndNoOther) {
+TEST(ExpressionText, SetOfOctets_MatchesEachOfThemAndNoOther) {
   std::bitset<256> set;
   for (const char c : std::string_view("a_9-]^![\\:.=\xff\x01"))
     set.set(static_cast<std::uint8_t>(c));
@@ -31,13 +31,13 @@ TEST(ExpressionText, OfOctets_MatchesEachOfThemAndNoOther) {
   }
 }
 
-TEST(ExpressionText, OfNoOctet_MatchesNothing) {
+TEST(ExpressionText, EmptySetOfOctets_MatchesNothing) {
   EXPECT_EQ(expression_of(std::bitset<256>()), kMatchesNothing);
   EXPECT_EQ(expression_of(std::bitset<256>(1)), kMatchesNothing) << "NUL occurs in no name";
   EXPECT_TRUE(Pattern(kMatchesNothing).matches_no_name());
 }
 
-TEST(ExpressionText, OfTheStepsOfAPattern_MatchesTheSame) {
+TEST(ExpressionText, StepsOfAPattern_MatchTheSame) {
   for (const std::string original : {"a*?[bc]", "\\*[!a-y]x", "[[:digit:]]?", "*[]-a]"}) {
     const Pattern pattern(original);
     std::string written;

@@ -245,7 +245,7 @@ bool nothing_is_lost(const Grant& next, const Grant& former) {
   return true;
 }
 
-TEST(GrantExtension, OfRandomGrants_NoneThatGivesLessIsTakenForOne) {
+TEST(GrantExtension, RandomGrants_NoneThatGivesLessIsTakenForOne) {
   RandomGrants random;
   int taken = 0, refused = 0;
   for (int i = 0; i < 20'000; ++i) {

@@ -69,7 +69,7 @@ TEST(Readings, GovernanceReadings_AreExpressionsAndNotes) {
 }
 
 // A note about another place or value does not hide a new one.
-TEST(Readings, OfTheSameKindElsewhere_AreNew) {
+TEST(Readings, SameKindElsewhere_IsNew) {
   const Note padded{NoteKind::padding, 3, "/dds/topic[1]", "<topic> has blanks", " Foo "};
   auto before = governance({topic("*")}), after = before;
   before.notes = after.notes = {padded};

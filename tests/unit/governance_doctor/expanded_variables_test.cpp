@@ -33,7 +33,7 @@ TEST_F(ExpandedVariables, WithAnAlternative_HaveItOnlyWhereItIsFor) {
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_UNSET:+other}", 0), "");
 }
 
-TEST_F(ExpandedVariables, ThatMustBeSet_AreRefusedIfTheyAreNot) {
+TEST_F(ExpandedVariables, RequiredVariables_AreRefusedIfTheyAreNotSet) {
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_SET:?why}", 0), "value");
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_UNSET:?why}", 0), std::nullopt);
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_SET", 0), std::nullopt) << "no end";

@@ -35,7 +35,7 @@ TEST_F(HostPlugins, AnotherProductsPlugins_AreNoFaultWhereNothingNamesOurs) {
   EXPECT_THAT(said().checks(), IsEmpty());
 }
 
-TEST_F(HostPlugins, OfAnotherProductAreTold_InAFolderThatWasMadeForOurs) {
+TEST_F(HostPlugins, AnotherProduct_IsReportedInAFolderThatWasMadeForOurs) {
   path({});
   were_ours_meant_ = true;
   EXPECT_THAT(message(), HasSubstr("runs the stock plugins, not ddssec's: authentication: stock"));
@@ -76,7 +76,7 @@ TEST_F(HostPlugins, MissingPlugins_AreTold) {
   EXPECT_EQ(said().outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
 }
 
-TEST_F(HostPlugins, OfAnotherProductAreTold_WhereOursWereMeant) {
+TEST_F(HostPlugins, AnotherProduct_IsReportedWhereOursWereMeant) {
   fs::create_directories(root_ / "links");
   for (const auto* name : kNames)
     fs::create_symlink("../lib/gone.so",

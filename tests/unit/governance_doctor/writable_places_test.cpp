@@ -70,7 +70,7 @@ TEST_F(WritablePlacesTest, WhatEveryUserCanWrite_IsAnError) {
   }
 }
 
-TEST_F(WritablePlacesTest, OfAFolderAlone_IsNothingAboveIt) {
+TEST_F(WritablePlacesTest, FolderAlone_HasNothingAboveIt) {
   set_mode(root_ / "above", 0777);
   WritablePlaces places(::geteuid());
   places.add(folder_);

@@ -15,7 +15,7 @@ TEST(DocumentParts, EachPart_HasTheCertificatesFields) {
   EXPECT_EQ(part.sha256, to_hex(leaf.fingerprint()));
 }
 
-TEST(DocumentParts, OfSeveralCertificates_AreInTheirOrder) {
+TEST(DocumentParts, SeveralCertificates_AreInTheirOrder) {
   const auto ca = make_ca();
   const auto one = make_leaf(ca, "CN=one").certificate, two = make_leaf(ca, "CN=two").certificate;
   const auto parts = parts_of({two, one});

@@ -62,7 +62,7 @@ TEST_F(Ocsp, ResponseSignedByADelegate_IsAcceptedUntilTheDelegateExpires) {
   EXPECT_CODE(judge(), ocsp_signer_wrong);
 }
 
-TEST_F(Ocsp, OfAHolderOfACertificateWithoutTheUsage_IsRefused) {
+TEST_F(Ocsp, SignerWithoutTheUsage_IsRefused) {
   sign_with(test::ocsp_delegate(ca, kYear, test_random(), false));
   EXPECT_CODE(judge(), ocsp_signer_wrong);
   // The certificate that the response is about may not sign it either.
@@ -70,7 +70,7 @@ TEST_F(Ocsp, OfAHolderOfACertificateWithoutTheUsage_IsRefused) {
   EXPECT_CODE(judge(), ocsp_signer_wrong);
 }
 
-TEST_F(Ocsp, OfADelegateOfAnotherCa_IsRefused) {
+TEST_F(Ocsp, DelegateOfAnotherCa_IsRefused) {
   const auto other = make_ca("CN=Other CA,O=Example");
   sign_with(test::ocsp_delegate(other, kYear, test_random()));
   EXPECT_CODE(judge(), ocsp_signer_wrong);
@@ -85,7 +85,7 @@ TEST_F(Ocsp, OfADelegateOfAnotherCa_IsRefused) {
               ocsp_signer_wrong);
 }
 
-TEST_F(Ocsp, OfADelegateThatEndedOrIsRevoked_IsRefused) {
+TEST_F(Ocsp, DelegateThatEndedOrIsRevoked_IsRefused) {
   sign_with(test::ocsp_delegate(ca, {kNow - 48h, kNow - 1h}, test_random()));
   EXPECT_CODE(judge(), ocsp_signer_wrong);
   const auto delegate = test::ocsp_delegate(ca, kYear, test_random());
@@ -97,7 +97,7 @@ TEST_F(Ocsp, OfADelegateThatEndedOrIsRevoked_IsRefused) {
   EXPECT_CODE(judge({crl.value()}), ocsp_signer_wrong);
 }
 
-TEST_F(Ocsp, OfAnotherCa_IsRefused) {
+TEST_F(Ocsp, AnotherCa_IsRefused) {
   const auto other = make_ca("CN=Other CA,O=Example");
   content.signer = other.certificate();
   content.key = other.key();
@@ -125,7 +125,7 @@ TEST_F(Ocsp, AboutAnotherCertificate_IsRefused) {
   EXPECT_CODE(judge(), ocsp_other_certificate);
 }
 
-TEST_F(Ocsp, OfARevokedCertificate_IsRefusedForEver) {
+TEST_F(Ocsp, RevokedCertificate_IsRefusedForEver) {
   auto& answer = content.answers.front();
   answer.status = V_OCSP_CERTSTATUS_REVOKED;
   const auto revoked = judge();
@@ -136,7 +136,7 @@ TEST_F(Ocsp, OfARevokedCertificate_IsRefusedForEver) {
   EXPECT_CODE(judge(), ocsp_revoked);
 }
 
-TEST_F(Ocsp, OfAnUnknownCertificate_IsRefused) {
+TEST_F(Ocsp, UnknownCertificate_IsRefused) {
   content.answers.front().status = V_OCSP_CERTSTATUS_UNKNOWN;
   EXPECT_CODE(judge(), ocsp_unknown);
 }
@@ -204,7 +204,7 @@ TEST_F(Ocsp, WithTooMuch_IsRefused) {
   EXPECT_CODE(judge(), ocsp_too_large);
 }
 
-TEST_F(Ocsp, OfAResponderThatDoesNotAnswer_IsRefused) {
+TEST_F(Ocsp, ResponderThatDoesNotAnswer_IsRefused) {
   const auto refused = judge(test::ocsp_refusal(OCSP_RESPONSE_STATUS_TRYLATER));
   EXPECT_CODE(refused, ocsp_not_successful);
   EXPECT_THAT(refused.error().to_sentence(), testing::HasSubstr("trylater"));

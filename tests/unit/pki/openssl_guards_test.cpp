@@ -36,7 +36,7 @@ class DistributionPoints : public Test {
   Credential leaf_ = make_leaf(make_ca());
 };
 
-TEST_F(DistributionPoints, ThatCopyALongIssuerAThousandTimes_AreRefusedWithBothValues) {
+TEST_F(DistributionPoints, ThousandCopiesOfALongIssuer_AreRefusedWithBothValues) {
   const auto bomb = read(PointName::relative, 1500, 200);  // 6 MB of names from 40 KB
   ASSERT_FALSE(bomb);
   EXPECT_CODE(bomb, certificate_distribution_points);
@@ -147,7 +147,7 @@ TEST_F(Signatures, WithoutOneMessageDigest_AreRefused) {
   expect_bad_digest("found 2 values");
 }
 
-TEST_F(Signatures, ThatBringACertificateOfManyDistributionPoints_AreRefused) {
+TEST_F(Signatures, CertificateOfManyDistributionPoints_IsRefused) {
   const auto pem = test::with_distribution_points(make_leaf(ca_), PointName::relative, 1500, 200);
   const BioPtr bio = bio_over(as_bytes(pem));
   const X509Ptr bomb(PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr));

@@ -34,7 +34,7 @@ TEST_P(Signature, AnotherMessage_IsRefused) {
   EXPECT_CODE(signer.verify("", signature), signature_invalid);
 }
 
-TEST_P(Signature, OfAnotherKey_IsInvalid) {
+TEST_P(Signature, AnotherKey_IsInvalid) {
   const Signer signer(GetParam()), other(KeySpec{KeyKind::ec_p256});
   EXPECT_CODE(other.verify("message", signer.sign("message")), signature_invalid);
   EXPECT_CODE(signer.verify("message", other.sign("message")), signature_invalid);

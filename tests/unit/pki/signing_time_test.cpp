@@ -35,7 +35,7 @@ TEST_F(SigningTime, SignedDocument_HasTheTimeOfTheSigner) {
   }
 }
 
-TEST_F(SigningTime, OfASignatureWithoutIt_IsEmpty) {
+TEST_F(SigningTime, SignatureWithoutIt_HasNone) {
   const auto file = without_signing_time(sign(kNow), {ca_.certificate(), ca_.key()});
   const auto document = check(file);
   ASSERT_TRUE(document) << document.error().to_sentence();
@@ -43,7 +43,7 @@ TEST_F(SigningTime, OfASignatureWithoutIt_IsEmpty) {
   EXPECT_EQ(examine_document(as_bytes(file)).signing_time, std::nullopt);
 }
 
-TEST_F(SigningTime, ThatWasChanged_IsNoSignature) {
+TEST_F(SigningTime, ChangedTime_IsNoSignature) {
   auto file = sign(kNow);
   const auto document = read_document(as_bytes(file));
   ASSERT_TRUE(document);

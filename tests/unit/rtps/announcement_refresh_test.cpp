@@ -94,7 +94,7 @@ TEST(AnnouncementRefreshTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
   EXPECT_TRUE(reading.note_end(endpoint(1001), kStart)) << "there is room again";
 }
 
-TEST(AnnouncementRefreshTest, OfThoseThatAreGone_TheFirstLosesItsKeys) {
+TEST(AnnouncementRefreshTest, SeveralGoneWriters_TheFirstLosesItsKeys) {
   AnnouncementRefresh reading;
   for (std::size_t i = 0; i < AnnouncementRefresh::kMaxGone; ++i)
     EXPECT_FALSE(reading.note_gone(endpoint(i)));

@@ -19,7 +19,7 @@ using testing::reliable;
 using testing::taken;
 using testing::values;
 
-TEST_P(Access, ByInstanceAndByTheNext_SelectsTheirSamples) {
+TEST_P(Access, InstanceAndNextInstance_SelectTheirSamples) {
   write("a", 1), write("b", 2), write("c", 3), write("b", 4);
   const auto b_handle = reader.lookup_instance({"b"});
   EXPECT_FALSE(b_handle.is_nil());
@@ -42,7 +42,7 @@ TEST_P(Access, ByInstanceAndByTheNext_SelectsTheirSamples) {
   EXPECT_EQ(reader.take(samples), 0u);
 }
 
-TEST_P(Access, ByCondition_SelectsItsSamples) {
+TEST_P(Access, Condition_SelectsItsSamples) {
   auto& fresh = reader.create_readcondition({.sample = SampleState::not_read});
   auto& over = reader.create_readcondition({.instance = kNotAlive});
   EXPECT_FALSE(fresh.trigger_value());

@@ -204,7 +204,7 @@ TEST_P(Policies, AutomaticLiveliness_EndsWithItsParticipant) {
   EXPECT_EQ(reader.liveliness_changed_status().alive_count, 1);
 }
 
-TEST_P(Policies, BySourceTimestamp_AnOlderSampleDoesNotComeLate) {
+TEST_P(Policies, SourceTimestampOrder_AnOlderSampleDoesNotComeLate) {
   auto qos = reliable();
   qos.destination_order = DestinationOrderKind::by_source;
   auto& one = a.writer(qos);

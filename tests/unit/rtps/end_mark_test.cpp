@@ -20,7 +20,7 @@ TEST(EndMark, EachEnd_HasItsOwn) {
   EXPECT_EQ(end_mark({.filtered = true}, false), 0);
 }
 
-TEST(EndMark, OfAPayload_IsThatWhichWasSet) {
+TEST(EndMark, MarkedPayload_HasTheMarkThatWasSet) {
   Bytes payload = {0, 1, 0, 2, 5, 6, 0, 0};
   const auto mark = end_mark({true, false}, true);
   EXPECT_TRUE(has_end_mark(payload, 0));
@@ -34,7 +34,7 @@ TEST(EndMark, OfAPayload_IsThatWhichWasSet) {
   EXPECT_EQ(payload, (Bytes{0, 1, 0, 2, 5, 6, 0, 0}));
 }
 
-TEST(EndMark, OfAPayloadThatIsTooShort_EndsNothing) {
+TEST(EndMark, PayloadThatIsTooShort_EndsNothing) {
   Bytes payload = {0, 1};
   set_end_mark(payload, 0x81);
   EXPECT_EQ(payload, (Bytes{0, 1}));

@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(FragmentSet, OfNoFragments_IsComplete) { EXPECT_TRUE(FragmentSet().is_complete()); }
+TEST(FragmentSet, NoFragments_AreComplete) { EXPECT_TRUE(FragmentSet().is_complete()); }
 
 TEST(FragmentSet, EachFragmentOnce_IsComplete) {
   FragmentSet set(10'000);

@@ -57,7 +57,7 @@ TEST(MatchedReaders, Everybody_HasEachLocatorOnce) {
 }
 
 // Messages on the volatile secure channel are protected with the key of one pair.
-TEST(MatchedReaders, OfTheVolatileChannel_IsAddressedAsOne) {
+TEST(MatchedReaders, VolatileChannel_IsAddressedAsOne) {
   MatchedReaders readers(kVolatileMessageWriter, true);
   const Guid peer{guid(1).prefix, kVolatileMessageReader};
   readers.add({peer, true, false, {kHere}}, {{1}});

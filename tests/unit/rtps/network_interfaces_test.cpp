@@ -14,7 +14,7 @@ namespace {
 
 using testing::code_of;
 
-TEST(Interfaces, ByNameAndByAddress_AreTheSame) {
+TEST(Interfaces, NameAndAddress_GiveTheSame) {
   const auto by_name = choose_interfaces(std::vector<std::string>{"lo"});
   const auto by_address = choose_interfaces(std::vector<std::string>{"127.0.0.1", "lo"});
   ASSERT_TRUE(by_name && by_address);
@@ -31,7 +31,7 @@ TEST(Interfaces, WithoutAnyButTheLoopback_ItIsUsed) {
   EXPECT_TRUE(UdpSocket::bind(chosen->front().address));
 }
 
-TEST(Interfaces, ThatAreNotThere_AreRefusedWithThoseThatAre) {
+TEST(Interfaces, UnknownInterface_IsRefusedWithThoseThatExist) {
   const auto refused = choose_interfaces(std::vector<std::string>{"lo", "nosuch0"});
   ASSERT_EQ(code_of(refused), Code::rtps_address_not_here);
   EXPECT_EQ(refused.error().details().found, "nosuch0");
@@ -51,7 +51,7 @@ struct Ways {
   std::vector<Locator> announced, kept;
 };
 
-TEST(Interfaces, OfThePeer_OnlyTheNearestAreKept) {
+TEST(Interfaces, PeersAddresses_OnlyTheNearestAreKept) {
   const NetworkInterface own[] = {{"eth0", *Locator::parse("192.0.2.5", 0), 24, true},
                                   {"docker0", *Locator::parse("172.17.0.1", 0), 16, true}};
   const Ways table[] = {

@@ -121,7 +121,7 @@ TEST_F(StoreTest, AnyAllocationThatFailsWhileStoring_LeavesAStoreThatGoesOn) {
   }
 }
 
-TEST(NoThreads, OfAParticipantOrStore_AreAnError) {
+TEST(NoThreads, ParticipantOrStore_IsAnError) {
   const SystemClock clock;
   SystemRandom random;
   test::RecordedEvents events;

@@ -24,7 +24,7 @@ struct Member final : ProcessPeer {
   bool secured_;
 };
 
-TEST(ProcessPeers, OfOneDomainAndTag_IsTheSameWhileItIsUsed) {
+TEST(ProcessPeers, OneDomainAndTag_HaveTheSameWhileItIsUsed) {
   const auto first = ProcessPeers::of(3, "tag");
   EXPECT_EQ(ProcessPeers::of(3, "tag"), first);
   EXPECT_NE(ProcessPeers::of(3, "other"), first);

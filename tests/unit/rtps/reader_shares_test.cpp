@@ -310,7 +310,7 @@ struct InstanceJoins : Cache {
 
 // Without the bound, 1024 writers of one identity with 8192 instances took 649 MB, and 107 s when
 // they left.
-TEST_F(InstanceJoins, OfOneIdentity_AreBoundedAndLeaveRoomForAnother) {
+TEST_F(InstanceJoins, OneIdentity_IsBoundedAndLeavesRoomForAnother) {
   qos.history = {HistoryKind::keep_last, 1};
   constexpr std::uint32_t kWriters = 1024, kInstances = 1024;
   std::size_t joined = 0;

@@ -13,7 +13,7 @@ using testing::kWriter;
 
 const auto kFrom = GuidPrefix::from(Bytes(12, 7));
 
-TEST(ReceivedChange, OfAData_HasItsWriterNumberTimeAndPayload) {
+TEST(ReceivedChange, Data_HasItsWriterNumberTimeAndPayload) {
   const Bytes octets{0, 1, 0, 0, 5};
   const Data data{kReader, kWriter, {9}, {}, PayloadKind::data, octets};
   const auto change = received_change(kFrom, data, Time{{3, 0}}, Payload::copy_of(octets));
@@ -23,7 +23,7 @@ TEST(ReceivedChange, OfAData_HasItsWriterNumberTimeAndPayload) {
   EXPECT_EQ(to_bytes(change.payload.view()), octets);
 }
 
-TEST(ReceivedChange, OfADataFrag_HasRoomForTheWholeSample) {
+TEST(ReceivedChange, DataFrag_HasRoomForTheWholeSample) {
   DataFrag frag;
   frag.writer = kWriter;
   frag.sequence_number = {9};

@@ -33,7 +33,7 @@ TEST_F(ReaderCacheTest, EachLimit_RejectsByItsNameAndChangesNothing) {
   EXPECT_EQ(put(1, 0, kDispose).outcome, StoreResult::stored);
 }
 
-TEST_F(ReaderCacheTest, BySource_OrdersAndNeverGoesBack) {
+TEST_F(ReaderCacheTest, SourceOrder_NeverGoesBack) {
   qos.destination_order = DestinationOrderKind::by_source;
   put(1, 12, {}, 1, milliseconds(2)), put(1, 11, {}, 2, milliseconds(1));
   EXPECT_THAT(values(take()), ElementsAre(11, 12));
@@ -45,7 +45,7 @@ TEST_F(ReaderCacheTest, BySource_OrdersAndNeverGoesBack) {
 }
 
 // Otherwise one sample from the far future would silence all other writers of the instance.
-TEST_F(ReaderCacheTest, BySource_ATimeFarAheadCountsAsArrival) {
+TEST_F(ReaderCacheTest, SourceOrder_ATimeFarAheadCountsAsArrival) {
   qos.destination_order = DestinationOrderKind::by_source;
   constexpr auto kMax = ReaderCache::kMaxAhead;
   put(1, 10, {}, 1, now + std::chrono::hours(100'000));
@@ -63,7 +63,7 @@ TEST_F(ReaderCacheTest, BySource_ATimeFarAheadCountsAsArrival) {
   EXPECT_EQ(put(1, 13, {}, 2).outcome, StoreResult::stored);
 }
 
-TEST_F(ReaderCacheTest, BySource_AFullHistoryKeepsTheNewest) {
+TEST_F(ReaderCacheTest, SourceOrder_AFullHistoryKeepsTheNewest) {
   qos.destination_order = DestinationOrderKind::by_source;
   qos.history = {HistoryKind::keep_last, 2};
   put(1, 12, {}, 1, milliseconds(2)), put(1, 13, {}, 1, milliseconds(3));

@@ -17,7 +17,7 @@ TEST_F(ReaderCacheTest, SamplesOfAnInstance_StandTogetherAndMostIsKept) {
   EXPECT_THAT(values(take()), ElementsAre(21));
 }
 
-TEST_F(ReaderCacheTest, ByInstanceAndByNextInstance_SelectsTheirSamples) {
+TEST_F(ReaderCacheTest, InstanceAndNextInstance_SelectTheirSamples) {
   put(1, 10), put(2, 20), put(3, 30);
   const auto second = cache().lookup(KeyHash{2});
   using Scope = SampleQuery::Scope;

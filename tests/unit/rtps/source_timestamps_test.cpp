@@ -13,7 +13,7 @@ using test::code_of;
 
 Time at(std::int32_t seconds) { return Time{{seconds, 0}}; }
 
-TEST(SourceTimestampsTest, ByReception_AnyTime_IsTaken) {
+TEST(SourceTimestampsTest, ReceptionOrder_AnyTimeIsTaken) {
   SourceTimestamps times;
   const auto order = DestinationOrderKind::by_reception;
   EXPECT_EQ(times.next(at(9), at(1), order), at(9));
@@ -21,7 +21,7 @@ TEST(SourceTimestampsTest, ByReception_AnyTime_IsTaken) {
   EXPECT_EQ(times.next({}, at(1), order), at(1));
 }
 
-TEST(SourceTimestampsTest, BySource_EarlierThanTheLast_IsRefusedOrRepeatsIt) {
+TEST(SourceTimestampsTest, SourceOrder_EarlierThanTheLastIsRefusedOrRepeatsIt) {
   SourceTimestamps times;
   const auto order = DestinationOrderKind::by_source;
   EXPECT_EQ(times.next(at(9), at(1), order), at(9));

@@ -153,7 +153,7 @@ TEST_F(TimeBasedFilterEnd, Exclusive_WeakerWriterReplacesNothing) {
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(2));
 }
 
-TEST_F(TimeBasedFilterEnd, BySource_OlderSampleOrDisposeReplacesNothing) {
+TEST_F(TimeBasedFilterEnd, SourceOrder_OlderSampleOrDisposeReplacesNothing) {
   auto by_source = qos();
   by_source.destination_order = DestinationOrderKind::by_source;
   begin(by_source);
@@ -166,7 +166,7 @@ TEST_F(TimeBasedFilterEnd, BySource_OlderSampleOrDisposeReplacesNothing) {
 }
 
 // A writer whose clock is slow must not remain one of the instance's writers.
-TEST_F(TimeBasedFilterEnd, BySource_UnregisterOfALateClock_CountsAllTheSame) {
+TEST_F(TimeBasedFilterEnd, SourceOrder_UnregisterOfALateClockStillCounts) {
   auto by_source = qos();
   by_source.destination_order = DestinationOrderKind::by_source;
   by_source.time_based_filter = kDurationZero;

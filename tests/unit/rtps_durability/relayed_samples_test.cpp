@@ -72,7 +72,7 @@ TEST_F(RelayedSamplesTest, KeepLast_BetweenDifferentWriters_SourceTimestampsDeci
   EXPECT_EQ(stored(), Numbers{5});
 }
 
-TEST_F(RelayedSamplesTest, BySourceTimestamp_TheLatestTimestampWins) {
+TEST_F(RelayedSamplesTest, SourceOrder_TheLatestTimestampWins) {
   open(keep_last(1));
   EXPECT_EQ(direct(7), SampleIndex::Decision::stored);
   EXPECT_EQ(put(sample(6), RelayOrder::source_time), overtaken);

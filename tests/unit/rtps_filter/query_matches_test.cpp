@@ -170,7 +170,7 @@ TEST_P(QueryMatchesTest, NextInstance_SkipsThoseThatDoNotPass) {
   EXPECT_TRUE(samples.empty());
 }
 
-TEST_P(QueryMatchesTest, BySourceTime_SamplesOfAnInstanceStayInOrder) {
+TEST_P(QueryMatchesTest, SourceOrder_SamplesOfAnInstanceStayInOrder) {
   auto qos = reliable();
   qos.destination_order = DestinationOrderKind::by_source;
   start(qos);

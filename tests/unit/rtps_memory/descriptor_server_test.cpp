@@ -225,7 +225,7 @@ TEST_F(DescriptorServerTest, Memory_OtherThanTheOffered_IsRefused) {
   EXPECT_EQ(refusal_of(made), MemoryRefusal::other_memory);
 }
 
-TEST_F(DescriptorServerTest, Descriptors_Exhausted_PauseTheServer) {
+TEST_F(DescriptorServerTest, ExhaustedDescriptors_PauseTheServer) {
   const auto made = offer();
   auto request = DescriptorRequest::send(made);
   ASSERT_TRUE(request.has_value());

@@ -350,7 +350,7 @@ int refused_with_no_memory() {
   return !out && out.error() == MemoryRefusal::no_memory ? 0 : 1;
 }
 
-TEST(SegmentLimits, Descriptors_Exhausted_Refuse) {
+TEST(SegmentLimits, ExhaustedDescriptors_AreRefused) {
   EXPECT_EQ(status_of_child([] {
               const rlimit none{.rlim_cur = 0, .rlim_max = 0};
               return ::setrlimit(RLIMIT_NOFILE, &none) == 0 ? refused_with_no_memory() : 2;

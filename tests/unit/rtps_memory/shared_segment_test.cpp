@@ -94,7 +94,7 @@ TEST(Fork, Child_HasNeitherSidesMapping) {
 
 // ---- whether other processes have it
 
-TEST(SegmentsHeldByOthers, NobodyElse_HasIt) {
+TEST(SegmentsHeldByOthers, ClosedByTheOthers_IsFree) {
   auto writer = segment();
   EXPECT_FALSE(writer.is_with_others());
   ASSERT_TRUE(writer.store(Bytes(10, 1)).has_value());

@@ -23,13 +23,13 @@ TEST(RenewalListPlaces, WithoutTheProperty_AreBesideTheCertificateAndTheCa) {
   EXPECT_THAT(*places, ElementsAre("file:/own/renewed.pem", "file:/ca/renewed.pem"));
 }
 
-TEST(RenewalListPlaces, OfPastedDocuments_AreNone) {
+TEST(RenewalListPlaces, PastedDocuments_HaveNone) {
   const auto places = renewal_list_places(files("data:,certificate", "data:,ca"));
   ASSERT_OK(places);
   EXPECT_THAT(*places, IsEmpty());
 }
 
-TEST(RenewalListPlaces, OfTheProperty_IsTheOnlyOne) {
+TEST(RenewalListPlaces, PlaceInTheProperty_IsTheOnlyOne) {
   auto all = files("file:/own/cert.pem", "file:/ca/ca.pem");
   all.push_back({std::string(property::kRenewalList), "file:/lists/all.pem", false});
   const auto places = renewal_list_places(all);

@@ -51,7 +51,7 @@ Bytes with_length_of(std::size_t size) {
 }
 
 // Another vendor may use the number of the parameter for something else.
-TEST(MemoryReference, OfAnotherLength_DataIsReadWithoutIt) {
+TEST(MemoryReference, AnotherLength_IsReadAsDataWithoutIt) {
   EXPECT_TRUE(read_data(view_of(with_length_of(28)))->inline_qos.memory);
   for (const std::size_t size : {0, 4, 24, 32, 64}) {
     const auto octets = with_length_of(size);

@@ -6,13 +6,13 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(VendorName, OfAKnownVendor_IsThatOfItsProduct) {
+TEST(VendorName, KnownVendor_HasTheNameOfItsProduct) {
   EXPECT_EQ(name_of(kVendorCyclone), "Cyclone DDS");
   EXPECT_EQ(name_of(kVendorFastDds), "Fast DDS");
   EXPECT_EQ(name_of(kVendorDdssec), "ddssec");
 }
 
-TEST(VendorName, OfAnotherVendor_IsItsId) {
+TEST(VendorName, AnotherVendor_HasItsIdAsName) {
   const VendorId other{{1, 2}};
   EXPECT_EQ(name_of(other), "vendor " + other.to_string());
 }
