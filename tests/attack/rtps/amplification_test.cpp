@@ -72,7 +72,7 @@ void expect_below_three(Reflection& reflection) {
 // The attacker announces a participant with four addresses of the victim, and sends nothing else.
 // Its GUID is once below ours, and once above ours, where we begin the handshake. Without a limit,
 // the victim got 464 times as many octets.
-TEST(Amplification, OfOneAnnouncement_IsBelowThree) {
+TEST(Amplification, OneAnnouncement_IsBelowThree) {
   for (const auto& vendor : kVendors)
     for (const std::uint8_t name : {0x00, 0xff}) {
       auto node = secured_node();
@@ -83,7 +83,7 @@ TEST(Amplification, OfOneAnnouncement_IsBelowThree) {
     }
 }
 
-TEST(Amplification, OfOneAnnouncementWithoutSecurity_IsBelowThree) {
+TEST(Amplification, OneAnnouncementWithoutSecurity_IsBelowThree) {
   for (const auto& vendor : kVendors) {
     Node node(2);
     static_cast<void>(node->create_writer(square(default_writer_qos()), node.listener, 1s));
@@ -94,7 +94,7 @@ TEST(Amplification, OfOneAnnouncementWithoutSecurity_IsBelowThree) {
   }
 }
 
-TEST(Amplification, OfRepeatedAnnouncements_IsBelowThree) {
+TEST(Amplification, RepeatedAnnouncements_AreBelowThree) {
   for (const auto& vendor : kVendors) {
     auto node = secured_node();
     Reflection reflection(node);
@@ -109,7 +109,7 @@ TEST(Amplification, OfRepeatedAnnouncements_IsBelowThree) {
 
 // An attacker can send further datagrams in the announced name. None of them causes more than three
 // times its octets either.
-TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
+TEST(Amplification, EverythingElseInTheAnnouncedName_IsBelowThree) {
   const auto name = name_of(0xff);
   for (const auto& vendor : kVendors) {
     auto node = secured_node();
@@ -132,7 +132,7 @@ TEST(Amplification, OfEverythingElseInTheAnnouncedName_IsBelowThree) {
 
 // The attacker also names an address of its own, to which a challenge is sent. It repeats the
 // challenge with the victim's address as the source.
-TEST(Amplification, OfAChallengeThatWasHeardElsewhere_IsBelowThree) {
+TEST(Amplification, ChallengeThatWasHeardElsewhere_IsBelowThree) {
   const auto name = name_of(0xff);
   const auto victim = *Locator::parse("192.0.2.1", 7990);
   auto node = secured_node();
@@ -158,7 +158,7 @@ TEST(Amplification, OfAChallengeThatWasHeardElsewhere_IsBelowThree) {
 }
 
 // A datagram with several names counts for one of them only.
-TEST(Amplification, OfManyNamesInOneDatagram_IsBelowThree) {
+TEST(Amplification, ManyNamesInOneDatagram_AreBelowThree) {
   auto node = secured_node();
   Reflection reflection(node);
   Bytes buffer(65536);
@@ -179,7 +179,7 @@ TEST(Amplification, OfManyNamesInOneDatagram_IsBelowThree) {
 }
 
 // Requests are not signed, so an attacker that heard one can make any number of them in that name.
-TEST(Amplification, OfRecordedRequests_IsBelowThree) {
+TEST(Amplification, RecordedRequests_AreBelowThree) {
   Pair pair({});
   Eavesdropper ears;
   auto& begins = pair.a->prefix() < pair.b->prefix() ? pair.a : pair.b;
@@ -204,7 +204,7 @@ TEST(Amplification, OfRecordedRequests_IsBelowThree) {
 
 // The requests are in the name of a reader, and nothing is protected. Without a limit, the answers
 // had 338 times their octets.
-TEST(Amplification, OfManyRequestsInOneDatagram_IsBounded) {
+TEST(Amplification, ManyRequestsInOneDatagram_AreBounded) {
   Pair pair({});
   ASSERT_TRUE(pair.match());
   auto& writer = *pair.a->local_endpoints().writer(pair.writer);

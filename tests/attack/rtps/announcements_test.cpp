@@ -27,7 +27,7 @@ TEST(ForgedAnnouncement, ForgedAddress_DoesNotKeepThePeerOut) {
 
 // The genuine announcement arrives first, and its address is displaced by those of forged ones,
 // each from another source. Seed 151 of tests/sim did not join within 30 s.
-TEST(ForgedAnnouncement, OfManyAddresses_GivesWayToTheFirstAnnouncementWhenItIsRepeated) {
+TEST(ForgedAnnouncement, ManyAddresses_GiveWayToTheFirstAnnouncementWhenItIsRepeated) {
   Pair pair({});
   pair.world.filter = [](const Node&, Bytes datagram) {
     const auto muffled = as_bytes("DDS:Auth:PKI-DH:1.0+");
@@ -166,7 +166,7 @@ constexpr Rules kOpenMessages{.discovery = ProtectionKind::encrypt,
                               .data = ProtectionKind::encrypt};
 
 // Otherwise the pair would never match, without an event.
-TEST(ForgedEndpoint, OfTheSameName_GivesWayToTheSecureOne) {
+TEST(ForgedEndpoint, SameGuid_GivesWayToTheSecureOne) {
   for (const auto* topic : {"Square", "Circle"}) {
     Pair pair(kOpenMessages);
     ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }, 500));

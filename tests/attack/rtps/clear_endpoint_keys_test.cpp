@@ -50,7 +50,7 @@ struct ClearEndpointsWithKeys : ForgedAnnouncements, ::testing::TestWithParam<Ru
 };
 
 // The writer sends its keys only once.
-TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
+TEST_P(ClearEndpointsWithKeys, WriterThatIsSaidToHaveEnded_MatchesAgain) {
   dispose(pair.writer);
   ASSERT_EQ(pair.b.listener.matched, 0);
   EXPECT_TRUE(delivers(std::chrono::seconds(10)));
@@ -58,7 +58,7 @@ TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEnded_MatchAgain) {
 }
 
 // An invented writer must not take the room of one whose keys are kept.
-TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
+TEST_P(ClearEndpointsWithKeys, InventedWriters_TakeNoRoom) {
   for (std::uint32_t i = 0; i < AnnouncementRefresh::kMaxEnded; ++i) {
     announce(forged_endpoint(i));
     dispose(forged_endpoint(i).guid);
@@ -69,7 +69,7 @@ TEST_P(ClearEndpointsWithKeys, OfInventedWriters_TakeNoRoom) {
   EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
 }
 
-TEST_P(ClearEndpointsWithKeys, OfAWriter_ThatIsSaidToHaveEndedAgainAndAgain_MatchAgain) {
+TEST_P(ClearEndpointsWithKeys, WriterThatIsSaidToHaveEndedAgainAndAgain_MatchesAgain) {
   for (std::size_t i = 0; i <= AnnouncementRefresh::kMaxEnded; ++i) {
     announce(true_endpoint);
     dispose(pair.writer);
@@ -100,7 +100,7 @@ TEST_P(ClearEndpointsWithKeys, WhereAForgedHeartbeatDisturbsTheReading_MatchAfte
 }
 
 // They match again, and soon.
-TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
+TEST_P(ClearEndpointsWithKeys, MoreWritersThanAreKept_MatchAgain) {
   std::vector<Guid> writers{pair.writer};
   while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
     writers.push_back(
@@ -115,7 +115,7 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_MatchAgain) {
 }
 
 // Genuine ends count at the latest when they are read.
-TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
+TEST_P(ClearEndpointsWithKeys, MoreWritersThanAreKept_EndWhenTheyAreRead) {
   std::vector<Guid> writers;
   while (writers.size() < AnnouncementRefresh::kMaxEnded + 20)
     writers.push_back(
@@ -129,7 +129,7 @@ TEST_P(ClearEndpointsWithKeys, OfMoreWritersThanAreKept_EndWhenTheyAreRead) {
 }
 
 // The keys of some endpoints that have ended are still kept, because a reading can be disturbed.
-TEST_P(ClearEndpointsWithKeys, OfWritersThatHaveEnded_AreForgottenWhenOthersEnd) {
+TEST_P(ClearEndpointsWithKeys, WritersThatHaveEnded_AreForgottenWhenOthersEnd) {
   pair.a->remove(pair.writer, pair.world.now);
   pair.world.run(1000);
   EXPECT_TRUE(knows_keys(pair.writer));

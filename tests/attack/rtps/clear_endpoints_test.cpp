@@ -88,7 +88,7 @@ TEST_F(ClearEndpoints, AtAPortOfItsOwn_IsUsedAfterOthersHaveEnded) {
 }
 
 // The waiting reader must match without a new announcement.
-TEST_F(ClearEndpoints, ThatUseUpThePlaces_KeepAnotherOutOnlyUntilOneEnds) {
+TEST_F(ClearEndpoints, ForgedOnesThatUseUpThePlaces_KeepAnotherOutOnlyUntilOneEnds) {
   for (std::uint32_t i = 1; i < kMaxMatches; ++i) announce(forged_endpoint(i));
   ASSERT_EQ(matched(), kMaxMatches);
   const auto honest = forged_endpoint(5000);
@@ -101,7 +101,7 @@ TEST_F(ClearEndpoints, ThatUseUpThePlaces_KeepAnotherOutOnlyUntilOneEnds) {
   EXPECT_EQ(matched(), kMaxMatches);
 }
 
-TEST_F(ClearEndpoints, ThatUseUpThePlaces_GiveWayToOneAnnouncedSecurely) {
+TEST_F(ClearEndpoints, ForgedOnesThatUseUpThePlaces_GiveWayToOneAnnouncedSecurely) {
   for (std::uint32_t i = 1; i < kMaxMatches + 9; ++i) announce(forged_endpoint(i));
   ASSERT_EQ(matched(), kMaxMatches);
   const auto honest = forged_endpoint(5000);
@@ -113,7 +113,7 @@ TEST_F(ClearEndpoints, ThatUseUpThePlaces_GiveWayToOneAnnouncedSecurely) {
 }
 
 // The two must not be parted for good.
-TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
+TEST_F(ClearEndpoints, ReaderThatIsSaidToHaveEnded_MatchesAgain) {
   for (int i = 0; i < 3; ++i) {
     dispose(pair.reader);
     ASSERT_EQ(pair.a.listener.matched, 0);
@@ -124,7 +124,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveEnded_MatchAgain) {
   EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 300));
 }
 
-TEST_F(ClearEndpoints, ThatAreAnnouncedAtAnotherPort_StillGetWhatIsSentToTheirParticipant) {
+TEST_F(ClearEndpoints, ReaderThatIsAnnouncedAtAnotherPort_StillGetsWhatIsSentToItsParticipant) {
   auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.unicast = {at(kFirstPort)};
@@ -145,7 +145,7 @@ TEST_F(ClearEndpoints, ThatAreAnnouncedAtAnotherPort_StillGetWhatIsSentToTheirPa
   }
 }
 
-TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
+TEST_F(ClearEndpoints, ReaderThatIsSaidToHaveOtherPolicies_MatchesAgain) {
   auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.qos.partition = {"elsewhere"};
@@ -155,7 +155,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToHaveOtherPolicies_MatchAgain) {
 }
 
 // If the match stayed best effort, samples that are lost on the way would stay lost.
-TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffort_AreReliableAgain) {
+TEST_F(ClearEndpoints, ReaderThatIsSaidToBeBestEffort_IsReliableAgain) {
   auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.qos.reliability.kind = ReliabilityKind::best_effort;
@@ -180,7 +180,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffort_AreReliableAgain) {
 
 // One message is not enough: these policies cannot change, so the change waits for the next
 // reading.
-TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffortMeanwhile_StayReliable) {
+TEST_F(ClearEndpoints, ReaderThatIsSaidToBeBestEffortMeanwhile_StaysReliable) {
   auto data = forged_endpoint(0);
   data.guid = pair.reader;
   data.qos.reliability.kind = ReliabilityKind::best_effort;
@@ -194,7 +194,7 @@ TEST_F(ClearEndpoints, ThatAreSaidToBeBestEffortMeanwhile_StayReliable) {
 }
 
 // The forged announcement arrived before the genuine one, which replaces it.
-TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNextReading) {
+TEST_F(ClearEndpoints, ReaderThatWasAnnouncedAsBestEffortBefore_IsReliableAfterTheNextReading) {
   auto forged_one = forged_endpoint(9);
   const auto honest = forged_one;
   forged_one.qos.reliability.kind = ReliabilityKind::best_effort;
@@ -215,7 +215,7 @@ TEST_F(ClearEndpoints, ThatWereAnnouncedAsBestEffortBefore_AreReliableAfterTheNe
   EXPECT_TRUE(matches(honest.guid));
 }
 
-TEST_F(ClearEndpoints, ThatHaveEnded_DoNotComeBack) {
+TEST_F(ClearEndpoints, ReaderThatHasEnded_DoesNotComeBack) {
   pair.b->remove(pair.reader, pair.world.now);
   pair.world.run(100);
   ASSERT_EQ(pair.a.listener.unmatched, 1);
@@ -225,7 +225,7 @@ TEST_F(ClearEndpoints, ThatHaveEnded_DoNotComeBack) {
 }
 
 // Endpoints that are read again and have not changed are not reported again.
-TEST_F(ClearEndpoints, ThatStay_NoticeNothingWhenAnotherIsReadAgain) {
+TEST_F(ClearEndpoints, ReaderThatStays_NoticesNothingWhenAnotherIsReadAgain) {
   announce(forged_endpoint(1));
   dispose(forged_endpoint(1).guid);
   const auto before = pair.a.listener.unmatched;

@@ -91,7 +91,7 @@ TEST_F(ClearRoom, InManyNames_LeavesSecureAnnouncementsTheirs) {
 }
 
 // The first secure announcement must not remove all clear ones of its participant.
-TEST_F(ClearRoom, OfOneParticipant_IsLeftToItsClearAnnouncements) {
+TEST_F(ClearRoom, RoomOfOneParticipant_IsLeftToItsClearAnnouncements) {
   constexpr auto kMax = RemoteParticipants::kMaxEndpointsPerParticipant;
   announce_clearly(honest()->prefix(), kMax + 1);
   ASSERT_EQ(known(honest()), kMax);

@@ -72,7 +72,7 @@ struct InsiderAddresses : ::testing::Test {
   }
 };
 
-TEST_F(InsiderAddresses, OfAnEndpoint_AtOtherHosts_AreNotUsed) {
+TEST_F(InsiderAddresses, EndpointAtOtherHosts_IsNotSentTo) {
   create_writer();
   create_reader_at(victim());
   ASSERT_TRUE(match());
@@ -83,7 +83,7 @@ TEST_F(InsiderAddresses, OfAnEndpoint_AtOtherHosts_AreNotUsed) {
   EXPECT_EQ(alice.events.count(Code::rtps_address_unproven), 1) << alice.events.text();
 }
 
-TEST_F(InsiderAddresses, OfManyEndpoints_AtOtherHosts_AreReportedOnce) {
+TEST_F(InsiderAddresses, ManyEndpointsAtOtherHosts_AreReportedOnce) {
   create_writer();
   for (int i = 0; i < 5; ++i) create_reader_at(victim());
   ASSERT_TRUE(world.run_until([&] { return alice.listener.matched == 5; }));
@@ -92,7 +92,7 @@ TEST_F(InsiderAddresses, OfManyEndpoints_AtOtherHosts_AreReportedOnce) {
   EXPECT_EQ(alice.events.count(Code::rtps_address_unproven), 1);
 }
 
-TEST_F(InsiderAddresses, OfAWriter_AtOtherHosts_GetNoAcknacks) {
+TEST_F(InsiderAddresses, WriterAtOtherHosts_GetsNoAcknacksThere) {
   auto qos = default_reader_qos();
   qos.reliability.kind = ReliabilityKind::reliable;
   alice->create_reader(square(qos), alice.listener, world.now).value();
@@ -112,7 +112,7 @@ TEST_F(InsiderAddresses, OfAWriter_AtOtherHosts_GetNoAcknacks) {
   EXPECT_EQ(to_victim, 0u);
 }
 
-TEST_F(InsiderAddresses, OfAnEndpoint_AtAnotherPortOfItsHost_AreUsed) {
+TEST_F(InsiderAddresses, EndpointAtAnotherPortOfItsHost_IsSentTo) {
   create_writer();
   create_reader_at({at("127.0.0.1", 7995)});
   ASSERT_TRUE(match());
@@ -122,7 +122,7 @@ TEST_F(InsiderAddresses, OfAnEndpoint_AtAnotherPortOfItsHost_AreUsed) {
   EXPECT_TRUE(alice.events.is_quiet()) << alice.events.text();
 }
 
-TEST_F(InsiderAddresses, OfTheParticipant_BesideItsOwn_AreNotUsedOnceItHasAuthenticated) {
+TEST_F(InsiderAddresses, ParticipantsAddressesBesideItsOwn_AreNotUsedOnceItHasAuthenticated) {
   auto addresses = victim();
   addresses.insert(addresses.begin(), at("127.0.0.1", 7002));
   announce_participant_at(addresses);
@@ -139,7 +139,7 @@ TEST_F(InsiderAddresses, OfTheParticipant_BesideItsOwn_AreNotUsedOnceItHasAuthen
 
 // The participant is on a host with two networks. Each address is used from the first message on
 // that comes from it.
-TEST_F(InsiderAddresses, OfTheParticipant_ThatItSendsFrom_AreUsed) {
+TEST_F(InsiderAddresses, ParticipantsAddressThatItSendsFrom_IsUsed) {
   announce_participant_at({at("127.0.0.1", 7002), at("192.0.2.1", 7990)});
   create_writer();
   create_reader_at({at("127.0.0.1", 7002), at("192.0.2.1", 7991)});
@@ -169,7 +169,7 @@ Bytes with(Bytes datagram, BytesView old, BytesView replacement) {
 
 // A stock peer behind a router repeats no challenge, and a stranger announces its own address in
 // the peer's name.
-TEST_F(InsiderAddresses, OfAParticipant_ThatSendsFromAnother_AreReplacedByThatOne) {
+TEST_F(InsiderAddresses, ParticipantThatSendsFromAnother_IsSentToThere) {
   announce_participant_at({at("192.0.2.1", 7002), at("192.0.2.2", 7002)});
   world.filter = [&](const Node& from, Bytes datagram) {
     if (&from != &mallory) return one(std::move(datagram));
@@ -203,7 +203,7 @@ bool contains(BytesView datagram, std::string_view text) {
 
 // The fifth of eight announced addresses is its own, where it receives the request. A further
 // address displaces it before the reply, so that the victim is the only host in the list.
-TEST_F(InsiderAddresses, OfTheParticipant_ThatRemainWhenItsOwnIsDisplaced_AreNotProven) {
+TEST_F(InsiderAddresses, ParticipantsAddressesThatRemainWhenItsOwnIsDisplaced_AreNotProven) {
   announce_participant_at({at("192.0.2.1", 7990), at("127.0.0.1", 7002)});
   bool replies = false;
   std::optional<ParticipantData> own;

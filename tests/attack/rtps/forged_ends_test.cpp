@@ -82,7 +82,7 @@ TEST_P(ForgedEnds, WithThePayloadOfAnotherEnd_AreDropped) {
   EXPECT_EQ(received().size(), 1u);
 }
 
-TEST_P(ForgedEnds, ThatAreNotForged_Count) {
+TEST_P(ForgedEnds, TrueEnds_Count) {
   end({.disposed = true});
   end({.unregistered = true});
   end({.disposed = true, .unregistered = true});
@@ -96,7 +96,7 @@ TEST_P(ForgedEnds, ThatAreNotForged_Count) {
   EXPECT_TRUE(pair.b.events.is_quiet()) << pair.b.events.text();
 }
 
-TEST_P(ForgedEnds, ThatAreNotForged_CountInFragments) {
+TEST_P(ForgedEnds, TrueEnds_CountInFragments) {
   end({.disposed = true}, 200'000);
   pair.world.run(100);
   ASSERT_EQ(received().size(), 1u);
@@ -129,7 +129,7 @@ TEST_P(ForgedEnds, InTheFragmentsOfASample_AreDropped) {
 }
 
 // The peer has an earlier version or is of another vendor. The remedy is to protect metadata, too.
-TEST_P(ForgedEnds, OfAPeerThatDoesNotMarkThem_Count) {
+TEST_P(ForgedEnds, EndsOfAPeerThatDoesNotMarkThem_Count) {
   ParticipantAccess::peer(*pair.b.participant, pair.a->prefix()).marks_ends = false;
   pair.write();
   end({.disposed = true});

@@ -72,7 +72,7 @@ struct Freshness {
   std::vector<Bytes> recorded;
 };
 
-TEST(RecordedSamples, ForAParticipantThatJoinsLater_AreNotNew) {
+TEST(RecordedSamples, ParticipantThatJoinsLater_TakesThemAsOld) {
   for (const auto& rules : governances()) {
     Freshness test(rules);
     ASSERT_TRUE(test.begin());
@@ -88,7 +88,7 @@ TEST(RecordedSamples, ForAParticipantThatJoinsLater_AreNotNew) {
 }
 
 // If only messages are protected, a reader has no keys of its own that could show when it was made.
-TEST(RecordedSamples, ForAReaderMadeLater_AreNotNew) {
+TEST(RecordedSamples, ReaderMadeLater_TakesThemAsOld) {
   for (const auto& rules : governances()) {
     if (!is_protected(rules.metadata) && !is_protected(rules.data)) continue;
     Freshness test(rules);

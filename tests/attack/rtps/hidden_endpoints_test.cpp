@@ -93,7 +93,7 @@ TEST_P(HiddenByAForgery, Endpoints_AreFoundByTheNextReading) {
 
 // The genuine announcement is lost, so nothing contradicts the forged one before b says what it
 // has.
-TEST_F(HiddenEndpoints, ByAHeartbeat_AreFoundBeforeAnotherIsAnnounced) {
+TEST_F(HiddenEndpoints, HeartbeatAfterALostAnnouncement_IsUndoneBeforeAnotherIsAnnounced) {
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
   claim({100001}, {100000});
@@ -108,7 +108,7 @@ TEST_F(HiddenEndpoints, ByAHeartbeat_AreFoundBeforeAnotherIsAnnounced) {
 }
 
 // Participant b believes that a has the announcement.
-TEST_F(HiddenEndpoints, ByAForgedAcknowledgment_AreOfferedAgain) {
+TEST_F(HiddenEndpoints, ForgedAcknowledgment_IsUndoneByTheNextOffer) {
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
   pair.world.run(1);
@@ -142,7 +142,7 @@ TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
 }
 
 // In the end the forgeries cost the peer one reading in 256 s.
-TEST_F(HiddenEndpoints, ByForgeriesThatGoOn_AreReadLessAndLessOften) {
+TEST_F(HiddenEndpoints, ForgeriesThatGoOn_CauseFewerAndFewerReadings) {
   const int readings = count_readings(600s, [this](int second) {
     invent({second % 2 == 0 ? 100 : 3 + second});
     claim({1}, {second % 50});

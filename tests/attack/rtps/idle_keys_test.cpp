@@ -62,7 +62,7 @@ struct IdleKeys : ::testing::Test {
 };
 
 // Without the bound, there would be a pair of keys for each announcement.
-TEST_F(IdleKeys, OfReadersThatSendNoKeys_TakeABoundedPlace) {
+TEST_F(IdleKeys, ReadersThatSendNoKeys_TakeABoundedPlace) {
   ASSERT_TRUE(pair.match());
   pair.world.run(100);
   const auto before = keys();
@@ -72,7 +72,7 @@ TEST_F(IdleKeys, OfReadersThatSendNoKeys_TakeABoundedPlace) {
 }
 
 // The pair of this reader is the oldest one when its keys arrive.
-TEST_F(IdleKeys, OfAReaderWhoseKeysArriveAfterTheFlood_Match) {
+TEST_F(IdleKeys, ReaderWhoseKeysArriveAfterTheFlood_Matches) {
   pair.world.filter = [&](const Node& from, Bytes datagram) {
     return &from == &pair.b && is_held_back && is_protected(datagram) ? std::vector<Bytes>()
                                                                       : one(std::move(datagram));
@@ -92,7 +92,7 @@ TEST_F(IdleKeys, OfAReaderWhoseKeysArriveAfterTheFlood_Match) {
 }
 
 // All of them send their keys. Those without a place must not keep a pair of keys.
-TEST_F(IdleKeys, OfReadersThatHaveNoPlace_AreSuspended) {
+TEST_F(IdleKeys, ReadersWithoutAPlace_AreSuspended) {
   ASSERT_TRUE(pair.match());
   auto qos = default_reader_qos();
   qos.reliability.kind = ReliabilityKind::reliable;

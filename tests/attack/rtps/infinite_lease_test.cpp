@@ -36,12 +36,12 @@ struct InfiniteLease : ::testing::Test {
 
 constexpr auto kMax = RemoteParticipants::kMaxLease;
 
-TEST_F(InfiniteLease, OfAPeerThatIsGone_Ends) {
+TEST_F(InfiniteLease, PeerThatIsGone_IsForgotten) {
   world.nodes = {&alice};
   EXPECT_LE(known(2 * kMax), kMax + 2s);
 }
 
-TEST_F(InfiniteLease, OfAPeerThatIsAlive_IsRenewedByItsAnswers) {
+TEST_F(InfiniteLease, PeerThatIsAlive_IsRenewedByItsAnswers) {
   EXPECT_GE(known(2 * kMax + 10s), 2 * kMax);
   EXPECT_TRUE(alice.knows(bob));
 }

@@ -71,7 +71,7 @@ TEST_F(RedirectedRequests, WithHighCounts_HideNoLaterRequest) {
   EXPECT_TRUE(is_found(3s));
 }
 
-TEST_F(RedirectedRequests, ForFragments_HideNoLaterOnes) {
+TEST_F(RedirectedRequests, FragmentRequests_HideNoLaterOnes) {
   NackFrag request{reader, writer, {1}, FragmentNumberSet(FragmentNumber{1}), kFarAhead};
   redirect(request);
   const auto taken = proxy().nack_frags.taken();
@@ -80,7 +80,7 @@ TEST_F(RedirectedRequests, ForFragments_HideNoLaterOnes) {
   EXPECT_EQ(proxy().nack_frags.taken(), taken + 1);
 }
 
-TEST_F(RedirectedRequests, OfAPeerThatIsGone_AreNoSignOfLife) {
+TEST_F(RedirectedRequests, RequestsOfAPeerThatIsGone_AreNoSignOfLife) {
   pair.world.nodes = {&pair.a};
   const auto lease =
       pair.a->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
@@ -92,7 +92,7 @@ TEST_F(RedirectedRequests, OfAPeerThatIsGone_AreNoSignOfLife) {
 }
 
 // Participant a believes that b has the announcement, and b does not know of it.
-TEST_F(RedirectedRequests, ThatAcknowledgeWhatWasLost_AreHealedByTheNextOffer) {
+TEST_F(RedirectedRequests, AcknowledgmentOfALostSample_IsHealedByTheNextOffer) {
   announce_into_the_void();
   redirect(acknack(3, kFarAhead));
   pair.world.run(10);

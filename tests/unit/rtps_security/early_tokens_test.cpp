@@ -35,7 +35,7 @@ struct EarlyTokensTest : ::testing::Test {
   MonotonicTime now = 100s;
 };
 
-TEST_F(EarlyTokensTest, OfAPair_AreTakenOnce) {
+TEST_F(EarlyTokensTest, TokensOfAPair_AreTakenOnce) {
   EXPECT_TRUE(keep(1));
   EXPECT_TRUE(keep(2));
   EXPECT_EQ(taken(3), 0);
@@ -44,7 +44,7 @@ TEST_F(EarlyTokensTest, OfAPair_AreTakenOnce) {
   EXPECT_EQ(early.size(), 1u) << "those of the other pair stay";
 }
 
-TEST_F(EarlyTokensTest, OfOnePair_OnlyTheLatestStay) {
+TEST_F(EarlyTokensTest, OnePair_KeepsOnlyTheLatest) {
   for (std::size_t i = 0; i < EarlyTokens::kMaxOfPair + 3; ++i) (void)keep(1);
   EXPECT_EQ(early.size(), EarlyTokens::kMaxOfPair);
 }

@@ -141,7 +141,7 @@ TEST(KeptMemory, WriterRemoved_CountsUntilItIsReturned) {
   EXPECT_EQ(ledger.kept.octets(), 0u);
 }
 
-TEST(KeptMemory, OfNoWriter_IsNotUsedAgain) {
+TEST(KeptMemory, MemoryOfNoWriter_IsNotUsedAgain) {
   Ledger ledger;
   auto slots = memory::SampleSlots::make(9, 1000).value();
   const auto with_another = slots.segment().for_reader();

@@ -135,7 +135,7 @@ struct ForgedCount : ReaderPresenceTest, ::testing::WithParamInterface<bool> {
   }
 };
 
-TEST_P(ForgedCount, OfEitherSide_DoesNotMakeTheReaderSilent) {
+TEST_P(ForgedCount, CountOfEitherSide_DoesNotMakeTheReaderSilent) {
   pair.world.run(20);
   forge();
   report_end(pair.reader);
@@ -144,7 +144,7 @@ TEST_P(ForgedCount, OfEitherSide_DoesNotMakeTheReaderSilent) {
   EXPECT_FALSE(pair.a.events.has(Code::rtps_reader_silent));
 }
 
-TEST_P(ForgedCount, OfEitherSide_DoesNotKeepASilentReaderAway) {
+TEST_P(ForgedCount, CountOfEitherSide_DoesNotKeepASilentReaderAway) {
   pair.world.run(20);
   forge();
   is_cut_off = cuts_both = true;
@@ -166,7 +166,7 @@ TEST_F(ReaderPresenceTest, ReportOfAWriter_ChangesNothing) {
 }
 
 // Otherwise a peer whose readers fall silent in turn would fill the writer's messages with MACs.
-TEST(ReaderPresenceMacs, OfASilentReader_AreLeftOutUntilItIsHeard) {
+TEST(ReaderPresenceMacs, MacsOfASilentReader_AreLeftOutUntilItIsHeard) {
   Pair pair({.discovery = kEncrypt, .metadata = ProtectionKind::sign_with_origin_authentication});
   ASSERT_TRUE(pair.match());
   pair.world.run(100);
