@@ -75,11 +75,15 @@ def long_tests(root):
 
 
 def unclear_names(root):
-    """A line for each test of GoogleTest whose name is not Condition_Outcome."""
+    """A line for each test of GoogleTest whose name is not Condition_Outcome, or is no sentence in ctest's list: there
+    "Ocsp.OfAnotherCa_IsRefused" stands alone."""
     pattern = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", re.M)
-    return [f"{file.relative_to(root).as_posix()}: {suite}.{name}: name the condition and the outcome, with _ between"
-            for file in sorted((root / "tests").rglob("*_test.cpp"))
-            for suite, name in pattern.findall(file.read_text(encoding="utf-8")) if "_" not in name]
+    tests = [(f"{file.relative_to(root).as_posix()}: {suite}.{name}", name)
+             for file in sorted((root / "tests").rglob("*_test.cpp"))
+             for suite, name in pattern.findall(file.read_text(encoding="utf-8"))]
+    return ([f"{test}: name the condition and the outcome, with _ between" for test, name in tests if "_" not in name]
+            + [f"{test}: begin with what it is about, not with By, Of, For or That" for test, name in tests
+               if re.match(r"(By|Of|For|That)(?![a-z])", name)])
 
 
 def main():
