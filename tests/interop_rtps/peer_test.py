@@ -2,12 +2,9 @@
 """The interface of ddssec-peer: events, exit codes, end on SIGTERM. Usage: peer_test.py BUILD"""
 
 import dataclasses
-import json
-import os
 import pathlib
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -16,39 +13,15 @@ import unittest
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
 from documents import Governance, Keys, Permissions, Side  # noqa: E402
-from pair import Namespace  # noqa: E402
+from peer_processes import PeerProcesses  # noqa: E402
 from pki import Pki  # noqa: E402
 
 PEER = pathlib.Path(sys.argv.pop(1)).resolve() / "bin" / "ddssec-peer"
 
 
-class PeerTest(unittest.TestCase):
-    def setUp(self):
-        self.space = Namespace()
-        self.running = []
-
-    def tearDown(self):
-        for process in self.running:
-            if process.poll() is None:
-                process.kill()
-            process.wait()
-            process.output.close()
-        self.space.close()
-
+class PeerTest(PeerProcesses):
     def start(self, *arguments):
-        timeout = [] if "--timeout" in arguments else ["--timeout", "20"]
-        output = tempfile.TemporaryFile()
-        process = subprocess.Popen(
-            self.space.enter([str(PEER), "--domain", "3", *timeout, *arguments]),
-            stdout=output, stderr=subprocess.DEVNULL)
-        process.output = output
-        self.running.append(process)
-        return process
-
-    def lines(self, process):
-        """What it said so far, without a line that it has begun."""
-        written = os.pread(process.output.fileno(), 1 << 26, 0)
-        return [json.loads(line) for line in written[:written.rfind(b"\n") + 1].splitlines()]
+        return self.launch([str(PEER), *arguments], 20)
 
     def wait_for(self, process, name):
         end = time.monotonic() + 20

@@ -15,9 +15,8 @@ import unittest
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "interop"))
 from documents import Governance, Keys, Permissions, Side  # noqa: E402
-from pair import Namespace  # noqa: E402
+from peer_processes import PeerProcesses  # noqa: E402
 from pki import Pki  # noqa: E402
-import json  # noqa: E402
 
 PEER = pathlib.Path(sys.argv.pop(1)).resolve() / "bin" / "ddssec-peer"
 FILES = {"--identity_ca": "identity_ca.pem", "--identity_certificate": "cert.pem",
@@ -63,7 +62,7 @@ sys.stdin.readline()
 """
 
 
-class SharedMemory(unittest.TestCase):
+class SharedMemory(PeerProcesses):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -73,18 +72,6 @@ class SharedMemory(unittest.TestCase):
     @classmethod
     def tearDownClass(cls):
         cls.folder.cleanup()
-
-    def setUp(self):
-        self.space = Namespace()
-        self.running = []
-
-    def tearDown(self):
-        for process in self.running:
-            if process.poll() is None:
-                process.kill()
-            process.wait()
-            process.output.close()
-        self.space.close()
 
     def start(self, role, governance=ENCRYPT, *arguments, shm="on", prefix=(), owner=None):
         type(self).made += 1
@@ -98,20 +85,11 @@ class SharedMemory(unittest.TestCase):
         if owner:
             for path in (folder, *folder.iterdir()):
                 os.chown(path, owner, owner)
-        output = tempfile.TemporaryFile()
         log = folder / "events"
-        timeout = [] if "--timeout" in arguments else ["--timeout", "40"]
-        process = subprocess.Popen(
-            self.space.enter([*prefix, str(PEER), "--domain", "3", "--role", role, "--security", str(folder),
-                              *timeout, *arguments]),
-            stdout=output, stderr=subprocess.DEVNULL, env={**os.environ, "DDSSEC_EVENT_LOG": str(log)})
-        process.output, process.log = output, log
-        self.running.append(process)
+        process = self.launch([*prefix, str(PEER), "--role", role, "--security", str(folder), *arguments], 40,
+                              env={**os.environ, "DDSSEC_EVENT_LOG": str(log)})
+        process.log = log
         return process
-
-    def lines(self, process):
-        written = os.pread(process.output.fileno(), 1 << 26, 0)
-        return [json.loads(line) for line in written[:written.rfind(b"\n") + 1].splitlines()]
 
     def said(self, process, name):
         return [line for line in self.lines(process) if line["event"] == name]
