@@ -52,11 +52,10 @@ class Participant {
   static rtps::Qos reader_qos();
 
   /// Creates a writer with `qos`, or with writer_qos() if none is given; creates the topic if
-  /// needed. Each call creates another writer, which lives as long as the participant and cannot be
-  /// deleted earlier through this class. Errors: those of access control (the permissions do
-  /// not allow it), rtps_bad_parameter (the topic exists with another type, or its name is empty or
-  /// longer than 256 characters), rtps_precondition_not_met (a content-filtered topic has the
-  /// name), rtps_qos_inconsistent.
+  /// needed. Each call creates another writer, which lives as long as the participant. Errors:
+  /// those of access control (the permissions do not allow it), rtps_bad_parameter (the topic
+  /// exists with another type, or its name is empty or longer than 256 characters),
+  /// rtps_precondition_not_met (a content-filtered topic has the name), rtps_qos_inconsistent.
   template <rtps::DdsType T>
   Result<rtps::DataWriter<T>*> create_writer(const std::string& topic,
                                              std::optional<rtps::Qos> qos = {}) {
@@ -64,8 +63,8 @@ class Participant {
     if (!on) return std::unexpected(on.error());
     return publisher().create_datawriter<T>(**on, std::move(qos).value_or(writer_qos()));
   }
-  /// Creates a reader with `qos`, or with reader_qos() if none is given. Lifetime and errors as for
-  /// writer().
+  /// Creates a reader with `qos`, or with reader_qos() if none is given. Ownership and errors as
+  /// for create_writer().
   template <rtps::DdsType T>
   Result<rtps::DataReader<T>*> create_reader(const std::string& topic,
                                              std::optional<rtps::Qos> qos = {}) {

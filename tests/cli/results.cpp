@@ -1,5 +1,5 @@
-// Prints the field list of each command, which results_test.py compares with the schema and the
-// README.
+// Prints what results_test.py compares with the schema and cli/results.md: the field list of each
+// command.
 #include <cstdio>
 
 #include "cli/frame/command.hpp"

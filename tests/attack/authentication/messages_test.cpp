@@ -149,7 +149,7 @@ std::vector<BadKey> bad_keys() {
           {"PointOfP384", ecdh_p256, Bytes(97, 4)},
           {"Zero", dh_modp_2048_256, modp(0)},
           {"One", dh_modp_2048_256, modp(1)},
-          {"Two", dh_modp_2048_256, modp(2)},  // it is not in the subgroup of order q
+          {"Two", dh_modp_2048_256, modp(2)},  // is not in the subgroup of order q
           {"AllOnes", dh_modp_2048_256, Bytes(256, 0xff)},
           {"TooLong", dh_modp_2048_256, Bytes(300, 1)}};
 }

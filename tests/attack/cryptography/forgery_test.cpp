@@ -18,11 +18,11 @@ using Decode = std::function<Result<Bytes>(const Bytes&)>;
 
 struct Target {
   std::string name;
-  std::function<Bytes()> encode;  // has the same content each time, under another IV
+  std::function<Bytes()> encode;  // returns the same content each time, under another IV
   Decode decode;
 };
 
-// One genuine message of every kind at every level, with its reader.
+// A genuine message of every kind at every level, with its reader.
 class ForgedMessages : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -189,8 +189,8 @@ TEST(RefusalReasons, WhatDidNotVerify_DoesNotStay) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     auto bad = encode_message(two, rtps_message({data_submessage(40)})).value();
-    bad.back() ^= 1;            // in the receiver's MAC, or in the count
-    bad[bad.size() - 30] ^= 1;  // in the common MAC, or before it
+    bad.back() ^= 1;            // the receiver's MAC, or the number of MACs
+    bad[bad.size() - 30] ^= 1;  // the common MAC, or an octet before it
     Bytes out(bad.size(), 0);
     EXPECT_FALSE(two.b.transform().decode_rtps_message(two.b.participant, two.b.remote, bad, out));
     EXPECT_EQ(out, Bytes(bad.size()));
@@ -210,7 +210,7 @@ TEST(RefusalReasons, ChangedReceiverMacs_HaveTheirOwnReasons) {
     auto none = good;
     none.resize(none.size() - 20);
     none[none.size() - 1] = 0;
-    none[none.size() - 22] = 20;  // the octetsToNextHeader of the postfix
+    none[none.size() - 22] = 20;  // octetsToNextHeader of the postfix
     EXPECT_EQ(code_of(decode_message(two, none)), Code::receiver_specific_mac_missing);
     for (const std::uint32_t count : {0u, 2u, 65535u, 0x7fffffffu, 0xccccccceu, 0xffffffffu}) {
       auto lie = good;

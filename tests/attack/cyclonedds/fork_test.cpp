@@ -55,7 +55,7 @@ Octets speech_of_child(const Sender& sender) {
   const auto child = fork();
   if (child == 0) {
     const auto said = speech(sender);
-    const auto written = write(ends[1], said.data(), said.size());  // it is less than a pipe holds
+    const auto written = write(ends[1], said.data(), said.size());  // less than a pipe holds
     _exit(written == static_cast<ssize_t>(said.size()) ? 0 : 1);
   }
   close(ends[1]);

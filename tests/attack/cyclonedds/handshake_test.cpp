@@ -73,7 +73,7 @@ class Node {
   // Processes a message from a peer. Returns the answers; a refused message has none.
   std::vector<Message> take(Node& other, const Message& message) {
     const auto known = peers_.find(&other);
-    if (known == peers_.end()) return {};  // a host does so for a peer that it has not discovered
+    if (known == peers_.end()) return {};  // the host ignores a peer that it has not discovered
     auto& peer = known->second;
     Token in;
     EXPECT_TRUE(cyclonedds::copy_token(message, in));
@@ -227,7 +227,7 @@ class Network {
 
   void send(Node& from, Node& to, const Message& message) {
     const auto fate = roll(100);
-    if (fate < 30) return;  // it is lost
+    if (fate < 30) return;  // the message is lost
     wire_.push_back({&from, &to, message});
     if (fate < 60) wire_.push_back({&from, &to, message});
   }

@@ -1,5 +1,5 @@
 // An authorized participant announces addresses of other hosts, for its endpoints or for itself:
-// nothing is sent there before the participant shows that it is there (T60).
+// nothing is sent there before the participant shows that it is there (T60 of docs/attacks.md).
 #include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 

@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-constexpr int kPerStep = 100;  // in each step of 10 ms, so 10,000 a second
+constexpr int kPerStep = 100;  // of 10 ms, so 10,000 a second
 
 // 100,000 participants that do not exist announce themselves, 10,000 a second (T22 in
 // docs/attacks.md).
@@ -175,7 +175,8 @@ TEST(Flood, FloodInThePeersNameByAFullListener_DelaysTheHandshakeLittle) {
     const auto& ears = flood.ears();
     flood.to_the_one_who_answers([&](std::mt19937& random) -> std::optional<spi::Token> {
       if (ears.heard("+Req") == nullptr) return std::nullopt;
-      auto token = *ears.heard("+Req");  // as good as the honest one, until its Final is requested
+      // This is as good as the honest one, until its final message is requested.
+      auto token = *ears.heard("+Req");
       scramble(*field(token, "challenge1"), random);
       return token;
     });
@@ -219,7 +220,7 @@ TEST(Flood, AnnouncementsInOthersNames_AreNotAmplified) {
     pair.a->receive(datagram, pair.world.now);
     if (fake % 10 == 9) run(1);
   }
-  run(12'000);  // the leases of the participants that are left end
+  run(12'000);  // the leases of the remaining participants end
   EXPECT_GT(out, 0u);
   EXPECT_LT(out, 3 * in);
   EXPECT_EQ(pair.a->remote_participants().size(), 0u);

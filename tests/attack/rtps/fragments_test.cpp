@@ -60,7 +60,8 @@ class Forger {
   int honest = 0, forgeries = 0;
 
  private:
-  using Victim = std::pair<std::uint32_t, Fragments>;  // the port of the victim, and the message
+  // The port, and the message that is sent to it.
+  using Victim = std::pair<std::uint32_t, Fragments>;
 
   void change(World::Traffic& traffic) {
     World::Traffic out;

@@ -1,5 +1,6 @@
 // What a stock reader says to one participant opens at all others, because it has one key for all
-// of them, and INFO_DST is not protected. An attacker on the path sends it to another one (T41).
+// of them, and INFO_DST is not protected. An attacker on the path sends it to another one (T41 of
+// docs/attacks.md).
 #include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"

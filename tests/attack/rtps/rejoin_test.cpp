@@ -15,7 +15,7 @@ struct Case {
   Rules rules;
   bool is_reliable;
   DurabilityKind durability;
-  bool both_ways;  // true if neither hears the other, false if only bob does not hear alice
+  bool both_ways;  // neither hears the other; otherwise only bob does not hear alice
 };
 
 std::vector<Case> cases() {
@@ -104,12 +104,12 @@ TEST_P(Rejoin, WhatWasRecordedBefore_IsNotNew) {
   EXPECT_EQ(numbers(), history) << "of the writer's history alone";
 }
 
-// These cases have reliable samples, because only those are repaired.
+// Only reliable samples are repaired.
 struct ReliableRejoin : Rejoin {};
 
 // Recorded acknowledgments must not make new ones count as repetitions.
 TEST_P(ReliableRejoin, WhatIsLostAfterwards_IsStillRepaired) {
-  for (int i = 0; i < 20; ++i) write();  // this causes many acknowledgements
+  for (int i = 0; i < 20; ++i) write();  // this causes many acknowledgments
   cut_off();
   ASSERT_TRUE(meet()) << a.events.text() << b.events.text();
   world.run(50);

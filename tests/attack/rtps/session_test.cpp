@@ -66,7 +66,7 @@ TEST(Session, ReplaysOfADeadPeersMessages_AreNoSignOfLife) {
     pair.world.run(200);
     EXPECT_GT(pair.b.listener.alive, 0);
     pair.world.nodes = {&pair.b};
-    pair.world.run(5);  // messages that were under way
+    pair.world.run(5);  // messages on their way arrive
     const auto alive = pair.b.listener.alive;
     if (recorded.size() > 60) recorded.erase(recorded.begin(), recorded.end() - 60);
     for (int i = 0; i < 40; ++i) {
@@ -90,7 +90,7 @@ TEST(Session, AForgedHeartbeat_WhereLivelinessIsProtected_IsNoSignOfLife) {
   pair.world.run(200);
   EXPECT_GT(pair.b.listener.alive, 0);
   pair.world.nodes = {&pair.b};
-  pair.world.run(5);  // messages that were under way
+  pair.world.run(5);  // messages on their way arrive
   const auto alive = pair.b.listener.alive;
   for (std::int32_t i = 1; i <= 100; ++i) {
     const Heartbeat heartbeat{.reader = kEntityIdUnknown,
@@ -200,7 +200,7 @@ TEST(Session, ClaimedOriginalWriter_IsNotTakenForTheWriter) {
   Header header;
   header.prefix = pair.a->prefix();
   write(out, header);
-  // The submessage is a DATA with inline QoS and data, little-endian.
+  // DATA with inline QoS and data, little-endian.
   const Bytes head = {0x15, 0x07, 60, 0, 0, 0, 16, 0, 0, 0, 0, 0};
   out.write_bytes(head);
   out.write_bytes(pair.writer.entity.octets);

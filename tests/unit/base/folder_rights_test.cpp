@@ -15,7 +15,7 @@ class FolderRights : public testing::Test {
  protected:
   FolderRights() { fs::create_directories(inner_); }
 
-  // What is found while `folder` has this mode.
+  // Returns what open_folder_above() finds while `folder` has this mode.
   std::optional<fs::path> with_mode(const fs::path& folder, unsigned mode) const {
     fs::permissions(folder, static_cast<fs::perms>(mode));
     auto found = open_folder_above(inner_);

@@ -194,7 +194,7 @@ TEST(LiveChange, FlagsOfATopic_MayOnlyBeginToCount) {
   }
 }
 
-// The topics that it takes from the later rule may be in use.
+// The topics that the added rule takes from the later rule may be in use.
 TEST(LiveChange, FlagThatIsMissingInAnAddedRule_DoesNotFitInUse) {
   for (const auto flag :
        {&TopicRule::enable_discovery_protection, &TopicRule::enable_liveliness_protection,

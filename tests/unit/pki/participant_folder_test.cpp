@@ -80,7 +80,7 @@ TEST_F(Folder, ModeOrOwner_TellsWhetherOthersCanChangeIt) {
   EXPECT_FALSE(may_be_changed_by_others("/")) << "root's";
 }
 
-// A document that cannot be reached must not count as one that was never put there.
+// A document that cannot be reached must not count as one that does not exist.
 TEST_F(Folder, FileThatCannotBeReached_IsNotAbsent) {
   touch("crl.pem");
   EXPECT_TRUE(may_exist(at_ / "crl.pem"));

@@ -135,7 +135,7 @@ struct Fleet {
   std::minstd_rand random{7};
 };
 
-/// In the second phase of alice and bob. Carol has the document, but nothing is heard of her any
+/// Alice and bob are in the second phase. Carol has the document, but nothing is heard of her any
 /// more, so the others still accept her former protection.
 struct SecondPhase : Fleet {
   SecondPhase(const Rules& former, const Rules& next) : Fleet(former, "4") {
@@ -164,7 +164,7 @@ struct SecondPhase : Fleet {
   Guid of_carol;
 };
 
-/// A sample without any protection, the next one that the writer would send.
+/// Returns a sample without any protection. Its number is the next one of the writer.
 inline Bytes clear_sample(const Fleet& fleet, const Guid& writer, std::size_t written) {
   const auto payload = fleet.marked();
   return testing::forged(writer.prefix, Data{kEntityIdUnknown,
@@ -175,7 +175,7 @@ inline Bytes clear_sample(const Fleet& fleet, const Guid& writer, std::size_t wr
                                              payload});
 }
 
-/// True if bob takes it.
+/// Returns true if bob takes the sample that clear_sample() returns.
 inline bool takes_clear_sample(Fleet& fleet, const Guid& writer, std::size_t written) {
   EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
   const auto before = fleet.b.node.listener.changes.size();

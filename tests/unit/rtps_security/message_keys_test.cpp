@@ -180,7 +180,7 @@ TEST(MessageProtectionChange, AKeyRevisionMeanwhile_ComesFirstAndTheChangeGoesOn
   EXPECT_FALSE(fleet.is_readable_on_the_network());
 }
 
-// Bob's keys for the second protection are made anew while alice has had some of his already.
+// Bob makes his keys for the second protection anew when alice already has some of them.
 TEST(MessageProtectionChange, AKeyRevisionOfOneSide_MakesTheOtherSendItsKeysAgain) {
   auto next = revising(everything(kEncrypt)), former = revising(everything(kSign));
   Fleet fleet(former);
@@ -317,7 +317,7 @@ TEST(MessageProtectionChange, WithoutARevision_IsRefused) {
   EXPECT_TRUE(fleet.is_readable_on_the_network());
 }
 
-// Samples that the network would have encrypted do not stand there in the clear.
+// Samples that would be encrypted on the network are not in the clear in shared memory.
 TEST(MessageProtectionChange, SharedMemory_IsUsedNoMoreWhereMessagesBecomeEncrypted) {
   Fleet fleet(messages(kNone));
   fleet.more = 20'000;

@@ -129,7 +129,7 @@ TEST_P(DomainProtection, OnALossyNetwork_LosesNothingAndNoMatch) {
   expect_found_and_lost(fleet);
 }
 
-// While an endpoint is announced by both discoveries, if its discovery changes.
+// If its discovery changes, the reader is removed while both discoveries announce it.
 TEST_P(DomainProtection, AReaderRemovedMeanwhile_IsGoneForAll) {
   Fleet fleet(GetParam().before);
   fleet.put({&fleet.a, &fleet.b, &fleet.c}, GetParam().after, 2);
@@ -249,7 +249,7 @@ TEST(DomainProtectionChange, APeerThatChangesLater_IsHeardMeanwhile) {
 
 // ---- attackers
 
-// A clear announcement of bob's reader, of another topic.
+// Returns a clear announcement of bob's reader that names another topic.
 Bytes forged_announcement(Fleet& fleet, std::int64_t number, bool ends) {
   auto data = reader_of(fleet, fleet.b);
   data.topic_name = "Circle";
@@ -264,8 +264,8 @@ Bytes forged_announcement(Fleet& fleet, std::int64_t number, bool ends) {
   return forged(fleet.b.node->prefix(), message);
 }
 
-// At any time of a change. Once the secure announcement has come, no clear one changes what is
-// known of the reader.
+// Forges at any time of a change. Once the secure announcement has come, no clear one changes what
+// alice knows of the reader.
 void expect_secure_announcement_stays(const Rules& before, const Rules& after, bool ends) {
   Fleet fleet(before);
   std::int64_t number = 100;
@@ -305,8 +305,8 @@ TEST(DomainProtectionChange, ForgedClearAnnouncements_NeverTakeThePlaceOfASecure
   }
 }
 
-// A secure announcement in the name of the sender, which nothing protects. One of the numbers is
-// the next one of the sender.
+// Forges secure announcements of the sender without any protection. One of their numbers is the
+// next one of the sender. Returns true if alice knows the reader then.
 bool takes_secure_announcement(Fleet& fleet, const GuidPrefix& sender) {
   auto data = reader_of(fleet, fleet.b);
   data.guid = {sender, EntityId{{0x40, 0, 1, 7}}};
@@ -322,7 +322,7 @@ bool takes_secure_announcement(Fleet& fleet, const GuidPrefix& sender) {
   return fleet.a.node->remote_participants().all().at(sender).endpoints.contains(data.guid.entity);
 }
 
-// Where discovery becomes signed.
+// The discovery of the domain becomes signed.
 TEST(DomainProtectionChange, ForgedSecureAnnouncement_CountsNoMoreOnceItsSenderHasChanged) {
   {
     Fleet fleet(discovery(kNone));
@@ -338,7 +338,7 @@ TEST(DomainProtectionChange, ForgedSecureAnnouncement_CountsNoMoreOnceItsSenderH
 
 // ---- liveliness
 
-// An assertion without any protection, the next one that the sender would send.
+// Returns an assertion without any protection. Its number is above all numbers of the sender.
 Bytes clear_assertion(const GuidPrefix& sender) {
   KeyHash key{};
   std::ranges::copy(sender.octets, key.begin());

@@ -27,7 +27,7 @@ struct Phases {
     remotes[peer] = {};
   }
   bool must_protect() const { return phases.must_protect_messages(peer); }
-  /// A reader with a pair, under both.
+  /// Adds a reader that has a pair of keys under both protections.
   void add_endpoint(ProtectionKind first, ProtectionKind second) {
     spi::EndpointSecurityAttributes attributes;
     attributes.submessage = first;

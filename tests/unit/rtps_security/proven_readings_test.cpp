@@ -29,7 +29,7 @@ TEST(ProvenReadings, ForgedAnnouncementsFromBefore_AreForgotten) {
         Case{{}, {.rtps = kSign}, false}}) {
     Fleet fleet(before);
     fleet.run(1);
-    // The number of the first announcement that a did not get yet.
+    // The loop ends at the number of the first announcement that alice did not get yet.
     for (std::int64_t number = 2; number < 6 && !knows_forged(fleet); ++number) {
       auto data = *fleet.b.node->local_endpoints().find(fleet.readers.at(&fleet.b.node).entity);
       data.guid.entity.octets = {0x40, 0, 1, 7};

@@ -78,11 +78,13 @@ struct Rules {
   bool revises_keys = false;
   /// An expression for the partitions that the permissions allow; nullptr: only the default one.
   const char* partitions = nullptr;
-  bool clear_topics = false;  ///< discovery is protected, but not that of the topics
+  /// Discovery is protected, except that of the topics.
+  bool clear_topics = false;
   /// The topics ask for protected discovery, whether any protects it or not.
   bool secure_topics = false;
-  bool open_topics = false;  ///< without access control of topics, whatever the domain has
-  bool only_aes = false;     ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
+  /// Topics are without access control, whatever the domain has.
+  bool open_topics = false;
+  bool only_aes = false;  ///< <allowed_crypto_algorithms> without ChaCha20-Poly1305
 
   governance::Governance document() const {
     governance::DomainRule rule;
