@@ -101,7 +101,7 @@ class Keyring final : public SendProtection {
   /// Drops former keys whose time is over. True if the present ones are to be revised.
   bool end_former_keys() {
     factory().forget_former_keys();
-    return factory().is_key_revision_due(own_.crypto()) || phases_.messages().is_revision_due();
+    return factory().is_key_revision_due(own_.crypto()) || phases_.messages().needs_revision();
   }
   /// Returns the pairs of local endpoints with endpoints of that peer that have keys of their own,
   /// without suspended ones.

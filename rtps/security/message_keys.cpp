@@ -131,7 +131,7 @@ Status MessageKeys::activate() {
   return revision ? factory().activate_key_revision(first_.handle, *revision) : Status();
 }
 
-bool MessageKeys::is_revision_due() {
+bool MessageKeys::needs_revision() {
   return first_.handle != own_.crypto() && factory().is_key_revision_due(first_.handle);
 }
 

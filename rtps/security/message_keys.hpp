@@ -63,7 +63,7 @@ class MessageKeys {
   /// Makes the next keys of messages. Errors: those of the plugin.
   Status revise();
   Status activate();
-  bool is_revision_due();
+  bool needs_revision();
 
   // Messages. Errors: those of the plugin.
   /// `receiver`: nullptr: all remote participants.
