@@ -93,7 +93,7 @@ detail::ServiceHolder::ServiceHolder(const EngineServices& services,
     : service_(std::make_unique<ParticipantService>(
           services, options.own_thread,
           options.delivers_in_process ? ProcessPeers::of(options.domain_id, options.domain_tag)
-                                     : std::make_shared<ProcessPeers>())) {}
+                                      : std::make_shared<ProcessPeers>())) {}
 
 detail::ServiceHolder::~ServiceHolder() = default;
 
@@ -151,7 +151,7 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   config.process_peers = out->context_.process_peers();
   auto protocol =
       std::make_unique<RtpsParticipant>(std::move(config), service.sockets(), services.events);
-  if (security) DDSSEC_RETURN_IF_ERROR(protocol->secure(std::move(security)));
+  if (security) DDSSEC_RETURN_IF_ERROR(protocol->enable_security(std::move(security)));
   DDSSEC_RETURN_IF_ERROR(service.adopt(std::move(protocol)));
   service.follow_interfaces(options.interfaces);
   raise_joined(options, service.sockets(), services.events);

@@ -21,7 +21,7 @@ BuiltinEndpoints::BuiltinEndpoints(const GuidPrefix& prefix, MessageSender& send
     if (!info.is_secure) add(info);
 }
 
-void BuiltinEndpoints::secure() {
+void BuiltinEndpoints::add_secure_endpoints() {
   for (const auto& info : kBuiltinTopics)
     if (info.is_secure) add(info);
 }

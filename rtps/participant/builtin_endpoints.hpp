@@ -68,7 +68,7 @@ class BuiltinEndpoints {
                    Deliver deliver);
 
   /// Adds the secure endpoints.
-  void secure();
+  void add_secure_endpoints();
 
   StatefulWriter& writer(BuiltinTopic topic) { return *endpoints_[index(topic)].writer; }
   /// Both return nullptr if `id` is not one of the builtin endpoints.

@@ -258,8 +258,9 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
 void Discovery::tick() {
   proven_.tick();
   if (core_.security)
-    for (const auto& prefix : parts_.remotes.to_ask()) core_.security->ask_for_sign_of_life(prefix);
-  for (const auto& prefix : parts_.remotes.ended()) gone_.push_back(prefix);
+    for (const auto& prefix : parts_.remotes.take_due_for_query())
+      core_.security->ask_for_sign_of_life(prefix);
+  for (const auto& prefix : parts_.remotes.with_ended_leases()) gone_.push_back(prefix);
   remove_gone();
 }
 
@@ -435,7 +436,7 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
 
 void Discovery::on_unconfirmed(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
-  if (remote == nullptr || !exchange_hosts(core_, *remote)) return;
+  if (remote == nullptr || !switch_doubted_hosts(core_, *remote)) return;
   if (!has_proven_address(core_, *remote))
     core_.sender.amplification_limit().begin(peer, remote->metatraffic,
                                              remote->metatraffic_sources);

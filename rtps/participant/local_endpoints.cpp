@@ -32,7 +32,7 @@ EndpointData LocalEndpoints::data_of(EndpointDescription request, EndpointKind k
   return data;
 }
 
-Status LocalEndpoints::secure(EndpointData& data, EndpointListener& listener) {
+Status LocalEndpoints::ask_access_control(EndpointData& data, EndpointListener& listener) {
   if (!core_.security) return {};
   DDSSEC_ASSIGN_OR_RETURN(
       const auto made,
@@ -54,7 +54,7 @@ Result<LocalWriter*> LocalEndpoints::create_writer(EndpointDescription request,
   const bool is_history_only = request.is_history_only;
   auto bare_key = std::move(request.bare_key);
   auto data = data_of(std::move(request), kind);
-  DDSSEC_RETURN_IF_ERROR(secure(data, listener));
+  DDSSEC_RETURN_IF_ERROR(ask_access_control(data, listener));
   auto protocol =
       std::make_unique<StatefulWriter>(data.guid, data.qos, core_.sender, &core_.timers);
   for (auto& change : history) protocol->write(std::move(change), core_.now);
@@ -71,7 +71,7 @@ Result<LocalReader*> LocalEndpoints::create_reader(EndpointDescription request,
   const auto kind = request.with_key ? EndpointKind::reader_with_key : EndpointKind::reader_no_key;
   auto held = std::move(request.held);
   auto data = data_of(std::move(request), kind);
-  DDSSEC_RETURN_IF_ERROR(secure(data, listener));
+  DDSSEC_RETURN_IF_ERROR(ask_access_control(data, listener));
   auto protocol = std::make_unique<StatefulReader>(
       data.guid, data.qos.is_reliable(), core_.sender,
       [&listener](Change& change) { return listener.on_change(change); }, &core_.timers);

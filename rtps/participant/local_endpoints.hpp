@@ -83,7 +83,7 @@ class LocalEndpoints final : public ProcessPeer {
   EntityId next_id(std::uint8_t kind);
   EndpointData data_of(EndpointDescription request, EndpointKind kind);
   /// Asks access control for permission, and announces the resulting attributes.
-  Status secure(EndpointData& data, EndpointListener& listener);
+  Status ask_access_control(EndpointData& data, EndpointListener& listener);
   void unpublish(const Guid& endpoint, bool securely);
   bool is_announced_securely(const EntityId& endpoint) const;
   StatefulWriter& sedp_writer(const EntityId& endpoint, bool securely);

@@ -258,7 +258,7 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     plain.payload = *payload;
     if (is_refused(reader.guid().entity, {from, data.writer}, plain, context)) return;
     if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;
-    context.note_told(true);
+    context.note_received(true);
     listener_.on_alive({from, data.writer});
     if (memory_ != nullptr)
       memory_->note_message({from, data.writer}, plain.payload.size(), context.now);
@@ -284,7 +284,7 @@ Status MessageReceiver::on_reference(const Data& data, Context& context) {
         !reader.on_data(writer.prefix, data, source_time(context, data.inline_qos),
                         std::move(payload)))
       return;
-    context.note_told(true);
+    context.note_received(true);
     listener_.on_alive(writer);
   });
   return {};
@@ -315,7 +315,7 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     if (!plain) return;
     const bool marks = is_marked(reader.guid().entity, {from, frag.writer}, context);
     if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos), marks)) return;
-    context.note_told(true);
+    context.note_received(true);
     listener_.on_alive({from, frag.writer});
     if (memory_ != nullptr)
       memory_->note_message({from, frag.writer}, frag.sample_size, context.now);
@@ -330,7 +330,7 @@ Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& contex
   if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
   each_reader(heartbeat.reader, heartbeat.writer, context, [&](StatefulReader& reader) {
     if (!reader.on_heartbeat(from.prefix, heartbeat, context.is_protected())) return;
-    context.note_told(true);
+    context.note_received(true);
     if (heartbeat.asserts_liveliness) listener_.on_alive(from);
   });
   return {};
@@ -340,7 +340,7 @@ Status MessageReceiver::on_gap(const SubmessageView& view, Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto gap, read_gap(view));
   if (!context.counts()) return {};
   each_reader(gap.reader, gap.writer, context, [&](StatefulReader& reader) {
-    context.note_told(reader.on_gap(context.source, gap));
+    context.note_received(reader.on_gap(context.source, gap));
   });
   return {};
 }
@@ -350,8 +350,8 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
   const bool is_protected = is_for(acknack.writer, acknack.reader, context);
-  context.note_told(writer->on_acknack(context.source, acknack, context.now, is_protected),
-                    is_protected);
+  context.note_received(writer->on_acknack(context.source, acknack, context.now, is_protected),
+                        is_protected);
   listener_.on_acknack(context.source, acknack, is_protected);
   return {};
 }
@@ -361,8 +361,8 @@ Status MessageReceiver::on_nack_frag(const SubmessageView& view, Context& contex
   auto* writer = addressed(nack.writer, nack.reader, context);
   if (writer == nullptr) return {};
   const bool is_protected = is_for(nack.writer, nack.reader, context);
-  context.note_told(writer->on_nack_frag(context.source, nack, context.now, is_protected),
-                    is_protected);
+  context.note_received(writer->on_nack_frag(context.source, nack, context.now, is_protected),
+                        is_protected);
   return {};
 }
 

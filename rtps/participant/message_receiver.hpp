@@ -54,9 +54,9 @@ class MessageReceiver {
     bool is_protected() const { return opened_by.message || opened_by.submessage.prefix == source; }
     /// Notes that an endpoint received a submessage. `is_new` means that it had not received it
     /// before.
-    void note_told(bool is_new) { note_told(is_new, is_protected()); }
+    void note_received(bool is_new) { note_received(is_new, is_protected()); }
     /// `is_proof` means that only the source can have sent it, and not before.
-    void note_told(bool is_new, bool is_proof) {
+    void note_received(bool is_new, bool is_proof) {
       signs.is_news |= is_new;
       signs.is_proof |= is_new && is_proof;
     }

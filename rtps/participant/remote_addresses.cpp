@@ -171,7 +171,7 @@ bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Lo
   return true;
 }
 
-bool exchange_hosts(const ParticipantCore& core, RemoteParticipant& remote) {
+bool switch_doubted_hosts(const ParticipantCore& core, RemoteParticipant& remote) {
   const bool any = !remote.hosts.all().empty() || !remote.doubted_hosts.all().empty();
   if (!has_signed(remote) || !any || !only_proven(core, remote, remote.signed_metatraffic).empty())
     return false;

@@ -22,7 +22,7 @@ bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Lo
 /// from there. So its signed addresses are used, within AmplificationLimit, until a host is proven.
 /// If called again, it returns to the doubted hosts, because the participant may be behind a
 /// router. Returns false if nothing changed.
-bool exchange_hosts(const ParticipantCore& core, RemoteParticipant& remote);
+bool switch_doubted_hosts(const ParticipantCore& core, RemoteParticipant& remote);
 
 /// Chooses the participant's addresses again, after the addresses of this machine have changed.
 /// Returns true if the choice is different.

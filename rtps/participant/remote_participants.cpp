@@ -213,7 +213,7 @@ void RemoteParticipants::check_end(RemoteParticipant& remote) {
 }
 
 // As for the ends of leases, the noted time may be too early but never too late.
-std::vector<GuidPrefix> RemoteParticipants::to_ask() {
+std::vector<GuidPrefix> RemoteParticipants::take_due_for_query() {
   std::vector<GuidPrefix> out;
   if (core_.now < next_question_) return out;
   next_question_ = kNever;
@@ -231,7 +231,7 @@ std::vector<GuidPrefix> RemoteParticipants::to_ask() {
 }
 
 // Every message extends a lease, so the noted time may be too early but never too late.
-std::vector<GuidPrefix> RemoteParticipants::ended() {
+std::vector<GuidPrefix> RemoteParticipants::with_ended_leases() {
   std::vector<GuidPrefix> out;
   if (core_.now < next_end_) return out;
   next_end_ = kNever;

@@ -45,7 +45,7 @@ struct RemoteParticipant {
   /// The addresses that it has after a handshake, and its hosts that are proven.
   LocatorList signed_metatraffic = {}, signed_user = {};
   ProvenHosts hosts = {};
-  ProvenHosts doubted_hosts = {};        ///< see exchange_hosts
+  ProvenHosts doubted_hosts = {};        ///< see switch_doubted_hosts
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
   bool marks_ends = false;  ///< it signed kMarksEndsProperty
@@ -166,10 +166,10 @@ class RemoteParticipants {
   /// further such messages do nothing.
   void check_end(RemoteParticipant& remote);
   /// Returns the participants whose leases have ended.
-  std::vector<GuidPrefix> ended();
+  std::vector<GuidPrefix> with_ended_leases();
   /// Returns the authenticated participants that were silent for a third of their lease and must be
   /// queried. Each is returned at kQuestionsPerLease per lease from then on.
-  std::vector<GuidPrefix> to_ask();
+  std::vector<GuidPrefix> take_due_for_query();
   /// Returns a time before which no lease ends and no query is due.
   MonotonicTime next_end() const { return std::min(next_end_, next_question_); }
 

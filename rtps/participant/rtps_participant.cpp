@@ -57,7 +57,7 @@ RtpsParticipant::RtpsParticipant(ParticipantConfig config, Transport& transport,
         return true;
       }) {}
 
-Status RtpsParticipant::secure(std::unique_ptr<OwnSecurity> own) {
+Status RtpsParticipant::enable_security(std::unique_ptr<OwnSecurity> own) {
   core_.security = std::make_unique<Security>(std::move(own), core_.sender, core_.timers,
                                               discovery_, core_.events);
   const auto announce = [this] {
@@ -70,7 +70,7 @@ Status RtpsParticipant::secure(std::unique_ptr<OwnSecurity> own) {
   core_.security->admission().announce_with({announce,
                                              [this] { return are_moves_received(core_, local_); },
                                              [this] { local_.end_moves(); }});
-  local_.builtin().secure();
+  local_.builtin().add_secure_endpoints();
   receiver_.open_with(core_.security->keyring());
   DDSSEC_RETURN_IF_ERROR(describe_own(core_, announcer_));
   DDSSEC_RETURN_IF_ERROR(core_.security->start());

@@ -34,7 +34,7 @@ class RtpsParticipant {
 
   /// Makes it a secured participant. Must be called before all others; the GUID prefix must be that
   /// of `own`. Errors: those of the plugins.
-  Status secure(std::unique_ptr<OwnSecurity> own);
+  Status enable_security(std::unique_ptr<OwnSecurity> own);
 
   const GuidPrefix& prefix() const { return core_.config.prefix; }
   const ParticipantCounters& counters() const { return core_.counters; }

@@ -191,7 +191,7 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
 Status Admission::add_other_protection(const EntityId& id, std::string_view topic) {
   const auto other = other_attributes(topic);
   if (!other || core_.keyring.phases().endpoints().attributes(id) != nullptr ||
-      protection_id(*other) == core_.keyring.phases().endpoints().first_of(id))
+      protection_id(*other) == core_.keyring.phases().endpoints().first_protection_of(id))
     return {};
   return core_.keyring.phases().endpoints().add(id, *other);
 }
@@ -222,7 +222,7 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
   const auto permission = admit({*attributes, is_reader(local), other ? &*other : nullptr}, remote);
   if (!core_.governance_changes) return permission;
   auto& second = core_.keyring.phases().endpoints();
-  second.permit(
+  second.set_permitted(
       local, remote.guid,
       permission && permits_under_pending_governance(is_reader(local), *permission, remote));
   second.note_announced(

@@ -150,7 +150,7 @@ void CryptoTokenExchange::send_endpoint_tokens(Peer& peer, const EntityId& local
   message.message_class =
       writes ? message_class::kDatawriterTokens : message_class::kDatareaderTokens;
   message.data = std::move(tokens);
-  if (protection == 0) protection = core_.keyring.phases().endpoints().first_of(local);
+  if (protection == 0) protection = core_.keyring.phases().endpoints().first_protection_of(local);
   if (protection != 0 && peer.state.association()->governance.takes_part) {
     message.message_class =
         writes ? message_class::kDatawriterTokensOfOne : message_class::kDatareaderTokensOfOne;
@@ -165,7 +165,7 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   if (completed->protection == 0) return;
   send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
   if (is_revising_ && is_trusted(peer) &&
-      completed->protection == core_.keyring.phases().endpoints().first_of(local))
+      completed->protection == core_.keyring.phases().endpoints().first_protection_of(local))
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
 }
 
@@ -371,10 +371,10 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   // Local endpoints exist before they are announced, so keys for an unknown one are dropped.
   if (!fits || core_.keyring.attributes(local.entity) == nullptr) return true;
   const auto protection = protection_in(message);
-  if (protection != 0 && !core_.keyring.phases().endpoints().has(local.entity, protection))
+  if (protection != 0 && !core_.keyring.phases().endpoints().knows(local.entity, protection))
     return true;
   if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown ||
-      core_.keyring.phases().endpoints().of(local.entity, remote) != nullptr) {
+      core_.keyring.phases().endpoints().second_keys_of(local.entity, remote) != nullptr) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
     return true;
   }

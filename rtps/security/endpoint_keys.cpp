@@ -33,8 +33,8 @@ void LocalKeys::list(const EntityId& id, const Guid& remote, PairKeys& pair) {
   const bool is_used = pair.is_ready && pair.handle != 0 && !pair.is_suspended && !pair.is_silent;
   if (!is_used || pair.place) return;
   idle.remove(remote);
-  pair.place = is_ready.size();
-  is_ready.push_back(&pair);
+  pair.place = ready_pairs.size();
+  ready_pairs.push_back(&pair);
   if (is_writer(id))
     readers.push_back({pair.handle});
   else
@@ -49,8 +49,8 @@ void LocalKeys::unlist(const EntityId& id, PairKeys& pair) {
     from[place] = from.back();
     from.pop_back();
   };
-  is_ready.back()->place = place;
-  remove(is_ready);
+  ready_pairs.back()->place = place;
+  remove(ready_pairs);
   pair.place.reset();
   if (is_writer(id))
     remove(readers);
@@ -211,7 +211,7 @@ void SecondProtections::swap() noexcept {
     if (const auto at = first_.find(id); at != first_.end()) std::swap(at->second, other);
 }
 
-void SecondProtections::permit(const EntityId& id, const Guid& remote, bool may) {
+void SecondProtections::set_permitted(const EntityId& id, const Guid& remote, bool may) {
   if (may)
     permitted_[id].insert(remote);
   else
@@ -256,7 +256,7 @@ void SecondProtections::unregister_pair(const EntityId& id, const Guid& remote) 
   keys_.unregister_pair(others_, id, remote, AfterMatch::gone);
 }
 
-void SecondProtections::give_up(const EntityId& id, const std::optional<Guid>& remote) {
+void SecondProtections::drop_keys(const EntityId& id, const std::optional<Guid>& remote) {
   if (!remote) return;
   unregister_pair(id, *remote);
   keys_.unregister_pair(first_, id, *remote, AfterMatch::gone);
@@ -275,17 +275,18 @@ void SecondProtections::remove_all() {
   while (!others_.empty()) remove(EntityId(others_.begin()->first));
 }
 
-ProtectionId SecondProtections::first_of(const EntityId& id) const {
+ProtectionId SecondProtections::first_protection_of(const EntityId& id) const {
   const auto* local = rtps::find(first_, id);
   return local == nullptr ? 0 : local->protection;
 }
 
-bool SecondProtections::has(const EntityId& id, ProtectionId protection) const {
+bool SecondProtections::knows(const EntityId& id, ProtectionId protection) const {
   const auto* other = rtps::find(others_, id);
-  return first_of(id) == protection || (other != nullptr && other->protection == protection);
+  return first_protection_of(id) == protection ||
+         (other != nullptr && other->protection == protection);
 }
 
-bool SecondProtections::any_with(const GuidPrefix& prefix) const {
+bool SecondProtections::has_pair_under_two_protections(const GuidPrefix& prefix) const {
   const auto has_pair = [&](const LocalKeys* local) {
     if (local == nullptr) return false;
     const auto at = local->pairs.lower_bound({prefix, {}});
@@ -342,13 +343,13 @@ Result<SecondProtections::Completion> SecondProtections::complete(const EntityId
   DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, lacks, remote, is_relay_only));
   // A pair keeps its first protection without the second one, but not the other way round.
   if (has_other)
-    give_up(id, registered.displaced);
+    drop_keys(id, registered.displaced);
   else if (registered.displaced)
     unregister_pair(id, *registered.displaced);
   return Completion{lacks.protection, std::move(registered.tokens)};
 }
 
-const LocalKeys* SecondProtections::of(const EntityId& id, const Guid& remote) const {
+const LocalKeys* SecondProtections::second_keys_of(const EntityId& id, const Guid& remote) const {
   if (others_.empty()) [[likely]]
     return nullptr;
   const auto* other = rtps::find(others_, id);

@@ -49,9 +49,9 @@ struct LocalKeys {
   std::map<Guid, PairKeys> pairs = {};
   std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
   std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
-  std::vector<PairKeys*> is_ready = {};  ///< the pairs whose handles are in `readers` or
-                                         ///< `writers`, in the same order
-  IdlePairs idle = {};                   ///< the pairs that are in neither list
+  std::vector<PairKeys*> ready_pairs = {};  ///< the pairs whose handles are in `readers` or
+                                            ///< `writers`, in the same order
+  IdlePairs idle = {};                      ///< the pairs that are in neither list
   /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
   void list(const EntityId& id, const Guid& remote, PairKeys& pair);
   void unlist(const EntityId& id, PairKeys& pair);
@@ -139,30 +139,30 @@ class SecondProtections {
   /// Returns the second protection, or nullptr.
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
   /// Returns the same with its keys, if a pair with `remote` has it, or nullptr.
-  const LocalKeys* of(const EntityId& id, const Guid& remote) const;
+  const LocalKeys* second_keys_of(const EntityId& id, const Guid& remote) const;
   /// Makes the second protection of each endpoint the first one, and the other way round.
   void swap() noexcept;
   void remove_all();
   void remove(const EntityId& id);
   void unregister_pair(const EntityId& id, const Guid& remote);
   /// Drops the keys of the pair for both protections. Does nothing if no pair is named.
-  void give_up(const EntityId& id, const std::optional<Guid>& remote);
+  void drop_keys(const EntityId& id, const std::optional<Guid>& remote);
   void unregister_pairs_of(const GuidPrefix& remote);
 
   /// Returns the first protection; 0 for an unknown endpoint.
-  ProtectionId first_of(const EntityId& id) const;
+  ProtectionId first_protection_of(const EntityId& id) const;
   /// True if the endpoint has that protection as first or second one.
-  bool has(const EntityId& id, ProtectionId protection) const;
+  bool knows(const EntityId& id, ProtectionId protection) const;
   /// Returns the second protection with its keys if it is `protection`, otherwise nullptr.
   LocalKeys* find(const EntityId& id, ProtectionId protection);
   /// Notes whether the pair may have keys for both protections. Until that is noted, it may not.
-  void permit(const EntityId& id, const Guid& remote, bool may);
+  void set_permitted(const EntityId& id, const Guid& remote, bool may);
   /// Notes whether the remote endpoint is announced only with the second protection.
   void note_announced(const EntityId& id, const Guid& remote, bool with_second);
   /// True if an endpoint of that peer is announced only with the second protection.
   bool any_announced_with_second(const GuidPrefix& prefix) const;
   /// True if a pair with an endpoint of that peer exists whose local endpoint has two protections.
-  bool any_with(const GuidPrefix& prefix) const;
+  bool has_pair_under_two_protections(const GuidPrefix& prefix) const;
   /// Notes that keys of second protections must be sent once more, to endpoints of that peer.
   void send_again(const GuidPrefix& prefix);
   /// Returns the pairs with endpoints of that peer that have one protection and lack the other

@@ -255,7 +255,8 @@ bool GovernanceTransition::has_changed(const Peer& peer) const {
 // A peer that has not joined gets its keys later, so nothing waits for it.
 bool GovernanceTransition::is_ready(const Peer& peer) const {
   const bool is_concerned =
-      core_.other_domain || core_.keyring.phases().endpoints().any_with(peer.prefix());
+      core_.other_domain ||
+      core_.keyring.phases().endpoints().has_pair_under_two_protections(peer.prefix());
   if (peer.state.joined() == nullptr || !is_concerned) return true;
   return has_changed(peer) && CryptoTokenExchange::is_up_to_date(peer);
 }
@@ -272,7 +273,8 @@ void GovernanceTransition::refresh(Peer& peer) const {
 void GovernanceTransition::report_behind() {
   each_joined([&](Peer& peer) {
     const bool is_concerned =
-        core_.other_domain || core_.keyring.phases().endpoints().any_with(peer.prefix());
+        core_.other_domain ||
+        core_.keyring.phases().endpoints().has_pair_under_two_protections(peer.prefix());
     if (!is_concerned || has_changed(peer)) return;
     const auto& report = peer.state.association()->governance.received;
     const bool is_ahead = report && report->version.revision > target_->revision;

@@ -60,7 +60,7 @@ void Keyring::remove_local(const EntityId& id) {
 
 // ---- remote participants
 
-Status Keyring::add_remote(const GuidPrefix& prefix, RemoteParticipant remote) {
+Status Keyring::add_remote(const GuidPrefix& prefix, RemoteRegistration remote) {
   RemoteCrypto crypto{remote.identity, remote.permissions, std::move(remote.secret),
                       remote.wraps_plain_builtin, phases_.has_swapped()};
   DDSSEC_ASSIGN_OR_RETURN(crypto.crypto, phases_.messages().add_remote(crypto));
@@ -117,13 +117,13 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
       DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, local, pair));
       pair.is_suspended = false;
       local.list(id, remote, pair);
-      phases_.endpoints().give_up(id, local.note_idle(remote, pair));
+      phases_.endpoints().drop_keys(id, local.note_idle(remote, pair));
       return PairRegistration{pair.is_ready, true, std::move(tokens)};
     }
     unregister_pair(id, remote);
   }
   DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, local, remote, is_relay_only));
-  phases_.endpoints().give_up(id, registered.displaced);
+  phases_.endpoints().drop_keys(id, registered.displaced);
   return registered;
 }
 
@@ -133,7 +133,7 @@ std::optional<Guid> Keyring::unregister_pair(const EntityId& id, const Guid& rem
                                              AfterMatch after) {
   phases_.endpoints().unregister_pair(id, remote);
   auto displaced = keys_.unregister_pair(locals_, id, remote, after);
-  phases_.endpoints().give_up(id, displaced);
+  phases_.endpoints().drop_keys(id, displaced);
   return displaced;
 }
 
@@ -151,10 +151,10 @@ bool Keyring::is_pair_registered(const EntityId& id, const Guid& remote) const {
   return kind == PairKind::ordinary || kind == PairKind::relay_only;
 }
 
-Keyring::PairKeys Keyring::keys_for(const EntityId& id, const Guid& remote) const {
+Keyring::PairKeyState Keyring::keys_for(const EntityId& id, const Guid& remote) const {
   const auto* local = find(id);
   if (local == nullptr) return {};
-  PairKeys out{.may_be_dropped = local->idle.has_displaced(remote.prefix)};
+  PairKeyState out{.may_be_dropped = local->idle.has_displaced(remote.prefix)};
   const auto found = local->pairs.find(remote);
   if (found == local->pairs.end()) return out;
   const auto& pair = found->second;
@@ -197,7 +197,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   pair->second.keys = digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.is_ready, true);
   local->list(id, remote, pair->second);
-  phases_.endpoints().give_up(id, local->note_idle(remote, pair->second));
+  phases_.endpoints().drop_keys(id, local->note_idle(remote, pair->second));
   return is_first && !was_ready && !pair->second.is_suspended;
 }
 

@@ -46,7 +46,7 @@ class Keyring final : public SendProtection {
   const ProtectionPhases& phases() const { return phases_; }
 
   // Remote participants:
-  struct RemoteParticipant {
+  struct RemoteRegistration {
     spi::IdentityHandle identity;
     spi::PermissionsHandle permissions;
     std::shared_ptr<const spi::SharedSecret> secret;
@@ -54,7 +54,7 @@ class Keyring final : public SendProtection {
     /// DDS.
     bool wraps_plain_builtin = true;
   };
-  Status add_remote(const GuidPrefix& prefix, RemoteParticipant remote);
+  Status add_remote(const GuidPrefix& prefix, RemoteRegistration remote);
   void remove_remote(const GuidPrefix& prefix);
   /// `protection`: see MessageKeys::tokens.
   Result<std::vector<spi::Token>> participant_tokens(const GuidPrefix& prefix,
@@ -78,14 +78,14 @@ class Keyring final : public SendProtection {
   /// True if the pair is registered and not suspended.
   bool is_pair_registered(const EntityId& local, const Guid& remote) const;
   /// The state of the remote endpoint's keys for a pair.
-  struct PairKeys {
+  struct PairKeyState {
     bool have_come = false;    ///< also if the pair is suspended
     bool are_awaited = false;  ///< the pair is registered, and waits for them
     /// True if there were too many pairs of the local endpoint with the subject of the remote one,
     /// so that some were unregistered (IdlePairs).
     bool may_be_dropped = false;
   };
-  PairKeys keys_for(const EntityId& local, const Guid& remote) const;
+  PairKeyState keys_for(const EntityId& local, const Guid& remote) const;
   /// Returns a digest of the keys that protect messages from the remote to the local endpoint. It
   /// stays the same as long as the keys do. Empty if the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;

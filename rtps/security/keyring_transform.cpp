@@ -79,7 +79,7 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
                                         MutableBytes scratch) {
   const auto* local = find(reader);
   if (local == nullptr) return fail(Code::crypto_not_matched);
-  if (const auto* other = phases_.endpoints().of(reader, writer)) [[unlikely]] {
+  if (const auto* other = phases_.endpoints().second_keys_of(reader, writer)) [[unlikely]] {
     const bool by_key = opened_by.submessage == writer;
     const auto fits = [&](const LocalKeys& one) {
       return by_key ? one.protection == opened_by.protection
@@ -128,7 +128,7 @@ bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& 
   if (local == nullptr || opened_by.submessage == Guid{}) return false;
   if (local->is_volatile || !is_builtin(writer)) return true;
   if (local->protection != opened_by.protection)
-    local = keyring.phases().endpoints().of(writer, reader);
+    local = keyring.phases().endpoints().second_keys_of(writer, reader);
   return local != nullptr && local->protection == opened_by.protection &&
          spi::is_origin_authenticated(local->attributes.submessage);
 }

@@ -46,14 +46,14 @@ void MemoryExchange::start() {
 void MemoryExchange::serve(MonotonicTime now) {
   core_.security.now = now;
   core_.passing->serve(now);
-  take_prepared(now);
+  adopt_prepared(now);
   mapped_.serve(now);
-  look_after_kept(now);
+  poll_kept_memory(now);
 }
 
 // Memory that was wiped for further use, but that no writer wants by now, is still mapped by
 // others, so it is kept.
-void MemoryExchange::take_prepared(MonotonicTime now) {
+void MemoryExchange::adopt_prepared(MonotonicTime now) {
   for (auto& [id, slots] : core_.passing->take_prepared()) {
     const auto at = std::ranges::find_if(
         writers_, [&](const auto& entry) { return entry.second.memory->waits_for(id); });
@@ -64,7 +64,7 @@ void MemoryExchange::take_prepared(MonotonicTime now) {
   }
 }
 
-void MemoryExchange::look_after_kept(MonotonicTime now) {
+void MemoryExchange::poll_kept_memory(MonotonicTime now) {
   constexpr MonotonicTime kPause = std::chrono::seconds(1);
   if (core_.kept.segments() == 0) {
     next_look_ = kNever;

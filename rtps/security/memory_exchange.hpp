@@ -46,8 +46,8 @@ class MemoryExchange {
   MemoryExchange(SecurityCore& core, CryptoTokenExchange& exchange,
                  const spi::SharedMemory& settings,
                  std::unique_ptr<memory::DescriptorPassing> passing);
-  void take_prepared(MonotonicTime now);
-  void look_after_kept(MonotonicTime now);
+  void adopt_prepared(MonotonicTime now);
+  void poll_kept_memory(MonotonicTime now);
   void on_message(Peer& peer, const spi::Token& token);
   /// True if participants of the peer's identity passed a descriptor that was not one of memory.
   bool is_barred(const Peer& peer) const;

@@ -31,7 +31,7 @@ bool ProtectionPhases::must_protect_messages(const GuidPrefix& peer) const {
 
 const LocalKeys* ProtectionPhases::demanded(const EntityId& id, const Guid& remote) const {
   if (may_send_by_former(remote.prefix))
-    if (const auto* former = endpoints_.of(id, remote)) return former;
+    if (const auto* former = endpoints_.second_keys_of(id, remote)) return former;
   return find(locals_, id);
 }
 

@@ -104,7 +104,7 @@ void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
   if (peer->state.joined() == nullptr) return handshakes_.note_announced(*peer);
-  if (!core_.own->session_ends().take_before(prefix, now - kPatience)) return;
+  if (!core_.own->session_ends().remove_if_before(prefix, now - kPatience)) return;
   core_.raise(Error(Code::session_not_resumed,
                     {.document = "the session with participant " + peer->name(),
                      .expected = "that the peer authenticates us again",

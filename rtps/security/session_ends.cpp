@@ -22,7 +22,7 @@ void SessionEnds::received(const GuidPrefix& peer, const spi::Reset& reset, Mono
   if (is_proven) session->second.ended = now;
 }
 
-bool SessionEnds::take_before(const GuidPrefix& peer, MonotonicTime time) {
+bool SessionEnds::remove_if_before(const GuidPrefix& peer, MonotonicTime time) {
   const auto session = sessions_.find(peer);
   if (session == sessions_.end() || !session->second.ended || *session->second.ended >= time)
     return false;

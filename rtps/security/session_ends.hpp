@@ -21,7 +21,7 @@ class SessionEnds {
   /// proof it has no effect.
   void received(const GuidPrefix& peer, const spi::Reset& reset, MonotonicTime now);
   /// True, once for each session, if its end was proven before `time`.
-  bool take_before(const GuidPrefix& peer, MonotonicTime time);
+  bool remove_if_before(const GuidPrefix& peer, MonotonicTime time);
 
  private:
   struct Session {

@@ -157,7 +157,7 @@ FAULTS = [
     ("that a forged count makes no endpoint ignore honest messages", "rtps/reliability/recent_messages.hpp",
      "(!is_protected && std::ranges::find(", "(!is_protected && !FAULT && std::ranges::find("),
     ("that hosts at which a peer does not answer are doubted", "rtps/participant/discovery.cpp",
-     "if (remote == nullptr || !exchange_hosts(", "if (FAULT || remote == nullptr || !exchange_hosts("),
+     "if (remote == nullptr || !switch_doubted_hosts(", "if (FAULT || remote == nullptr || !switch_doubted_hosts("),
     ("that permissions are for the subject of the certificate", "governance/grant.cpp",
      "    if (!is_for(grant, subject)) continue;\n    auto status",
      "    if (!is_for(grant, subject) && !FAULT) continue;\n    auto status"),

@@ -139,7 +139,7 @@ void Node::start(const GuidPrefix& name) {
   Transport& transport = *this;
   EventSink& events = *this;
   participant_ = std::make_unique<RtpsParticipant>(config(prefix), transport, events);
-  if (const auto secured = participant_->secure(std::move(*own)); !secured)
+  if (const auto secured = participant_->enable_security(std::move(*own)); !secured)
     return around_.invariants.fail("a participant starts", secured.error().to_sentence());
   if (subject_.role != Role::impostor)
     around_.ledger.enter(prefix, {&subject_, around_.now, kNever});

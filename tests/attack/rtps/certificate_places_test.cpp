@@ -49,7 +49,7 @@ class Insiders {
                           .metatraffic_unicast = {at(port_of(number))},
                           .announce_to = {at(victim_.port)}},
         out->post, engines_.events);
-    EXPECT_TRUE(out->participant->secure(std::move(*own)));
+    EXPECT_TRUE(out->participant->enable_security(std::move(*own)));
     return out;
   }
 

@@ -44,7 +44,7 @@ struct InsiderAddresses : ::testing::Test {
     config.metatraffic_unicast = config.default_unicast = addresses;
     mallory.participant =
         std::make_unique<RtpsParticipant>(std::move(config), mallory.post, mallory.events);
-    ASSERT_TRUE(mallory.participant->secure(std::move(*own)));
+    ASSERT_TRUE(mallory.participant->enable_security(std::move(*own)));
   }
   void create_writer() {
     writer = alice->create_writer(square(default_writer_qos()), alice.listener, world.now).value();
@@ -262,7 +262,7 @@ struct AddressesItNeverSendsFrom : InsiderAddresses {
     ASSERT_TRUE(own);
     auto config = Node::config(1, (*own)->guid().prefix);
     alice.participant = std::make_unique<RtpsParticipant>(std::move(config), routers, alice.events);
-    ASSERT_TRUE(alice.participant->secure(std::move(*own)));
+    ASSERT_TRUE(alice.participant->enable_security(std::move(*own)));
     announce_participant_at({at("192.0.2.1", 7990), at("192.0.2.2", 7991)});
     world.nodes = {&alice, &mallory};
     world.attack = [](World::Traffic& traffic) {

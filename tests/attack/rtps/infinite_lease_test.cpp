@@ -21,7 +21,7 @@ struct InfiniteLease : ::testing::Test {
     auto config = Node::config(2, (*own)->guid().prefix);
     config.lease_duration = kDurationInfinite;
     bob.participant = std::make_unique<RtpsParticipant>(std::move(config), bob.post, bob.events);
-    ASSERT_TRUE(bob.participant->secure(std::move(*own)));
+    ASSERT_TRUE(bob.participant->enable_security(std::move(*own)));
     world.nodes = {&alice, &bob};
     ASSERT_TRUE(world.run_until([&] { return alice.knows(bob) && bob.knows(alice); }));
     world.run(100);

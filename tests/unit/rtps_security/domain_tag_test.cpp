@@ -50,7 +50,7 @@ std::unique_ptr<Node> tagged(std::uint8_t n, Node& host, const std::string& subj
   auto config = Node::config(n, (*own)->guid().prefix);
   config.domain_tag = tag;
   node->participant = std::make_unique<RtpsParticipant>(config, node->post, node->events);
-  EXPECT_TRUE(node->participant->secure(std::move(*own)));
+  EXPECT_TRUE(node->participant->enable_security(std::move(*own)));
   return node;
 }
 

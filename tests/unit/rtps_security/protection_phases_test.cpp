@@ -35,7 +35,7 @@ struct Phases {
     locals.at(reader).pairs[writer] = {};
     attributes.submessage = second;
     EXPECT_TRUE(phases.endpoints().add(reader, attributes));
-    phases.endpoints().permit(reader, writer, true);
+    phases.endpoints().set_permitted(reader, writer, true);
     phases.endpoints().find(reader, protection_id(attributes))->pairs[writer] = {};
   }
   ProtectionKind demanded() const { return phases.demanded(reader, writer)->attributes.submessage; }

@@ -271,7 +271,7 @@ struct Node {
     if (!own) return;
     participant =
         std::make_unique<RtpsParticipant>(config(n, (*own)->guid().prefix, others), post, events);
-    const auto secured = participant->secure(std::move(*own));
+    const auto secured = participant->enable_security(std::move(*own));
     EXPECT_TRUE(secured) << secured.error().to_sentence();
   }
 };

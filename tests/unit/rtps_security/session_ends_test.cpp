@@ -28,11 +28,11 @@ struct SessionEndsTest : ::testing::Test {
 
 TEST_F(SessionEndsTest, AProvenEnd_IsTakenOnceAndInTime) {
   receive(kPeer, secret(1), kPeer);
-  EXPECT_FALSE(ends.take_before(kPeer, kNow));
-  EXPECT_TRUE(ends.take_before(kPeer, kNow + 1ns));
-  EXPECT_FALSE(ends.take_before(kPeer, kNow + 1ns));
+  EXPECT_FALSE(ends.remove_if_before(kPeer, kNow));
+  EXPECT_TRUE(ends.remove_if_before(kPeer, kNow + 1ns));
+  EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1ns));
   receive(kPeer, secret(1), kPeer);
-  EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s)) << "a repetition";
+  EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s)) << "a repetition";
 }
 
 TEST_F(SessionEndsTest, WithoutAProof_NothingIsTaken) {
@@ -41,24 +41,24 @@ TEST_F(SessionEndsTest, WithoutAProof_NothingIsTaken) {
   receive(kOther, secret(1), kPeer);  // in the name of another peer
   const spi::ResetToken nothing{.name = {}, .proof = *spi::ResetProof::copy_of(Bytes(32))};
   ends.received(kPeer, *spi::read_reset(spi::write_reset(kPeer, nothing)), kNow);
-  EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s));
-  EXPECT_FALSE(ends.take_before(kOther, kNow + 1s));
+  EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s));
+  EXPECT_FALSE(ends.remove_if_before(kOther, kNow + 1s));
 }
 
 TEST_F(SessionEndsTest, ANewSession_IsNotEnded) {
   receive(kPeer, secret(1), kPeer);
   ends.expect(kPeer, secret(2));
-  EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s));
+  EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s));
   receive(kPeer, secret(1), kPeer);
-  EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s)) << "recorded";
+  EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s)) << "recorded";
   receive(kPeer, secret(2), kPeer);
-  EXPECT_TRUE(ends.take_before(kPeer, kNow + 1s));
+  EXPECT_TRUE(ends.remove_if_before(kPeer, kNow + 1s));
 }
 
 TEST_F(SessionEndsTest, AForgottenPeer_HasNone) {
   ends.forget(kPeer);
   receive(kPeer, secret(1), kPeer);
-  EXPECT_FALSE(ends.take_before(kPeer, kNow + 1s));
+  EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s));
 }
 
 }  // namespace
