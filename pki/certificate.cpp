@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 
+#include "base/text.hpp"
 #include "base/uri_source.hpp"
 #include "pki/certificate_context.hpp"
 #include "pki/certificate_source.hpp"
@@ -65,9 +66,15 @@ Result<X509Ptr> decode(BytesView der) {
 }
 
 Result<WallTime> time_of(const ASN1_TIME* time, const char* field) {
+  constexpr int kMaxShown = 24;  // octets
   auto out = to_wall_time(time);
-  if (!out) return fail(Code::certificate_malformed, {.field = field});
-  return out;
+  if (out) return out;
+  const auto* octets = ASN1_STRING_get0_data(time);
+  const auto size = static_cast<std::size_t>(std::clamp(ASN1_STRING_length(time), 0, kMaxShown));
+  return fail(Code::certificate_malformed,
+              {.field = field,
+               .expected = "a date such as 261121000000Z",
+               .found = '"' + printable(as_text(BytesView(octets, size))) + '"'});
 }
 
 // Returns the key type as named in the certificate. If the type is not allowed, nothing else about

@@ -76,6 +76,23 @@ TEST(Certificate, TextAroundTheBlockAndOneNul_AreTolerated) {
   EXPECT_EQ(Certificate::from_pem(as_bytes(crlf))->pem(), pem);
 }
 
+TEST(Certificate, DamagedDate_IsShown) {
+  const auto der = to_bytes(make_ca().certificate().der());
+  std::string octets(as_text(der));
+  const auto date = octets.find("Z\x17\x0d");  // the end of notBefore, and the head of notAfter
+  ASSERT_NE(date, octets.npos);
+  for (const auto& [at, field] : {std::pair(date - 8, "notBefore"), {date + 7, "notAfter"}}) {
+    auto damaged = octets;
+    damaged[at] = '\x1b';
+    const auto read = Certificate::from_der(as_bytes(damaged));
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().code(), Code::certificate_malformed);
+    EXPECT_EQ(read.error().details().field, field);
+    EXPECT_EQ(read.error().details().found.find('\x1b'), std::string::npos);
+    EXPECT_EQ(read.error().details().found.size(), 15u);  // 13 characters and quotes
+  }
+}
+
 TEST(Certificate, EveryTruncation_IsRefused) {
   const auto certificate = make_ca().certificate();
   const auto pem = as_bytes(certificate.pem());
