@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "governance/ros_node.hpp"
 
 namespace ddssec::governance {
 namespace {
@@ -153,6 +154,36 @@ class Nearest {
   std::optional<std::string> name_;
 };
 
+// The other nodes of ROS 2 to whose parameter services the grant allows to reply; at most three.
+std::vector<std::string> other_nodes(const CompiledGrant& grant, std::string_view node) {
+  constexpr std::size_t kMaxNodes = 3;
+  std::vector<std::string> out;
+  std::size_t seen = 0;
+  for (const auto* criteria : grant.allowed(Action::publish))
+    for (const auto& text : criteria->topics) {
+      if (++seen > kMaxNames || out.size() == kMaxNodes) return out;
+      const std::string other(node_of_parameter_service(text.text));
+      if (other == node) return {};
+      if (!other.empty() && std::ranges::find(out, other) == out.end()) out.push_back(other);
+    }
+  return out;
+}
+
+// Every node replies to its parameter services, so such a topic says which node asks.
+RefusalAdvice about_node(const CompiledGrant& grant, std::string_view topic) {
+  const auto node = node_of_parameter_service(topic);
+  if (node.empty()) return {};
+  const auto others = other_nodes(grant, node);
+  if (others.empty()) return {};
+  const auto shown = name_list(others);
+  return {
+      .because = fmt::format("the permissions are for the ROS 2 node {}", shown),
+      .hint = fmt::format("the node {} asks, and the permissions are for {}: start it with its "
+                          "own enclave (--ros-args --enclave NAME), or add its <profile> to the "
+                          "policy and run ddssec keystore permission with --node-defaults",
+                          cut_name(node), shown)};
+}
+
 }  // namespace
 
 std::string partitions_of(const Criteria& criteria) {
@@ -178,6 +209,7 @@ RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, cons
 
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic) {
   if (topic.size() > kMaxNameOctets) return {};
+  if (auto advice = about_node(grant, topic); !advice.hint.empty()) return advice;
   Nearest nearest(topic);
   for (const auto* criteria : grant.allowed(action)) nearest.look_at(*criteria);
   if (!nearest.name()) return {};

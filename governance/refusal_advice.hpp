@@ -23,10 +23,11 @@ std::string partitions_of(const Criteria& criteria);
 RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, const Request& request,
                                  const Decision& decision);
 
-/// Returns advice for a topic that no rule names: whether its name is similar to one in an
-/// allow_rule, or to names that an expression of "*" and "?" there matches (a typo in either,
-/// another case, or a missing prefix of ROS 2). It compares many names, so do not call it for a
-/// peer's request.
+/// Returns advice for a topic that no rule names. If it belongs to a parameter service of a ROS 2
+/// node, and the grant has none of that node, the node probably runs with the enclave of another
+/// one. Otherwise the advice says whether its name is similar to one in an allow_rule, or to names
+/// that an expression of "*" and "?" there matches (a typo in either, another case, or a missing
+/// prefix of ROS 2). It compares many names, so do not call it for a peer's request.
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic);
 
 /// Returns the advice on the endpoint, or that on the name if the former is empty and no rule

@@ -222,6 +222,19 @@ bool speaks_of_ros(const Grant& grant) {
   return out;
 }
 
+std::string_view node_of_parameter_service(std::string_view topic) {
+  constexpr auto kPrefixOctets = kReplies.size();  // also of "rq"
+  for (const auto service : kParameterServices)
+    for (const auto& name : {reply_topic("", service), request_topic("", service)}) {
+      const auto prefix = std::string_view(name).substr(0, kPrefixOctets);
+      const auto end = std::string_view(name).substr(kPrefixOctets);
+      const bool is_of_it = topic.starts_with(prefix) && topic.ends_with(end) &&
+                            topic.size() > name.size() + 1 && topic[kPrefixOctets] == '/';
+      if (is_of_it) return topic.substr(kPrefixOctets, topic.size() - name.size());
+    }
+  return {};
+}
+
 std::vector<std::string> missing_node_rights(const Grant& grant, DomainId domain) {
   const auto nodes = nodes_of(grant);
   const auto needed = only_about(asked_topics(nodes), grant);

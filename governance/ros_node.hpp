@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/finding.hpp"
@@ -23,6 +24,11 @@ bool speaks_of_ros(const Grant& grant);
 /// Returns the rights of these that the grant does not give in that domain, in words such as
 /// "publish rosout". Empty if it gives all.
 std::vector<std::string> missing_node_rights(const Grant& grant, DomainId domain);
+
+/// Returns the node whose parameter service the topic belongs to, such as "/talker" for
+/// rr/talker/get_parametersReply or rq/talker/get_parametersRequest; empty for any other topic. The
+/// text is part of `topic`.
+std::string_view node_of_parameter_service(std::string_view topic);
 
 /// Returns the finding PERM040, once for the document: which of these rights are missing in grants
 /// that concern ROS 2. Empty if none are.

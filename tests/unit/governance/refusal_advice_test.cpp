@@ -65,6 +65,19 @@ TEST(RefusalAdvice, NameThatIsClose_IsProposed) {
   EXPECT_EQ(advice(grant, {.topic = std::string(100'000, 'a')}).hint, "");
 }
 
+TEST(RefusalAdvice, TopicOfAnotherNode_NamesTheEnclave) {
+  const auto grant = compiled(publishes({"rt/chatter", "rr/b/get_parametersReply"}));
+  for (const auto* topic : {"rr/a/get_parametersReply", "rq/a/list_parametersRequest"}) {
+    const auto found = advice(grant, {.topic = topic});
+    EXPECT_EQ(found.because, "the permissions are for the ROS 2 node \"/b\"") << topic;
+    EXPECT_THAT(found.hint, HasSubstr("the node \"/a\" asks")) << topic;
+    EXPECT_THAT(found.hint, HasSubstr("--enclave NAME")) << topic;
+  }
+  // The same node, or a grant that names no node: the name alone is compared.
+  EXPECT_THAT(advice(grant, {.topic = "rr/b/get_parameterReply"}).hint, HasSubstr("meant?"));
+  EXPECT_EQ(advice(compiled(publishes({"rt/x"})), {.topic = "rr/a/get_parametersReply"}).hint, "");
+}
+
 TEST(RefusalAdvice, NameNearToAnExpression_IsProposed) {
   const auto grant = compiled(publishes({"DDSPref*", "rt/chat*", "Cam?ra"}));
   for (const auto* typed : {"DDSPerfRDataKS", "ddsprefA", "DDSPrfX", "DDPSrefX"})

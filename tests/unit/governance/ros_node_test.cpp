@@ -42,6 +42,16 @@ Permissions allowing(std::vector<std::string> publish, std::vector<std::string> 
   return {.grants = {{.name = "/e", .subject_name = "CN=/e", .rules = {rule}, .line = 4}}};
 }
 
+TEST(ParameterService, ItsTopics_NameTheNode) {
+  EXPECT_EQ(node_of_parameter_service("rr/talker/get_parametersReply"), "/talker");
+  EXPECT_EQ(node_of_parameter_service("rq/robot/arm/set_parametersRequest"), "/robot/arm");
+  EXPECT_EQ(node_of_parameter_service("rr/a/set_parameters_atomicallyReply"), "/a");
+  for (const auto* other :
+       {"", "rr", "rr/get_parametersReply", "rr//get_parametersReply", "rr/a/addReply",
+        "rr/a/get_parametersRequest", "rt/a/get_parametersReply", "rrx/a/get_parametersReply"})
+    EXPECT_EQ(node_of_parameter_service(other), "") << other;
+}
+
 TEST(NodeDefaults, NodesPolicy_AllowsWhatAnRclcppNodeCreates) {
   const auto document = granted(with_node_defaults(policy({kChatter}, "/robot", "camera")));
   EXPECT_TRUE(may(document, Action::publish, "rt/robot/chatter"));
