@@ -49,8 +49,19 @@ void report_key(const LoadedFolder& folder, const fs::path& path, const Error& e
                         .document = path});
 }
 
+// What makes a missing document; empty for other files, for which the rule's hint is right.
+std::string hint_of_missing(const pki::ParticipantFolder& paths, const fs::path& path) {
+  if (path != paths.permissions || paths.layout == pki::FolderLayout::sros2) return {};
+  return fmt::format(
+      "copy it from where the participant was issued; or make new permissions with "
+      "all topics of the participant: ddssec permissions new --cert {} --publish "
+      "TOPIC --subscribe TOPIC --sign --ca CA -o {}",
+      paths.certificate.string(), fs::path(path).replace_extension("xml").string());
+}
+
 // Reports a file that could not be loaded. An encrypted key has a rule of its own.
-void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
+void report_unloaded(const pki::ParticipantFolder& paths, const fs::path& path, const Error& error,
+                     Diagnosis& out) {
   const auto say = [&](Rule rule, std::string message, std::string_view hint = {}) {
     auto outcomes = kAllFail;
     if (rule == Rule::DOC002 && has_certificate_for_openssl(path))
@@ -61,7 +72,7 @@ void report_unloaded(const fs::path& path, const Error& error, Diagnosis& out) {
   };
   switch (error.code()) {
     case Code::file_not_found:
-      return say(Rule::DOC001, absence(path));
+      return say(Rule::DOC001, absence(path), hint_of_missing(paths, path));
     case Code::passphrase_missing:
       return say(Rule::DOC013, fmt::format("{} is encrypted and no product is given a password "
                                            "for it by its files",
@@ -107,7 +118,7 @@ void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosi
     if (piece) return;
     if (piece.error().code() == Code::key_not_allowed)
       return report_key(folder, path, piece.error(), settings, out);
-    report_unloaded(path, piece.error(), out);
+    report_unloaded(folder.paths, path, piece.error(), out);
   };
   look(folder.identity_cas, folder.paths.identity_ca);
   look(folder.certificate, folder.paths.certificate);

@@ -23,6 +23,13 @@ TEST_F(DiagnosisTest, AnEmptyFolder_LacksEverySingleFile) {
   EXPECT_EQ(all.outcomes(), Outcomes::all(Outcome::fail));
 }
 
+TEST_F(DiagnosisTest, MissingPermissions_HintNamesTheCommandThatMakesThem) {
+  const auto folder = participant("talker");
+  fs::remove(folder.permissions);
+  EXPECT_THAT(finding_of(diagnosis(folder), Rule::DOC001).hint,
+              testing::HasSubstr("ddssec permissions new --cert " + folder.certificate.string()));
+}
+
 TEST_F(DiagnosisTest, TruncatedFiles_AreFaultsAndNoCrash) {
   const auto folder = participant("talker");
   for (const auto& path : {folder.identity_ca, folder.certificate, folder.key,
