@@ -1,5 +1,7 @@
-// explain: explains an error code or a rule of lint and doctor, and what to do about it.
+// explain: explains an error code, a rule of lint and doctor, a verdict of doctor, or a sentence of
+// a log, and what to do about it.
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <optional>
 #include <ranges>
@@ -9,13 +11,16 @@
 #include "base/finding.hpp"
 #include "base/text.hpp"
 #include "cli/commands/groups.hpp"
-#include "cli/explain/cyclone_sentences.hpp"
 #include "cli/explain/explain_examples.hpp"
+#include "cli/explain/log_sentences.hpp"
 #include "cli/frame/explain_severities.hpp"
 #include "cli/frame/suggestions.hpp"
+#include "governance/doctor/vendor.hpp"
 
 namespace ddssec::cli {
 namespace {
+
+namespace doctor = governance::doctor;
 
 constexpr std::size_t kMinPartLength = 4;  // characters
 
@@ -207,34 +212,67 @@ struct Matches {
 };
 
 struct Sentence {
-  std::string sentence, meaning, look_with;
+  std::string product, sentence, meaning, look_with;
 
   static constexpr auto fields() {
-    return std::tuple(field<&Sentence::sentence>(), field<&Sentence::meaning>(),
+    return std::tuple(field<&Sentence::product>({.words = "Cyclone DDS|ROS 2"}),
+                      field<&Sentence::sentence>(), field<&Sentence::meaning>(),
                       field<&Sentence::look_with>());
   }
 };
 
 struct Sentences {
-  static constexpr std::string_view kWhen = "of a sentence of Cyclone DDS";
+  static constexpr std::string_view kWhen = "of a sentence of Cyclone DDS or ROS 2";
   std::vector<Sentence> sentences = {};
 
   static constexpr auto fields() { return std::tuple(field<&Sentences::sentences>({.min = 1})); }
   std::string text() const {
     std::string out;
     for (const auto& one : sentences)
-      out += fmt::format("Cyclone DDS: {}\n  {}\n  look with: {}\n", one.sentence, one.meaning,
+      out += fmt::format("{}: {}\n  {}\n  look with: {}\n", one.product, one.sentence, one.meaning,
                          one.look_with);
     return out;
   }
 };
 
-using Explanation = std::variant<Explained, Sentences, Matches>;
+// A verdict of doctor and keystore verify. cli/README.md has the same table.
+struct ExplainedVerdict {
+  static constexpr std::string_view kWhen = "of a verdict of doctor";
+  std::string verdict, meaning;
 
-Answer<Explanation> list_of(const std::vector<CycloneSentence>& found) {
+  static constexpr auto fields() {
+    return std::tuple(field<&ExplainedVerdict::verdict>({.words = "ok|unsafe|late|fail"}),
+                      field<&ExplainedVerdict::meaning>());
+  }
+  std::string text() const {
+    return fmt::format(
+        "{} (a verdict of doctor and keystore verify)\n  the product {}\n{}", verdict, meaning,
+        verdict == "ok" ? "" : "  the finding of the check says why, and names what to do\n");
+  }
+};
+
+constexpr std::array<std::pair<doctor::Outcome, std::string_view>, 4> kVerdictMeanings = {{
+    {doctor::Outcome::ok, "accepts what was checked"},
+    {doctor::Outcome::unsafe,
+     "accepts it, although it should not: the participant starts with less security than intended"},
+    {doctor::Outcome::late, "lets the participant start, and then refuses it or its endpoints"},
+    {doctor::Outcome::fail, "does not start the participant"},
+}};
+
+std::optional<ExplainedVerdict> verdict_named(std::string_view wanted) {
+  for (const auto& [outcome, meaning] : kVerdictMeanings)
+    if (wanted == to_string(outcome))
+      return ExplainedVerdict{std::string(to_string(outcome)), std::string(meaning)};
+  return std::nullopt;
+}
+
+using Explanation = std::variant<Explained, Sentences, Matches, ExplainedVerdict>;
+
+Answer<Explanation> list_of(const std::vector<LogSentence>& found) {
   Sentences out;
-  for (const auto& [sentence, meaning, look_with] : found)
-    out.sentences.push_back({std::string(sentence), std::string(meaning), std::string(look_with)});
+  for (const auto& one : found)
+    out.sentences.push_back({std::string(one.product), std::string(one.sentence),
+                             std::string(one.meaning), std::string(one.look_with)});
   return {std::move(out)};
 }
 
@@ -289,18 +327,20 @@ Result<Answer<Explanation>> explain(const Arguments& arguments, const Context&) 
   const auto wanted = arguments.text("CODE");
   if (const auto row = find_in_line(wanted)) return Answer<Explanation>{about(*row)};
   if (const auto row = find(without_brackets(wanted))) return Answer<Explanation>{about(*row)};
+  if (auto verdict = verdict_named(ascii_lower(wanted)))
+    return Answer<Explanation>{*std::move(verdict)};
   if (wanted.contains(' ')) {
-    if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
+    if (const auto found = log_sentences_like(wanted); !found.empty()) return list_of(found);
     if (const auto rows = rows_with_words(ascii_upper(wanted)); !rows.empty()) return about(rows);
   }
   if (const auto rows = rows_with_name_part(without_brackets(wanted)); !rows.empty())
     return about(rows);
-  if (const auto found = cyclone_sentences_like(wanted); !found.empty()) return list_of(found);
+  if (const auto found = log_sentences_like(wanted); !found.empty()) return list_of(found);
   return fail(
       Code::usage,
       {.field = "CODE",
        .expected = "a name or number as messages show it in brackets, or a part of one, or of "
-                   "a sentence of ddssec or Cyclone DDS",
+                   "a sentence of ddssec, Cyclone DDS or ROS 2; or a verdict of doctor",
        .found =
            '"' + wanted.substr(0, 64) + '"' + did_you_mean(names_like(without_brackets(wanted)))});
 }
@@ -308,16 +348,17 @@ Result<Answer<Explanation>> explain(const Arguments& arguments, const Context&) 
 }  // namespace
 
 std::vector<Command> explain_commands() {
-  return {{.group = "",
-           .name = "explain",
-           .summary = "Says what a code means and what to do about it.",
-           .positionals = {{"CODE",
-                            "its name or number, a part of one, a part of a sentence, also of "
-                            "Cyclone DDS, or a whole line of a log"}},
-           .options = {},
-           .examples = {"ddssec explain no_grant_for_subject", "ddssec explain 1242",
-                        "ddssec explain 124", "ddssec explain 'not allowed'"},
-           .run = explain}};
+  return {
+      {.group = "",
+       .name = "explain",
+       .summary = "Says what a code means and what to do about it.",
+       .positionals = {{"CODE",
+                        "its name or number, a part of one, a part of a sentence, also of "
+                        "Cyclone DDS and ROS 2, a whole line of a log, or a verdict of doctor"}},
+       .options = {},
+       .examples = {"ddssec explain no_grant_for_subject", "ddssec explain 1242",
+                    "ddssec explain 124", "ddssec explain late", "ddssec explain 'not allowed'"},
+       .run = explain}};
 }
 
 }  // namespace ddssec::cli

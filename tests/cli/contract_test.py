@@ -6,7 +6,7 @@ import shlex
 import shutil
 import subprocess
 
-from transcript import PROGRAM, Transcript, main
+from transcript import DATA, PROGRAM, Transcript, main
 
 
 class Contract(Transcript):
@@ -149,6 +149,14 @@ class Contract(Transcript):
         told = self.json("explain", "DOC083")["result"]
         self.assertEqual((told["severity"], [one["severity"] for one in told["other_severities"]]), ("error", ["note"]))
         self.assertTrue(self.run_program("explain", "DOC089").stdout.startswith("DOC089 (warning)\n"))
+
+    def test_explain_knows_the_verdicts_as_the_readme_has_them(self):
+        readme = (DATA.parent.parent / "cli/README.md").read_text()
+        for word in ("ok", "unsafe", "late", "fail"):
+            told = self.json("explain", word)["result"]
+            self.assertIn(f"| `{word}` | {told['meaning']} |", readme)
+            self.assertEqual(self.json("explain", word.upper())["result"], told)
+        self.assertIn("late (a verdict of doctor and keystore verify)", self.run_program("explain", "late").stdout)
 
     def test_explain_helps_with_a_part_of_a_name_or_number(self):
         told = self.json("explain", "124")["result"]["matches"]

@@ -31,6 +31,14 @@ class Sentences(Transcript):
         for own in ("Error occurred while validating local permissions: x", "Begin handshake reply failed: x (code: 117)"):
             self.assertEqual(len(self.found(own)), 1, own)  # 117 is a number of the stock plugins
 
+    def test_sentences_of_ros_are_found_by_a_line(self):
+        for line, sentence in (("[ERROR] [rcl]: could not find all security files at /k/enclaves", "could not find all security files"),
+                               ("failed to create topic [rt/chatter] for unknown reasons", "failed to create topic [...]"),
+                               ("rmw_create_node: invalid allocator", "invalid allocator")):
+            told, = self.json("explain", line)["result"]["sentences"]
+            self.assertEqual((told["product"], told["sentence"]), ("ROS 2", sentence))
+        self.assertIn("ROS 2: failed to create topic", self.run_program("explain", "failed to create topic").stdout)
+
     def test_a_line_of_a_log_with_a_code_is_explained_by_the_code(self):
         for line in ('ddssec error: peer "CN=x" is on the list; found [crl_expired 1153] [certificate_revoked 1144]',
                      "1764000000.123 [5] recv: ddssec error: revoked [certificate_revoked 1144]\n",
