@@ -22,6 +22,7 @@
 #include "governance/doctor/loaded_folder.hpp"
 #include "governance/doctor/measured_outcomes.hpp"
 #include "governance/doctor/subject_form.hpp"
+#include "governance/grant.hpp"
 #include "governance/lint.hpp"
 #include "pki/certificate_source.hpp"
 
@@ -66,14 +67,37 @@ Answer<Signing> not_signed(const fs::path& file, std::vector<Finding> findings) 
   return out;
 }
 
-// Grants are compared with the governance document beside the result, because the participant uses
-// that one.
-std::vector<Finding> uncovered(const governance::Governance&, const fs::path&, const fs::path&) {
+// A warning if the participant in whose folder the document is put has no grant in it.
+void check_own_grant(const governance::Permissions& document, const pki::ParticipantFolder& paths,
+                     const fs::path& file, std::vector<Finding>& findings) {
+  const auto certificate = read_certificate(paths.certificate);
+  if (!certificate) return;
+  const auto subject = pki::SubjectName::of(*certificate);
+  const auto is_own = [&](const governance::Grant& grant) {
+    return governance::is_for(grant, subject);
+  };
+  if (std::ranges::any_of(document.grants, is_own)) return;
+  findings.push_back(
+      {.rule = Rule::DOC010,
+       .message = fmt::format("the document has no grant for {}, the subject of {}: this "
+                              "participant cannot start with it",
+                              certificate->subject(), paths.certificate.string()),
+       .document = file,
+       .severity = Severity::warning});
+}
+
+// Grants are compared with the certificate and the governance document beside the result, because
+// the participant uses these.
+std::vector<Finding> unfit_for_folder(const governance::Governance&, const fs::path&,
+                                      const fs::path&) {
   return {};
 }
-std::vector<Finding> uncovered(const governance::Permissions& document, const fs::path& to,
-                               const fs::path& file) {
-  return uncovered_grants(document, pki::participant_folder(folder_of(to)).governance, file);
+std::vector<Finding> unfit_for_folder(const governance::Permissions& document, const fs::path& to,
+                                      const fs::path& file) {
+  const auto paths = pki::participant_folder(folder_of(to));
+  auto out = uncovered_grants(document, paths.governance, file);
+  if (to.filename() == paths.permissions.filename()) check_own_grant(document, paths, file, out);
+  return out;
 }
 
 // The text to sign: for a governance document with the next revision.
@@ -126,7 +150,8 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
     if (governance::has_errors(findings)) return not_signed(from, std::move(findings));
     add_findings(report, std::move(findings), from);
   }
-  for (auto& finding : uncovered(document, to, from)) report.findings.push_back(std::move(finding));
+  for (auto& finding : unfit_for_folder(document, to, from))
+    report.findings.push_back(std::move(finding));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(const auto text,
                           with_document(text_to_sign(document, octets, to, ca, arguments), from));

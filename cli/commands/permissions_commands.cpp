@@ -91,6 +91,14 @@ Result<governance::Validity> life(const Arguments& arguments, const pki::Certifi
   return out;
 }
 
+// The common name, if the subject is nothing else. The name of a grant only appears in messages.
+std::string grant_name(const pki::Certificate& certificate) {
+  constexpr std::string_view kCommonName = "CN=";
+  std::string_view name = certificate.subject();
+  const bool is_plain = name.starts_with(kCommonName) && name.find_first_of(",+\\") == name.npos;
+  return std::string(is_plain ? name.substr(kCommonName.size()) : name);
+}
+
 // If --ca is a folder with both CAs, its identity CA must have issued the certificate.
 Status check_issued_here(const pki::Certificate& certificate, const Arguments& arguments) {
   if (!arguments.has("--sign") || !arguments.has("--ca")) return {};
@@ -143,7 +151,7 @@ Result<Answer<NewPermissions>> permissions_new(const Arguments& arguments, const
   auto& report = out.report;
   DDSSEC_ASSIGN_OR_RETURN(const auto rights, rights_from(arguments, report));
   DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, certificate, context.clock.now()));
-  const auto grant = grant_of("participant", certificate, rights, validity);
+  const auto grant = grant_of(grant_name(certificate), certificate, rights, validity);
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
   // The document is parsed, because the arguments may contain something that no document can.
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));

@@ -250,7 +250,7 @@ class Documents(Transcript):
         self.permit(lambda xml: xml.replace("<allow_rule>", denial + "<allow_rule>", 1))
         told = self.both_refuse(*NOW)["result"]
         self.assertEqual((told["allowed"], told["because"]),
-                         (False, 'joining domain 0: a deny_rule of grant "participant"'))
+                         (False, 'joining domain 0: a deny_rule of grant "talker"'))
         self.permit(lambda xml: xml)
         (self.at / "talker/key.pem").write_bytes((self.at / "listener/key.pem").read_bytes())
         self.assertIn("the participant does not start: DOC012", self.both_refuse(*NOW)["result"]["because"])

@@ -50,11 +50,32 @@ class NewPermissions(Transcript):
         self.new()
         self.assertEqual([e.tag for e in self.document().find(".//allow_rule")], ["domains"])
 
+    def test_the_grant_has_the_name_of_the_subject(self):
+        self.new("--publish", "a")
+        self.assertEqual(self.document().find(".//grant").get("name"), "CN=talker,O=A & B,C=DE")
+        self.run_program("identity", "issue", "radar", "--ca", "ca", "-o", "radar", *NOW)
+        self.run_program("permissions", "new", "--cert", "radar", "-o", "p.xml", "--publish", "a", "--replace", *NOW)
+        self.assertEqual(self.document().find(".//grant").get("name"), "radar")
+
     def test_its_life_can_be_shorter(self):
         self.assertEqual(self.new("--days", "30")["result"]["not_after"], "2026-12-21T00:00:00Z")
         (self.at / "p.xml").unlink()
         out = self.new("--not-after", "2027-01-01T00:00:00+01:00")
         self.assertEqual(out["result"]["not_after"], "2026-12-31T23:00:00Z")
+
+    def test_permissions_of_another_participant_in_a_folder_are_warned_of(self):
+        self.run_program("identity", "issue", "listener", "--ca", "ca", "-o", "listener", *NOW)
+        self.new("--publish", "rt/a")
+        sign = ("permissions", "sign", "p.xml", "--ca", "ca", "--replace", *NOW, "-o")
+
+        def warned(to):
+            return [d for d in self.json(*sign, to)["diagnostics"] if d["id"] == "DOC010"]
+
+        told, = warned("listener/permissions.p7s")
+        self.assertEqual(told["severity"], "warning")
+        self.assertIn("no grant for CN=listener, the subject of listener/cert.pem", told["message"])
+        for own in ("talker/permissions.p7s", "listener/of-talker.p7s"):
+            self.assertEqual(warned(own), [])
 
     def test_signed_permissions_complete_a_folder(self):
         out = self.json("permissions", "new", "--cert", "talker", "-o",
