@@ -175,7 +175,7 @@ GovernanceForecast forecast_of(const governance::Governance& before,
   std::string heading = "running participants: ";
   const auto add = [&](std::string host, const Prediction& what) {
     const auto reason =
-        what.reason.empty() ? std::string() : fmt::format("({})", name_text(what.reason));
+        what.reason.empty() ? std::string() : fmt::format("({})", escaped(what.reason));
     out.text += wrapped(heading, {std::move(host), outcome_text(what.outcome, is_ready), reason});
     heading = std::string(heading.size(), ' ');
   };

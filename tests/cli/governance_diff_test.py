@@ -71,6 +71,7 @@ class GovernanceDifferences(Differences):
             out = self.diff()["live"]
             self.assertEqual((out["ddssec"], out["stock"]), (ours, stock))
         self.assertEqual(out["reason"], "allow_unauthenticated_participants: false became true")
+        self.assertIn("allow_unauthenticated_participants: false became true)", " ".join(self.text().split()))
         self.write(governance(topic("rt/x")), governance(topic("rt/x"), topic("rt/y")))
         self.assertEqual(self.diff()["live"]["ddssec"], "live")
         self.assertIn("running participants: on ddssec's plugins:  taken while they run", self.text())
