@@ -58,12 +58,12 @@ Json verdicts_json(const doctor::Outcomes& outcomes, const Products& products) {
   return out;
 }
 
-constexpr std::size_t kTitleWidth = 54;
+constexpr std::size_t kMinTitleWidth = 54;
 constexpr std::size_t kColumnWidth = 19;
 
-std::string row(std::string_view title, const doctor::Outcomes& outcomes,
-                const Products& products) {
-  auto out = fmt::format("{:<{}} ", title, kTitleWidth);
+std::string row(std::string_view title, const doctor::Outcomes& outcomes, const Products& products,
+                std::size_t title_width) {
+  auto out = fmt::format("{:<{}} ", title, title_width);
   for (const auto vendor : products.vendors)
     out += fmt::format("{:<{}}", to_string(outcomes.of(vendor)), kColumnWidth);
   return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
@@ -76,7 +76,10 @@ bool is_good(const doctor::Outcomes& outcomes, const Products& products) {
 
 std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
                   const Products& products) {
-  auto out = fmt::format("{:<{}} ", title, kTitleWidth);
+  auto width = std::max(kMinTitleWidth, title.size());
+  for (const auto& check : diagnosis.checks())
+    if (!is_good(check.outcomes, products)) width = std::max(width, check.title.size());
+  auto out = fmt::format("{:<{}} ", title, width);
   for (const auto vendor : products.vendors)
     out += fmt::format("{:<{}}", doctor::label(vendor, products.lineup), kColumnWidth);
   out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
@@ -86,9 +89,9 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
     if (is_good(check.outcomes, products))
       ++good;
     else
-      out += row(check.title, check.outcomes, products);
-  if (good > 0) out += row(count_text(good, "check"), {}, products);
-  return out + row("in all", diagnosis.outcomes(), products);
+      out += row(check.title, check.outcomes, products, width);
+  if (good > 0) out += row(count_text(good, "check"), {}, products, width);
+  return out + row("in all", diagnosis.outcomes(), products, width);
 }
 
 // The findings about the chosen products.

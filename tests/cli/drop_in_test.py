@@ -136,6 +136,11 @@ class DropIn(Transcript):
             self.assertEqual(severity, "error")
             self.assertIn("refuses to make a writer of topics under the topic_rule \"*\" (1612)", message)
         self.assertIn("DOC103: a Cyclone DDS process on ddssec's plugins refuses to make a writer", told["can"])
+        # The title of this check is longer than the usual column.
+        table = self.run_program("doctor", "demo/talker", "--vendor", "ours", *NOW, environment=self.drop_in, exit=1).stdout
+        rows = [row for row in table.splitlines() if row.endswith((" fail", " late", " ok"))]
+        self.assertGreater(len(rows), 2)
+        self.assertEqual(len({row.rstrip().rfind(" ") for row in rows}), 1, table)
         told = self.answers(0, None)  # the embedded participant makes it
         self.assertEqual(told["doctor"][0][0], "warning")
         self.run_program("check", "demo/talker", "demo/listener", "--vendor", "cyclonedds", *NOW, environment=self.drop_in)
