@@ -134,6 +134,7 @@ else
   "${namespace[@]}" "$PWD/scripts/demo.sh" --in-namespace
   printf '\nFrom the start to this table: %d s.\n' "$SECONDS"
   step "build the tools for what comes next"
+  tail -n 1 -f --pid="$tools" "$work/tools.log"  # ninja's lines: [done/all]
   wait "$tools" || die "the build failed; see $work/tools.log"
   pids=()
   printf '\nNext: %s/bin/ddssec init demo makes the security files of your own applications (README.md).\n' "$build"
