@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import unittest
 
-from transcript import NOW, Transcript, library_path, main, PROGRAM
+from transcript import AT_THAT_TIME, NOW, Transcript, library_path, main, PROGRAM
 
 NAMES = ("alpha", "bravo", "charlie", "delta")
 ADMINISTRATOR, OTHER = 1500, 1501
@@ -46,7 +46,7 @@ class Blocked(Transcript):
         out = []
         for name in NAMES:
             words = {"permissions": [PROGRAM, "permissions", "verify", f"demo/{name}", "--ca", "demo", *NOW],
-                     "identity": ["openssl", "verify", "-CAfile", "demo/ca/identity/ca.pem", f"demo/{name}/cert.pem"]}
+                     "identity": ["openssl", "verify", *AT_THAT_TIME, "-CAfile", "demo/ca/identity/ca.pem", f"demo/{name}/cert.pem"]}
             if subprocess.run(words[role], cwd=self.at, capture_output=True, check=False).returncode == 0:
                 out.append(name)
         return out

@@ -33,7 +33,7 @@ class Future(Transcript):
         return (self.at / "demo/ca/identity/issued.jsonl").read_text()
 
     def serial(self, name):
-        return self.json("identity", "show", name)["result"]["serial"]
+        return self.json("identity", "show", name, *NOW)["result"]["serial"]
 
     def revoke(self, name, *more, ca="demo"):
         return ("identity", "revoke", f"demo/{name}", "--ca", ca, *more)

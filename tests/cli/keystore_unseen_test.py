@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import unittest
 
-from transcript import NOW, PROGRAM, Transcript, main
+from transcript import AT_THAT_TIME, NOW, PROGRAM, Transcript, main
 
 NAMES = ("/a", "/b", "/c", "/d")
 OTHER = 1501
@@ -24,7 +24,7 @@ class Unseen(Transcript):
         return out["result"]["enclaves"], [(d["id"], d.get("file", "")) for d in out["diagnostics"]]
 
     def issued_by_current_ca(self, name):
-        done = subprocess.run(["openssl", "verify", "-CAfile", "ks/public/identity_ca.cert.pem", f"ks/enclaves{name}/cert.pem"],
+        done = subprocess.run(["openssl", "verify", *AT_THAT_TIME, "-CAfile", "ks/public/identity_ca.cert.pem", f"ks/enclaves{name}/cert.pem"],
                               cwd=self.at, capture_output=True, check=False)
         return done.returncode == 0
 

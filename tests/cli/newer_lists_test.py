@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import time
 
-from transcript import NOW, PROGRAM, Transcript, main
+from transcript import AT_THAT_TIME, NOW, PROGRAM, Transcript, main
 
 LIBRARY = PROGRAM.parent.parent / "lib/kill_at.so"
 LATER = ("--now", "2026-11-22T00:00:00Z")
@@ -31,7 +31,7 @@ class Lists(Transcript):
         return [d["id"] for d in out["diagnostics"]]
 
     def serial(self, name):
-        return self.json("identity", "show", name)["result"]["serial"]
+        return self.json("identity", "show", name, *NOW)["result"]["serial"]
 
 
 class Restored(Lists):
@@ -189,11 +189,11 @@ class Waiting(Lists):
 
     def test_a_certificate_is_of_the_key_that_the_ca_has_then(self):
         self.rotated("identity", "issue", "fourth", "--ca", "demo", "-o", "demo/fourth")
-        self.openssl("verify", "-CAfile", "demo/ca/identity/ca.pem", "demo/fourth/cert.pem")
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "demo/ca/identity/ca.pem", "demo/fourth/cert.pem")
 
     def test_a_renewal_is_of_the_key_that_the_ca_has_then(self):
         self.rotated("identity", "renew", "demo/listener", "--ca", "demo")
-        self.openssl("verify", "-CAfile", "demo/ca/identity/ca.pem", "demo/listener/cert.pem")
+        self.openssl("verify", *AT_THAT_TIME, "-CAfile", "demo/ca/identity/ca.pem", "demo/listener/cert.pem")
 
     def test_the_list_that_is_distributed_is_the_present_one(self):
         self.run_program("identity", "revoke", "changed/demo/talker", "--ca", "changed/demo", *NOW)

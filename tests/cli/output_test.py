@@ -98,11 +98,11 @@ class Output(Transcript):
             (self.at / "evil.xml").write_text(text.replace(find, put))
             for words in (("show",), ("lint",)):
                 seen = self.on_terminal(kind, *words, "evil.xml", environment={"LC_ALL": "C.UTF-8"})
-                logged = self.run_program(kind, *words, "evil.xml")
+                logged = self.run_program(kind, *words, "evil.xml", *NOW)
                 for shown in (seen, logged.stdout + logged.stderr):
                     self.assertIn(r"rt/\u009b2J\u202eneve\u2066\u200fx", shown)
                     self.assertEqual([c for c in shown if c in "\u009b\u202e\u2066\u200f"], [])
-            told = self.json(kind, "lint", "evil.xml")["diagnostics"]
+            told = self.json(kind, "lint", "evil.xml", *NOW)["diagnostics"]
             wanted = "PERM041" if kind == "permissions" else "DOC097"
             self.assertEqual([d["severity"] for d in told if d["id"] == wanted], ["warning"])
             self.assertIn("U+009B", next(d["message"] for d in told if d["id"] == wanted))

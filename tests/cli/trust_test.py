@@ -252,7 +252,7 @@ class Rotation(Trust):
     def test_what_the_old_key_signed_besides_is_left_out_and_named(self):
         self.forge()
         before = (self.at / "demo/a/cert.pem").read_bytes()
-        out = self.rotate()
+        out = self.rotate(*NOW)
         self.assertEqual(out["result"]["folders"], [str(self.at / "demo/admin")])
         self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"]],
                          [("certificate_unlogged", str(self.at / "demo/a/cert.pem"))])

@@ -23,7 +23,7 @@ permissions() {
 <?xml version="1.0" encoding="UTF-8"?>
 <dds><permissions><grant name="$1">
   <subject_name>CN=$1,O=driver</subject_name>
-  <validity><not_before>2020-01-01T00:00:00</not_before><not_after>2035-01-01T00:00:00</not_after></validity>
+  <validity><not_before>2020-01-01T00:00:00</not_before><not_after>2099-01-01T00:00:00</not_after></validity>
   <allow_rule>
     <domains><id_range><min>0</min><max>230</max></id_range></domains>
     <publish><topics><topic>*</topic></topics><partitions><partition>*</partition></partitions></publish>
