@@ -84,7 +84,7 @@ TEST(TooManyOctets, Error_NamesTheLimitAndTheSize) {
   EXPECT_EQ(error.details().found, "11");
 }
 
-TEST_F(UriSource, Fifo_DoesNotHang) {
+TEST_F(UriSource, Fifo_IsRefused) {
   const auto path = (folder_ / "fifo").string();
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   EXPECT_CODE(load_uri("file:" + path, kProperty, 10), file_unreadable);

@@ -256,7 +256,7 @@ TEST(OurLife, TheRemote_IsReturnedOnceForAllAndIsThenUnknownToAll) {
   two.of_second->a_of_b.identity = again.identity;
 }
 
-TEST(OurLife, TwoDomainsOfOneProcess_AreSeparate) {
+TEST(OurLife, EndOfOneDomain_LeavesTheOtherWorking) {
   Domain first(mix(kAllOurs));
   Participant a(first, kPki, "a", "encrypt");
   {
