@@ -49,7 +49,7 @@ struct World {
                                                  .domain_tag = std::to_string(getpid()),
                                                  .interfaces = {"127.0.0.1"},
                                                  .multicast = false,
-                                                 .is_in_process = false},
+                                                 .delivers_in_process = false},
                                                 EngineServices{clock, random, events});
     if (!made) std::fprintf(stderr, "%s\n", made.error().to_sentence().c_str()), std::exit(1);
     return std::move(*made);

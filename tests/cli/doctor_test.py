@@ -10,7 +10,7 @@ import golden_folders
 from doctor_folders import VENDORS, DoctorTest
 from forecast import Table
 from transcript import PROGRAM, main
-from workshop import GOVERNANCE, Folder, Workshop, openssl
+from workshop import GOVERNANCE, Folder, Workshop, allow, openssl
 
 HERE = pathlib.Path(__file__).resolve().parent
 MEASURED = Table(HERE.parent.parent)
@@ -287,7 +287,7 @@ class Golden(DoctorTest):
             "<data_protection_kind>ENCRYPT", "<data_protection_kind>SIGN")
         two = golden_folders.GOVERNANCE.replace("</topic_rule>", "</topic_rule>" + weaker)
         for name, text in (("governance", two), ("permissions", golden_folders.permissions(
-                golden_folders.grant("CN=talker", golden_folders.allow("/chatter"))))):
+                golden_folders.grant("CN=talker", allow("/chatter"))))):
             golden_folders.openssl("smime", "-sign", "-text", "-signer", made, "-inkey",
                                    made.parent / "key.pem", "-out", folder / f"{name}.p7s", text=text)
         out = self.json("doctor", "dead", exit=1)

@@ -53,7 +53,7 @@ inline DomainParticipantOptions undisturbed() {
           .multicast = false,
           .peers = {address},
           .own_thread = false,
-          .is_in_process = false};
+          .delivers_in_process = false};
 }
 
 struct Flow {

@@ -55,7 +55,7 @@ struct World {
         .domain_tag = std::to_string(::getpid()),
         .interfaces = {"127.0.0.1"},
         .multicast = false,
-        .is_in_process = false};
+        .delivers_in_process = false};
     options.security.emplace(
         engines.view(),
         properties_of(subject, everything(ProtectionKind::encrypt_with_origin_authentication)));
