@@ -17,12 +17,12 @@ class Embedded final : public steady::Stack {
     // A durable embedded writer that keeps all samples keeps them for late joiners, so it gets a
     // depth.
     if (kind == "durable") qos.history = {rtps::HistoryKind::keep_last, steady::kKept};
-    const auto made = participant_.writer<interop::Shape>(topic, qos);
+    const auto made = participant_.create_writer<interop::Shape>(topic, qos);
     if (made) writers_.push_back(*made);
     return made.has_value();
   }
   bool add_reader(const std::string& topic, const std::string& kind) override {
-    const auto made = participant_.reader<interop::Shape>(
+    const auto made = participant_.create_reader<interop::Shape>(
         topic, qos_of(secured::Participant::reader_qos(), kind));
     if (made) readers_.push_back(*made);
     return made.has_value();

@@ -256,6 +256,7 @@ TEST_F(FormerKeysTest, NextHeartbeat_DecidesWhereTheWriterIs) {
 }
 
 TEST_F(FormerKeysTest, AForgedChangeThatWasDelivered_HidesNoLaterOne) {
+  refuses_from = kFar + 1;
   add(reliable, kFar);
   reliable.distrust_former_keys();
   EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));

@@ -38,8 +38,7 @@ TEST_F(SecuredKeeper, DataTags_OfTwoWriters_KeepTheirSamplesApart) {
   keeper.reset();
   const Tags both{{"level", "open"}, {"level", "secret"}};
   const auto in_keeper = process.options("CN=keeper,O=Example", rules);
-  const auto store =
-      std::filesystem::temp_directory_path() / ("ddssec-tagged-" + std::to_string(::getpid()));
+  const auto store = std::filesystem::path(folder.path()) / "tagged";
   const auto start = [&](const Tags& tags) {
     return Keeper::create(allow(in_keeper, "CN=keeper,O=Example", tags), {.store = store},
                           process.services)
@@ -87,8 +86,7 @@ TEST_F(SecuredKeeper, DataTags_OfTwoWriters_KeepTheirSamplesApart) {
 TEST_F(SecuredKeeper, AStore_KeptWithSecurity_IsRefusedWithout) {
   mallory.reset();
   keeper.reset();
-  const auto store =
-      std::filesystem::temp_directory_path() / ("ddssec-security-" + std::to_string(::getpid()));
+  const auto store = std::filesystem::path(folder.path()) / "security";
   const auto secured = process.options("CN=keeper,O=Example", rules);
   auto open = secured;
   open.security.reset();
@@ -112,8 +110,7 @@ TEST_F(SecuredKeeper, AStore_KeptWithSecurity_IsRefusedWithout) {
 TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWithout) {
   mallory.reset();
   keeper.reset();
-  const auto store =
-      std::filesystem::temp_directory_path() / ("ddssec-origin-" + std::to_string(::getpid()));
+  const auto store = std::filesystem::path(folder.path()) / "origin";
   auto secured = process.options("CN=keeper,O=Example", rules);
   secured.durability_store = store;
   auto open = secured;
@@ -150,8 +147,7 @@ TEST_F(SecuredKeeper, AStore_OfASecuredParticipantOrOfUnknownOrigin_IsRefusedWit
 TEST_F(SecuredKeeper, AStoredTopic_ThatIsNoLongerAllowed_IsNamedAndTheOthersAreServed) {
   mallory.reset();
   keeper.reset();
-  const auto store =
-      std::filesystem::temp_directory_path() / ("ddssec-allowed-" + std::to_string(::getpid()));
+  const auto store = std::filesystem::path(folder.path()) / "allowed";
   const auto start = [&](std::vector<std::string> topics) {
     return Keeper::create(process.options("CN=keeper,O=Example", rules, "", std::move(topics)),
                           {.store = store}, process.services);
@@ -193,8 +189,7 @@ TEST_F(SecuredKeeper, ATopic_ThatRenewedPermissionsAllow_IsKept) {
 TEST_F(SecuredKeeper, AStoredTopic_ThatRenewedPermissionsAllowAgain_IsServed) {
   mallory.reset();
   keeper.reset();
-  const auto store =
-      std::filesystem::temp_directory_path() / ("ddssec-again-" + std::to_string(::getpid()));
+  const auto store = std::filesystem::path(folder.path()) / "again";
   const auto start = [&](DomainParticipantOptions options) {
     return Keeper::create(std::move(options), {.store = store}, process.services).value();
   };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rtps/keeper/keeper.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/rtps_security/lax_access_control.hpp"
 #include "tests/unit/rtps_security/secured_dcps.hpp"
 
@@ -20,6 +21,7 @@ inline Qos durable(DurabilityKind kind, OwnershipKind ownership = OwnershipKind:
 }
 
 struct SecuredKeeper : ::testing::Test {
+  test::TemporaryFolder folder;  ///< for stores
   ManualClock clock{pki::kNow};
   const Rules rules = everything(ProtectionKind::encrypt);
   SecuredProcess process{clock};
