@@ -50,8 +50,11 @@ class MessageReceiver {
     /// True if the submessages count. Messages in the name of this participant do not: its own
     /// endpoints reach each other directly.
     bool counts() const { return is_for_us && !is_from_us; }
-    /// True if keys of the source protect the submessage.
-    bool is_protected() const { return opened_by.message || opened_by.submessage.prefix == source; }
+    /// True if keys of the source protect the submessage. A source of zeros has none: it is not the
+    /// prefix of an endpoint that is not set.
+    bool is_protected() const {
+      return opened_by.message || (!source.is_zero() && opened_by.submessage.prefix == source);
+    }
     /// Notes that an endpoint received a submessage. `is_new` means that it had not received it
     /// before.
     void note_received(bool is_new) { note_received(is_new, is_protected()); }

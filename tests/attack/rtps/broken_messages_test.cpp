@@ -1,7 +1,12 @@
 // Every message of two participants that find each other and exchange a sample is cut at each
 // octet, and each field is set to extreme values. All forms of the first three messages of each
-// length and sender go to one running pair, before the honest message does.
+// length and sender go to one running pair, before the honest message does. Messages whose source is
+// a prefix of zeros go to a pair without security.
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/acknack.hpp"
+#include "wire/gap.hpp"
+#include "wire/heartbeat.hpp"
+#include "wire/nack_frag.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -156,6 +161,36 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(everything(kSign), everything(kEncryptOa),
                       Rules{.discovery = kEncrypt, .metadata = kEncrypt, .data = kEncrypt},
                       Rules{.data = kEncrypt}));
+
+// Without security, no submessage is protected, also not one of a source whose prefix is zero.
+TEST(MessageWithoutASource, ToParticipantsWithoutSecurity_ChangesNothing) {
+  World world;
+  Node a(1), b(2);
+  world.nodes = {&a, &b};
+  auto qos = default_reader_qos();
+  qos.reliability.kind = ReliabilityKind::reliable;
+  const auto writer = *a->create_writer(square(default_writer_qos()), a.listener, world.now);
+  const auto reader = *b->create_reader(square(qos), b.listener, world.now);
+  ASSERT_TRUE(world.run_until([&] { return a.listener.matched + b.listener.matched == 2; }, 300));
+  const std::pair<EntityId, EntityId> addressed[] = {{reader.entity, writer.entity},
+                                                     {kEntityIdUnknown, writer.entity},
+                                                     {kPublicationsReader, kPublicationsWriter}};
+  for (const auto& [asking, asked] : addressed)
+    for (auto* node : {&a, &b}) {
+      const auto send = [&](const auto& submessage) {
+        (*node)->receive(forged(GuidPrefix{}, submessage), world.now,
+                         *Locator::parse("127.0.0.1", 7999));
+      };
+      send(AckNack{asking, asked, SequenceNumberSet(SequenceNumber{1}), 1000, true});
+      send(NackFrag{asking, asked, {1}, FragmentNumberSet(FragmentNumber{1}), 1000});
+      send(Heartbeat{asking, asked, {1}, {1000}, 1000});
+      send(Gap{asking, asked, {1}, SequenceNumberSet(SequenceNumber{1000})});
+    }
+  Change change;
+  change.payload = payload();
+  a->local_endpoints().writer(writer)->write(std::move(change), world.now);
+  EXPECT_TRUE(world.run_until([&] { return b.listener.changes.size() == 1; }, 300));
+}
 
 }  // namespace
 }  // namespace ddssec::rtps
