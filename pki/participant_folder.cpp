@@ -1,5 +1,7 @@
 #include "pki/participant_folder.hpp"
 
+#include <algorithm>
+#include <array>
 #include <sys/stat.h>
 #include <system_error>
 
@@ -14,6 +16,19 @@ bool is_seen(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, ignored));
 }
 
+// True also if that cannot be found out.
+bool is_open(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return true;
+  return !is_of_trusted_owner(status) || others_may_write(status);
+}
+
+std::array<const fs::path*, 9> files_of(const ParticipantFolder& paths) {
+  return {&paths.identity_ca, &paths.certificate, &paths.key, &paths.permissions_ca,
+          &paths.governance,  &paths.permissions, &paths.crl, &paths.renewals,
+          &paths.properties};
+}
+
 }  // namespace
 
 bool may_exist(const fs::path& path) {
@@ -22,10 +37,16 @@ bool may_exist(const fs::path& path) {
   return type != fs::file_type::not_found && error != std::errc::filename_too_long;
 }
 
-bool may_be_changed_by_others(const fs::path& folder) {
-  struct stat status {};
-  if (::stat(folder.c_str(), &status) != 0) return true;
-  return !is_of_trusted_owner(status) || others_may_write(status);
+bool may_be_changed_by_others(const ParticipantFolder& paths) {
+  std::error_code error;
+  const auto folder = fs::canonical(paths.folder, error);
+  if (error || is_open(folder) || open_folder_above(folder.parent_path())) return true;
+  return std::ranges::any_of(files_of(paths), [](const fs::path* file) {
+    if (!may_exist(*file)) return false;
+    std::error_code failed;
+    const auto target = fs::canonical(*file, failed);
+    return failed || is_open(target) || open_folder_above(target.parent_path());
+  });
 }
 
 bool is_participant_folder(const fs::path& folder) {

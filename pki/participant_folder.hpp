@@ -34,10 +34,11 @@ struct ParticipantFolder {
 /// reading it reports what is wrong.
 bool may_exist(const std::filesystem::path& path);
 
-/// True if a user other than root and the process's own can put files into the folder: it belongs
-/// to another user, or its group or everyone may write to it. True also if that cannot be found
-/// out.
-bool may_be_changed_by_others(const std::filesystem::path& folder);
+/// True if a user other than root and the process's own can change a file of the participant, or
+/// put another one in its place: the folder or one of its files (or what a link leads to) belongs
+/// to another user, its group or everyone may write to it, or the same goes for a folder above.
+/// True also if that cannot be found out.
+bool may_be_changed_by_others(const ParticipantFolder& paths);
 
 /// True if the folder looks like one of a participant: it has a certificate or an identity CA. It
 /// serves to choose hints and sentences, so it is false for a folder that cannot be searched,

@@ -90,7 +90,7 @@ std::string document_of(const Error& error, const fs::path& otherwise) {
 
 void check_own_start(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
                      const doctor::Diagnosis& before, doctor::Diagnosis& out) {
-  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(folder.paths.folder));
+  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(folder.paths));
   std::error_code ignored;
   if (!fs::exists(folder.paths.properties, ignored)) return;
   if (!starts(before) || !starts(doctor::diagnose(folder, settings))) return;
@@ -204,7 +204,7 @@ Status start_in_cyclonedds(spi::PropertyList of_host, const doctor::Settings& se
 void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
                                bool is_in_use, const doctor::Diagnosis& before,
                                doctor::Diagnosis& out) {
-  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(folder.paths.folder));
+  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(folder.paths));
   const auto file = variable(spi::kPropertiesVariable);
   const auto configuration = host_configuration_for(folder, settings);
   const bool is_configured = configuration && configuration->security.applies;

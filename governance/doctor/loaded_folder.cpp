@@ -154,7 +154,7 @@ Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
 }
 
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
-  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(paths.folder));
+  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(paths));
   const auto bundle = [](const fs::path& path) {
     return load_with(path, pki::kMaxBundleOctets, &pki::Certificate::bundle_from_pem);
   };

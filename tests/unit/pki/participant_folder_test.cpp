@@ -1,5 +1,7 @@
 #include "pki/participant_folder.hpp"
 
+#include <unistd.h>
+
 #include <gtest/gtest.h>
 
 #include "pki_fixture.hpp"
@@ -69,15 +71,47 @@ TEST_F(Folder, ACertificateOrAKeyOfACa_TellsACasFolder) {
   EXPECT_FALSE(is_ca_folder(at_));
 }
 
-TEST_F(Folder, ModeOrOwner_TellsWhetherOthersCanChangeIt) {
+TEST_F(Folder, ModeOfTheFolder_TellsWhetherOthersCanChangeIt) {
   for (const auto& [mode, open] : {std::pair(0700, false), std::pair(0755, false),
                                    std::pair(0775, true), std::pair(01777, true)}) {
     fs::permissions(at_, static_cast<fs::perms>(mode));
-    EXPECT_EQ(may_be_changed_by_others(at_), open) << std::oct << mode;
+    EXPECT_EQ(may_be_changed_by_others(participant_folder(at_)), open) << std::oct << mode;
   }
   fs::permissions(at_, fs::perms::owner_all);
-  EXPECT_TRUE(may_be_changed_by_others(at_ / "nowhere"));
-  EXPECT_FALSE(may_be_changed_by_others("/")) << "root's";
+  EXPECT_TRUE(may_be_changed_by_others(participant_folder(at_ / "nowhere")));
+  EXPECT_FALSE(may_be_changed_by_others(participant_folder("/"))) << "root's";
+}
+
+TEST_F(Folder, ModeOfAFolderAbove_TellsWhetherOthersCanChangeIt) {
+  fs::create_directory(at_ / "talker");
+  EXPECT_FALSE(may_be_changed_by_others(participant_folder(at_ / "talker")));
+  fs::permissions(at_, fs::perms::all);
+  EXPECT_TRUE(may_be_changed_by_others(participant_folder(at_ / "talker")));
+  fs::permissions(at_, fs::perms::owner_all);
+}
+
+TEST_F(Folder, FileThatOthersCanWrite_TellsThatTheyCanChangeIt) {
+  const fs::perms open = fs::perms::owner_all | fs::perms::others_write;
+  for (const auto* const name : {"key.p11", "cert.pem", "security.properties"}) {
+    touch(name);
+    EXPECT_FALSE(may_be_changed_by_others(participant_folder(at_))) << name;
+    fs::permissions(at_ / name, open);
+    EXPECT_TRUE(may_be_changed_by_others(participant_folder(at_))) << name;
+    fs::remove(at_ / name);
+  }
+  fs::create_directory(at_ / "elsewhere");
+  folder_.write("elsewhere/key.pem", "x");
+  fs::create_symlink("elsewhere/key.pem", at_ / "key.pem");
+  EXPECT_FALSE(may_be_changed_by_others(participant_folder(at_)));
+  fs::permissions(at_ / "elsewhere", open);
+  EXPECT_TRUE(may_be_changed_by_others(participant_folder(at_))) << "the folder of a link's target";
+}
+
+TEST_F(Folder, FileOfAnotherUser_TellsThatOthersCanChangeIt) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  touch("security.properties");
+  ASSERT_EQ(::chown((at_ / "security.properties").c_str(), 1234, 1234), 0);
+  EXPECT_TRUE(may_be_changed_by_others(participant_folder(at_)));
 }
 
 // A document that cannot be reached must not count as one that does not exist.
