@@ -91,5 +91,11 @@ TEST_F(NetworkTrouble, WithoutMulticast_PeersAreEnoughAndNoneIsAnError) {
             Code::rtps_no_multicast);
 }
 
+TEST_F(NetworkTrouble, WithoutMulticastOnAnyOfTwoInterfaces_NoPeerIsAnError) {
+  EXPECT_EQ(code_of(create({.domain_id = 77, .interfaces = {"::1", "::1"}, .peers = {}})),
+            Code::rtps_no_multicast);
+  EXPECT_EQ(std::ranges::count(said(), Code::rtps_no_multicast), 0) << "the error says it";
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
