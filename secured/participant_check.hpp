@@ -8,7 +8,11 @@
 
 namespace ddssec::secured {
 
-/// =
+/// Success if `given` is a folder that contains a participant's certificate or CA certificate, and
+/// also for a folder that is none of the cases below.
+/// Errors: file_not_found (`given` does not exist, is the folder of a CA, or contains participants'
+/// folders), file_unreadable (`given` is not a folder). The error names participants' folders that
+/// are found nearby.
 Status check_is_participant(const std::filesystem::path& given);
 
 }  // namespace ddssec::secured

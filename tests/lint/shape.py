@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Finds what the house style forbids and a machine can see. Exit 1 and a line each otherwise.
-Tests have the same limit of lines, and nothing else of this list."""
+Tests have the same limit of lines and comments with words, and nothing else of this list."""
 
+import itertools
 import pathlib
 import re
 import sys
 
 SOURCES = ["base", "idl", "pki", "governance", "plugins", "rtps", "secured", "cli", "programs",
-           "examples"]
+           "examples", "wire"]
 TEST_SUFFIXES = (".cpp", ".hpp", ".c", ".h", ".py", ".sh")
 MOST_LINES = 500
 
@@ -52,6 +53,19 @@ def doc_comments(name, lines):
             if name.endswith(".cpp") and re.match(r'[^"]*///', line)]
 
 
+def empty_comments(name, lines):
+    """A line for each comment of /// without a word: an edit of many files can leave such a rest of one."""
+    for number, line in enumerate(lines):
+        begins = is_doc_line(line) and (number == 0 or not is_doc_line(lines[number - 1]))
+        block = itertools.takewhile(is_doc_line, lines[number:]) if begins else ()
+        if begins and not any(re.search("[A-Za-z]{2}", each) for each in block):
+            yield f"{name}:{number + 1}: a /// comment without a word"
+
+
+def is_doc_line(line):
+    return line.lstrip().startswith("///")
+
+
 def bare_classes(name, lines):
     """A line for each class of a header without a comment of its own."""
     for number, line in enumerate(lines):
@@ -67,11 +81,13 @@ def lines_of(file):
     return file.read_text(encoding="utf-8").splitlines()
 
 
-def long_tests(root):
-    """The number of files, and a line for each that is too long. What others wrote is below tests/data."""
+def test_faults(root):
+    """The number of files of tests, and a line for each fault. What others wrote is below tests/data."""
     tests, data = root / "tests", root / "tests" / "data"
     files = [p for p in sorted(tests.rglob("*")) if p.suffix in TEST_SUFFIXES and data not in p.parents]
-    return len(files), [line for p in files for line in too_long(p.relative_to(root).as_posix(), lines_of(p))]
+    named = [(p.relative_to(root).as_posix(), lines_of(p)) for p in files]
+    return len(files), [line for name, lines in named
+                        for line in too_long(name, lines) + list(empty_comments(name, lines))]
 
 
 def unclear_names(root):
@@ -90,12 +106,13 @@ def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     files = [p for folder in SOURCES for p in sorted((root / folder).rglob("*"))
              if p.suffix in (".cpp", ".hpp", ".c", ".h")]
-    tests, found = long_tests(root)
+    tests, found = test_faults(root)
     found += unclear_names(root)
     for file in files:
         name = file.relative_to(root).as_posix()
         lines = lines_of(file)
-        found += too_long(name, lines) + doc_comments(name, lines) + list(bare_classes(name, lines))
+        found += too_long(name, lines) + doc_comments(name, lines)
+        found += list(bare_classes(name, lines)) + list(empty_comments(name, lines))
         for number, line in enumerate(lines, 1):
             for pattern, why, applies in RULES:
                 if applies(name) and pattern.search(code_only(line)):

@@ -51,7 +51,8 @@ class World final : private Wire {
   void check_shares(const Node& node);
   void note(BytesView octets);
 
-  /// =
+  /// The octets that arrived at a node, and those that it sent to addresses where no participant
+  /// is.
   struct Flow {
     std::size_t in = 0, lost = 0;
   };
