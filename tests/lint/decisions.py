@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Holds docs/decisions to its form: each decision has a date and five labelled parts, in order; indexes name all.
+A decision before NEEDS_ALL has What and Why at least: what it lacks was not written down at the time.
 
 Usage: decisions.py ROOT [--write]     --write brings the indexes up to date instead of complaining.
 Exit 1 and a line for each fault.
@@ -11,6 +12,7 @@ import re
 import sys
 
 LABELS = ["What", "Why", "Instead", "Cost", "Again when"]
+NEEDS_ALL = "2026-12-01"
 LABEL = re.compile(r"^- (What|Why|Instead|Cost|Again when):(.*)$", re.M)
 TITLE = re.compile(r"(.+) \((\d{4}-\d{2}-\d{2})\)")
 BEGIN, END = "<!-- index -->\n", "<!-- end of index -->\n"
@@ -65,8 +67,15 @@ def faults(name, text):
         if heading in titles:
             yield f"{where}: another decision has the same heading"
         titles.add(heading)
-        if [label for label, _ in LABEL.findall(body)] != LABELS:
+        labels = [label for label, _ in LABEL.findall(body)]
+        is_old = bool(title) and title[2] < NEEDS_ALL
+        if labels != [label for label in LABELS if label in labels or not is_old or label in LABELS[:2]]:
             yield f"{where}: it does not have {', '.join(LABELS)}, once each and in this order, as items of a list"
+        for label in re.findall(r"^- (\w[\w ]{0,20}):", body, re.M):
+            if label not in LABELS:
+                yield f"{where}: {label} is none of the parts"
+        if "None recorded" in body:
+            yield f"{where}: \"None recorded\" says nothing"
         parts = LABEL.split(body)
         yield from (f"{where}: {label} is empty" for label, first, rest in zip(parts[1::3], parts[2::3], parts[3::3])
                     if not first.strip() and not rest.strip())
