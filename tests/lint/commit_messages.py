@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Holds scripts/commit-msg.sh to a table of messages, and then asks it about the newest commit.
+"""Holds scripts/commit-msg.sh to a table of messages and to a history of three commits, then asks it about the newest.
 
 Exit 1 and a line for each fault.
 """
 
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -36,28 +38,94 @@ BAD = [
 ]
 
 
-def accepts(script, message):
+OPTIONS = ["user.name=Test", "user.email=test@example.org", "core.hooksPath=/dev/null", "commit.gpgSign=false"]
+
+
+def accepts(script, message, *commit):
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
         file.write(message)
         file.flush()
-        run = subprocess.run([script, file.name], capture_output=True, text=True, check=False)
+        run = subprocess.run([script, file.name, *commit], capture_output=True, text=True, check=False)
         return run.returncode == 0, run.stderr.strip()
 
 
-def newest_message(root):
-    """That of HEAD, or None outside a repository."""
-    run = subprocess.run(["git", "-C", root, "log", "-1", "--no-merges", "--format=%B"], capture_output=True, text=True, check=False)
-    return run.stdout if run.returncode == 0 else None
+def newest_commit(root):
+    """The hash and the message of the newest commit that joins no others, or nothing outside a repository."""
+    run = subprocess.run(["git", "-C", root, "log", "-1", "--no-merges", "--format=%H%n%B"], capture_output=True, text=True,
+                         check=False)
+    return run.stdout.split("\n", 1) if run.returncode == 0 else None
+
+
+class History:
+    """A repository with a copy of the script, in which each commit is made with a number of new files."""
+
+    def __init__(self, folder, script):
+        self.root = folder
+        self.script = folder / "scripts/commit-msg.sh"
+        self.script.parent.mkdir()
+        shutil.copy(script, self.script)
+        (folder / "scripts/hooks").mkdir()
+        (folder / "scripts/hooks/commit-msg").symlink_to("../commit-msg.sh")
+        self.git("init", "--quiet")
+
+    def git(self, *words):
+        options = [word for option in OPTIONS for word in ("-c", option)]
+        subprocess.run(["git", "-C", self.root, *options, *words], check=True)
+
+    def stage(self, prefix, files):
+        (self.root / "pki").mkdir(exist_ok=True)
+        for number in range(files):
+            (self.root / f"pki/{prefix}{number}.txt").write_text("new\n", encoding="utf-8")
+        self.git("add", "--all")
+
+    def commit(self, message, files=1):
+        self.stage(message.split()[1], files)
+        self.git("commit", "--quiet", "--message", message)
+
+
+def history_faults(script):
+    """What the script says of bodies that come again, of short bodies, and as a hook."""
+    with tempfile.TemporaryDirectory() as folder:
+        history = History(pathlib.Path(folder), script)
+        history.commit("pki: one change\n\nSentences have a verb.\n")
+        history.commit("pki: two changes\n\nLists are read in order.\n")
+        again = "pki: more changes\n\nSentences have\na verb.\n\nReviewed-by: A Person <a@example.org>\n"
+        short = "pki: many changes\n\nA review named them.\n"
+        amended = "pki: two good changes\n\nLists are read in order.\n"
+        history.stage("few", 10)
+        table = [(again, (), False, "a body that came before"), (amended, (), True, "the body of HEAD, as in an amendment"),
+                 (short, (), True, "a short body for ten files")]
+        yield from faults_of(history.script, table)
+        if not accepts(history.root / "scripts/hooks/commit-msg", short)[0]:
+            yield "as a hook, it does not know the folders"
+        history.stage("many", 11)
+        yield from faults_of(history.script, [(short, (), False, "a short body for more than ten files"),
+                                              (short[:-1] + " Each has its own name now, " + "as the page of the style demands.\n",
+                                               (), True, "a longer body for more than ten files")])
+        history.commit(amended)
+        yield from faults_of(history.script, [(amended, ("HEAD",), False, "a commit with the body of the one before")])
+        said = accepts(history.script, "pki: read lists and keys\n\nWhy.\n", "HEAD~1")
+        if not said[0] or "warning" not in said[1]:
+            yield 'there is no warning of "and" in a subject'
+
+
+def faults_of(script, table):
+    for message, commit, expected, what in table:
+        if accepts(script, message, *commit)[0] != expected:
+            yield f"{what} is {'refused' if expected else 'accepted'}: {accepts(script, message, *commit)[1]}"
 
 
 def main():
     root = pathlib.Path(sys.argv[1])
+    for name in [name for name in os.environ if name.startswith("GIT_")]:
+        del os.environ[name]  # of a hook that runs this test: they name the repository of the hook
     script = root / "scripts/commit-msg.sh"
-    found = [f"{message!r} is refused: {accepts(script, message)[1]}" for message in GOOD if not accepts(script, message)[0]]
+    found = list(history_faults(script))
+    found += [f"{message!r} is refused: {accepts(script, message)[1]}" for message in GOOD if not accepts(script, message)[0]]
     found += [f"{message!r} is accepted" for message in BAD if accepts(script, message)[0]]
-    newest = newest_message(root)
-    if newest and not accepts(script, newest)[0]:
-        found.append(f"the newest commit: {accepts(script, newest)[1]}")
+    newest = newest_commit(root)
+    if newest and not accepts(script, newest[1], newest[0])[0]:
+        found.append(f"the newest commit: {accepts(script, newest[1], newest[0])[1]}")
     print("\n".join(found) if found else f"{len(GOOD)} accepted, {len(BAD)} refused")
     return 1 if found else 0
 
