@@ -14,6 +14,7 @@ Exit 1 and a line for each fault.
 
 import datetime
 import hashlib
+import os
 import pathlib
 import re
 import subprocess
@@ -111,6 +112,8 @@ def main():
     found += [f"{name}: it asks for ddssec {asked}, and this is {version}" for name, asked in asking if asked not in (minor, version)]
     if not asking:
         found.append("no find_package(ddssec VERSION) was found: this test looks at nothing")
+    if not tags and os.environ.get("DDSSEC_NEEDS_TAGS"):
+        found.append("this clone has no tags, and DDSSEC_NEEDS_TAGS is set: fetch them with git fetch --tags")
     print("\n".join(found) if found else f"{version} everywhere")
     if not tags:
         print("this clone has no tags: released sections of CHANGELOG.md that were never shortened are not compared with them")
