@@ -2,6 +2,8 @@
 """Names of the C++ API at the last release must exist, or [Unreleased] of CHANGELOG.md must name them: users must learn
 what to rename. tests/lint/api_names.txt has the names of that release; a name is that of a namespace's or type's public
 function, member, type or constant in the first list of cmake/public_headers.cmake, such as `rtps::QosPreset::name`.
+The other way round, what a line of [Unreleased] that begins with "C++:" says of a rename is true: of "`a` is `b`", b is a
+word in one of these headers, or a header.
 
 Usage: api_names.py ROOT [--write]     --write makes the list anew, from the present headers: only at a release.
 """
@@ -120,18 +122,42 @@ def shown_after(statement, is_shown):
     return labels[-1] == "public" if labels else is_shown
 
 
+def headers(root):
+    listed = HEADERS.search((root / "cmake/public_headers.cmake").read_text(encoding="utf-8"))[1]
+    return re.sub(r"#[^\n]*", "", listed).split()
+
+
 def api(root):
     names = Names()
-    listed = HEADERS.search((root / "cmake/public_headers.cmake").read_text(encoding="utf-8"))[1]
-    for header in re.sub(r"#[^\n]*", "", listed).split():
+    for header in headers(root):
         names.read(plain((root / header).read_text(encoding="utf-8")), (), True)
     return {name.removeprefix("ddssec::") for name in names.all if name not in ("ddssec", "std")}
 
 
+def unreleased(root):
+    return re.search(r"^## \[Unreleased\]\n(.*?)(?=^## |\Z)", (root / "CHANGELOG.md").read_text(encoding="utf-8"), re.M | re.S)[1]
+
+
 def unreleased_words(root):
     """The words in backticks in [Unreleased]."""
-    section = re.search(r"^## \[Unreleased\]\n(.*?)(?=^## |\Z)", (root / "CHANGELOG.md").read_text(encoding="utf-8"), re.M | re.S)[1]
-    return {word for span in re.findall(r"`([^`]+)`", section) for word in re.findall(r"\w+", span)}
+    return {word for span in re.findall(r"`([^`]+)`", unreleased(root)) for word in re.findall(r"\w+", span)}
+
+
+def new_names(root):
+    """The names in backticks after "is" or "are" in the lines of [Unreleased] about C++. After "and", a name that "is", "of" or
+    "in" follows is that of the next rename."""
+    for item in re.findall(r"^- C\+\+:(.*?)(?=^- |^#|\Z)", unreleased(root), re.M | re.S):
+        for names in re.findall(r"` (?:is|are)((?:,? (?:and )?`[^`]+`(?! (?:is|are|of|in)\b))+)", " ".join(item.split())):
+            yield from re.findall(r"`([^`]+)`", names)
+
+
+def false_renames(root):
+    """A line for each new name that no public header has."""
+    words = {word for header in headers(root)
+             for word in re.findall(r"\w+", plain((root / header).read_text(encoding="utf-8")))}
+    for name in new_names(root):
+        if name.rpartition("::")[2] not in words and not (root / name).is_file():
+            yield f"[Unreleased] of CHANGELOG.md has the new name {name}, and no public header has it"
 
 
 def faults(root, version):
@@ -145,6 +171,7 @@ def faults(root, version):
         is_of_another = name.rpartition("::")[0] in gone  # which is looked at by itself
         if not is_of_another and name.rpartition("::")[2] not in words:
             yield f"{name} was in {version} and is gone, and [Unreleased] of CHANGELOG.md does not name it"
+    yield from false_renames(root)
     if not present:
         yield "no name was found in the public headers: this test looks at nothing"
 
