@@ -54,8 +54,8 @@ std::vector<Finding> uncovered_grants(const governance::Permissions& permissions
              grant.name, doctor::to_text(allowed), governance.string(), doctor::to_text(covered)),
          .document = file.string(),
          .line = line,
-         .hint = fmt::format("write permissions for domain {} and sign them",
-                             doctor::to_text(covered)),
+         .hint =
+             fmt::format("write permissions for domain {} and sign them", doctor::to_text(covered)),
          .severity = Severity::warning});
   }
   return out;

@@ -70,8 +70,8 @@ TEST_F(ClearEndpoints, AtManyPortsAgainAndAgain_GetMessagesAtFewOfThem) {
     pair.a->create_writer(square(default_writer_qos()), pair.a.listener, pair.world.now).value();
   }
   pair.world.run(300);
-  EXPECT_THAT(ports,
-              ::testing::SizeIs(::testing::AllOf(::testing::Ge(1u), ::testing::Le(ClearAddresses::kMax))));
+  EXPECT_THAT(ports, ::testing::SizeIs(
+                         ::testing::AllOf(::testing::Ge(1u), ::testing::Le(ClearAddresses::kMax))));
 }
 
 // Endpoints that have ended take no room.

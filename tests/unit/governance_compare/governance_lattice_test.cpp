@@ -115,9 +115,9 @@ TEST(Lattice, Kinds_AreOrderedByLevelAndOrigin) {
   EXPECT_EQ(compare_kinds(Kind::sign, Kind::sign_with_origin_authentication), stronger);
   EXPECT_EQ(compare_kinds(Kind::encrypt, Kind::encrypt_with_origin_authentication), stronger);
   EXPECT_EQ(compare_kinds(Kind::none, Kind::encrypt_with_origin_authentication), stronger);
-  EXPECT_EQ(
-      compare_kinds(Kind::encrypt_with_origin_authentication, Kind::sign_with_origin_authentication),
-      weaker);
+  EXPECT_EQ(compare_kinds(Kind::encrypt_with_origin_authentication,
+                          Kind::sign_with_origin_authentication),
+            weaker);
   EXPECT_EQ(compare_kinds(Kind::encrypt, Kind::sign_with_origin_authentication), mixed);
   EXPECT_EQ(compare_kinds(Kind::sign_with_origin_authentication, Kind::encrypt), mixed);
   EXPECT_EQ(compare_kinds(Kind::encrypt, Kind::encrypt), neutral);
