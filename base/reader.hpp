@@ -1,4 +1,4 @@
-// The only way to read octets of a peer or a file. The cursor cannot leave its bounds.
+// A cursor that cannot leave its bounds. Octets of a peer are read with it (docs/contributing.md).
 #pragma once
 
 #include <concepts>
