@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The table of properties in plugins/README.md has every property of plugins/spi/property_names.hpp
+"""The table of properties in docs/configuration.md has every property of plugins/spi/property_names.hpp
 that configures a participant, and no other one of ddssec.
 
 Exit 1 and a line for each property that only one of the two has.
@@ -29,9 +29,9 @@ def of_table(text):
 def main():
     root = pathlib.Path(sys.argv[1])
     code = of_code((root / "plugins/spi/property_names.hpp").read_text(encoding="utf-8"))
-    table = of_table((root / "plugins/README.md").read_text(encoding="utf-8"))
-    lines = [f"plugins/README.md: no row for the property {name}" for name in sorted(code - table)]
-    lines += [f"plugins/README.md: no such property in plugins/spi/property_names.hpp: {name}"
+    table = of_table((root / "docs/configuration.md").read_text(encoding="utf-8"))
+    lines = [f"docs/configuration.md: no row for the property {name}" for name in sorted(code - table)]
+    lines += [f"docs/configuration.md: no such property in plugins/spi/property_names.hpp: {name}"
               for name in sorted(table - code)]
     print("\n".join(lines) if lines else f"each of {len(code)} properties has its row")
     return 1 if lines or not code else 0

@@ -5,8 +5,12 @@
   part of an identifier ("by_anybody"). In tests, which quote what others write, only comments and docstrings count.
 - In comments of tests: history ("Before: ..."), and numbers of attacks in a file that does not name docs/attacks.md.
 - In README.md, SECURITY.md and docs/: sentences of more than 45 words.
+- There, and in README.md of each folder: literal translations (TRANSLATED), with what to write instead. Not in pages that
+  are generated from texts of the tool, nor in docs/history.md, which has former names.
 
-Exit 1 and a line for each place. Name the subject: "an attacker", "a participant without a certificate".
+Exit 1 and a line for each place. Name the subject: "an attacker", "a participant without a certificate"; a question may
+begin with "Who is". Write "predict" for "foretell", "fix" or "repair" for "mend", "still" for "all the same", "belong in"
+for "belong into". A colon or a semicolon ends a sentence when words are counted.
 """
 
 import ast
@@ -32,6 +36,16 @@ C_FAMILY = {".cpp", ".hpp", ".h", ".c", ".idl"}
 HISTORY = re.compile(r"\bBefore(:| the fix\b)")
 ATTACK = re.compile(r"\bT[1-9]\d?\b")
 MOST_WORDS = 45
+TRANSLATED = {
+    r"anew": "again",
+    r"farewells?": "dispose announcement",
+    r"go(es)? by UDP": "is sent over UDP",
+    r"counts? for nothing": "is ignored",
+    r"(does|did|do) nothing else": "is idle, or: only",
+    r"met more slowly": "discovered more slowly",
+    r"in truth": "really",
+}
+NOT_TRANSLATED = {"docs/codes.md", "docs/rules.md", "docs/history.md", "docs/contributing.md", "docs/README.md", "cli/README.md"}
 PAGES = re.compile(r"^(README\.md|SECURITY\.md|docs/[\w-]+\.md)$")
 
 
@@ -98,6 +112,17 @@ def long_sentences(markdown):
                 yield number, words, sentence
 
 
+def translated(name, text):
+    """Pairs of a line of a page and what is wrong with it."""
+    if not PAGES.match(name) and not name.endswith("README.md") or name in NOT_TRANSLATED or "/decisions/" in name:
+        return
+    for number, line in enumerate(text.split("\n"), 1):
+        line = re.sub(r"`[^`]*`", "", line)
+        for words, instead in TRANSLATED.items():
+            if found := re.search(rf"\b{words}\b", line):
+                yield number, f'"{found[0]}": write "{instead}"'
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
     names = subprocess.run(["git", "-C", root, "ls-files"], capture_output=True, text=True, check=True).stdout.split()
@@ -117,6 +142,9 @@ def main():
                 for number, fault in unclear_comments(lines, text):
                     print(f"{name}:{number}: {fault}")
                     faults += 1
+        for number, fault in translated(name, text):
+            print(f"{name}:{number}: {fault}")
+            faults += 1
         if PAGES.match(name):
             for number, words, sentence in long_sentences(text):
                 print(f"{name}:{number}: a sentence of {words} words: {sentence[:70]}...")
