@@ -1,5 +1,7 @@
 #include "base/document_watch.hpp"
 
+#include <utility>
+
 #include "base/rollback.hpp"
 #include "base/uri_source.hpp"
 
@@ -19,10 +21,16 @@ Result<bool> DocumentWatch::poll(std::chrono::nanoseconds now, const Adopt& adop
   Rollback again([&] { watch_.force_change(); });
   const auto file = read();
   const auto content = file ? sha256(*file) : Sha256Digest{};
+  is_as_at_last_poll_ = file && last_read_ == content;
+  last_read_ = file ? std::optional(content) : std::nullopt;
   Status status;
   if (!file) status = std::unexpected(file.error());
   const bool is_other = file && content != content_;
   if (is_other) status = adopt(*file);
+  if (std::exchange(is_undecided_, false)) {
+    refusals_.note_doubt();
+    return false;
+  }
   if (status) {
     if (is_other) content_ = content;
     refusals_.clear();

@@ -39,6 +39,15 @@ class DocumentWatch {
   /// the file was wrong at two polls in a row, and only once as long as the file stays the same.
   Result<bool> poll(std::chrono::nanoseconds now, const Adopt& adopt);
 
+  /// While `adopt` runs: true if the poll before has read the same octets. A file that is being
+  /// written grows, so it is not whole at least as long as this is false.
+  bool is_as_at_last_poll() const { return is_as_at_last_poll_; }
+  /// While `adopt` runs: leaves the decision to the next poll, which reads the file again. This is
+  /// neither an adoption nor a refusal. `adopt` then succeeds without using the document.
+  void decide_at_next_poll() { is_undecided_ = true; }
+  /// Returns the device and inode of the file at the last poll; empty if there was no file.
+  std::optional<FileWatch::FileId> file_id() const { return watch_.file_id(); }
+
   /// Makes the next poll read the file without waiting for the interval.
   void force_poll() { watch_.force_poll(); }
 
@@ -60,6 +69,9 @@ class DocumentWatch {
   FileWatch watch_;
   Sha256Digest content_{};
   RenewalRefusals refusals_;
+  std::optional<Sha256Digest> last_read_;  ///< digest of what the last poll read
+  bool is_as_at_last_poll_ = false;
+  bool is_undecided_ = false;
 };
 
 }  // namespace ddssec

@@ -25,6 +25,14 @@ class FileWatch {
   /// deleted. Queries the file system at most once per interval. `now` is Clock::monotonic.
   bool may_have_changed(std::chrono::nanoseconds now);
 
+  /// The device and the inode of a file. A file that is renamed into place has others than the one
+  /// before; a file that is written in place keeps them.
+  using FileId = std::array<std::uint64_t, 2>;
+  /// Returns that of the file at the last query; empty if there was no file.
+  std::optional<FileId> file_id() const {
+    return last_ ? std::optional(FileId{(*last_)[0], (*last_)[1]}) : std::nullopt;
+  }
+
   /// Returns the URI by which the file is read, now and later: the result of absolute_uri.
   const std::string& uri() const { return uri_; }
 

@@ -24,6 +24,9 @@ class RenewalRefusals {
     last_reported_ = {why, content};
     return true;
   }
+  /// Notes that this poll does not decide on the file. A refusal at the next poll is then the
+  /// second in a row.
+  void note_doubt() { was_refused_ = true; }
   /// Keeps the report of the refusal, for refused(), and returns it.
   Error note(Error report) {
     refused_ = std::move(report);

@@ -22,21 +22,51 @@ DocumentWatch::WatchedDocument of_bundle(DocumentWatch::WatchedDocument what) {
 }  // namespace
 
 AuthorityWatch::AuthorityWatch(DocumentWatch::WatchedDocument what, std::chrono::seconds interval)
-    : file_(of_bundle(std::move(what)), interval) {}
+    : file_(of_bundle(std::move(what)), interval), file_in_force_(file_.file_id()) {}
+
+// True if the file is the one that was adopted with fewer CAs, and has more octets at its end now.
+bool AuthorityWatch::goes_on(BytesView file, std::chrono::nanoseconds now) const {
+  return cut_ && file_.file_id() == file_in_force_ && now - cut_->at <= kMaxWritingTime &&
+         file.size() > cut_->octets && sha256(file.first(cut_->octets)) == cut_->content;
+}
+
+Status AuthorityWatch::judge(const FileOfNext& file, const Authorities& in_force,
+                             const Adopt& adopt) {
+  auto withdrawn = withdrawn_;
+  if (goes_on(file.octets, file.now)) withdrawn.forget(cut_->left);
+  DDSSEC_RETURN_IF_ERROR(withdrawn.check(in_force, file.next));
+  auto left = leaving(in_force, file.next);
+  if (!left.empty() && !file_.is_as_at_last_poll()) {
+    file_.decide_at_next_poll();
+    return {};
+  }
+  DDSSEC_RETURN_IF_ERROR(adopt(file.next));
+  withdrawn.note(in_force, file.next);
+  withdrawn_ = std::move(withdrawn);
+  cut_.reset();
+  if (!left.empty() && file_in_force_ && file_.file_id() == file_in_force_)
+    cut_ = {sha256(file.octets), file.octets.size(), file.now, std::move(left)};
+  return {};
+}
 
 Result<bool> AuthorityWatch::poll(std::chrono::nanoseconds now, const Authorities& in_force,
                                   const Adopt& adopt) {
   bool is_other = false;
-  const auto judge = [&](BytesView file) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(const auto next, Certificate::bundle_from_pem(file));
-    if (have_the_same(next, in_force)) return {};
-    DDSSEC_RETURN_IF_ERROR(withdrawn_.check(in_force, next));
+  const auto take = [&](const Authorities& next) -> Status {
     DDSSEC_RETURN_IF_ERROR(adopt(next));
-    withdrawn_.note(in_force, next);
     is_other = true;
     return {};
   };
-  DDSSEC_RETURN_IF_ERROR(file_.poll(now, judge));
+  const auto judge_file = [&](BytesView file) -> Status {
+    DDSSEC_ASSIGN_OR_RETURN(const auto next, Certificate::bundle_from_pem(file));
+    if (have_the_same(next, in_force)) return {};
+    return judge({file, next, now}, in_force, take);
+  };
+  const auto read = file_.poll(now, judge_file);
+  // A file that has replaced the one that was written in place is whole, or is another attempt.
+  if (file_.file_id() != file_in_force_) cut_.reset();
+  if (read && *read) file_in_force_ = file_.file_id();
+  DDSSEC_RETURN_IF_ERROR(read);
   return is_other;
 }
 

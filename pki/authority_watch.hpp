@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,9 +12,15 @@
 
 namespace ddssec::pki {
 
-/// Watches one CA file, and adopts CAs that replace those in force. Not thread-safe.
+/// Watches one CA file, and adopts CAs that replace those in force. A file that lacks a CA in force
+/// counts at the second poll in a row that reads the same, because it may just be being written.
+/// Not thread-safe.
 class AuthorityWatch {
  public:
+  /// If a file that is written in place lacked a CA, and goes on within this time, the CA may come
+  /// back (WithdrawnAuthorities). A file that is renamed into place has no such time.
+  static constexpr std::chrono::seconds kMaxWritingTime{30};
+
   /// Create the watch before the file is read for the first time. It sets `what.max_octets` itself.
   AuthorityWatch(DocumentWatch::WatchedDocument what, std::chrono::seconds interval);
 
@@ -36,8 +43,27 @@ class AuthorityWatch {
   const std::string& name() const { return file_.name(); }
 
  private:
+  /// A file that was adopted with fewer CAs, and may have been written in place.
+  struct Cut {
+    Sha256Digest content;
+    std::size_t octets;
+    std::chrono::nanoseconds at;
+    Authorities left;  ///< the CAs that it lacked
+  };
+
+  struct FileOfNext {
+    BytesView octets;
+    const Authorities& next;  ///< the CAs in the file
+    std::chrono::nanoseconds now;
+  };
+
+  Status judge(const FileOfNext& file, const Authorities& in_force, const Adopt& adopt);
+  bool goes_on(BytesView file, std::chrono::nanoseconds now) const;
+
   DocumentWatch file_;
   WithdrawnAuthorities withdrawn_;
+  std::optional<FileWatch::FileId> file_in_force_;  ///< the file that had the CAs in force
+  std::optional<Cut> cut_;
 };
 
 }  // namespace ddssec::pki

@@ -13,8 +13,9 @@
 
 namespace ddssec::pki {
 
-/// Watches these files, none of which need exist, and adopts the entries of all of them together.
-/// Not thread-safe.
+/// Watches these files, none of which need exist, and adopts the entries of all of them together. A
+/// file that lacks an entry in force may just be being written. The entry then stays in force until
+/// the second poll in a row that reads the same; new entries count at once. Not thread-safe.
 class RenewalListWatch {
  public:
   /// `uris` are those of the files. `refused` is the code of events about a file that cannot be
@@ -24,10 +25,10 @@ class RenewalListWatch {
 
   /// Judges entries that would replace those in force, and uses them if they are good.
   using Adopt = std::function<Status(const RenewalList&)>;
-  /// Reads each file that may have changed. Returns true if other entries are in force. `now` is
-  /// Clock::monotonic. Error: the fault of a file that was wrong at two polls in a row, once as
-  /// long as the file stays the same; the entries in force stay. A file that disappears after it
-  /// was read counts as wrong.
+  /// Reads each file that may have changed. Returns true if exactly the entries of the files are in
+  /// force, and others were before. `now` is Clock::monotonic. Error: the fault of a file that was
+  /// wrong at two polls in a row, once as long as the file stays the same; the entries in force
+  /// stay. A file that disappears after it was read counts as wrong.
   Result<bool> poll(std::chrono::nanoseconds now, const Adopt& adopt);
 
   /// Makes the next poll read the files without waiting for the interval.
@@ -47,12 +48,14 @@ class RenewalListWatch {
     FileWatch watch;
     std::string path;
     std::optional<Sha256Digest> content = {};  ///< digest of the file whose entries are in force
+    /// Digest of what the last poll read.
+    std::optional<Sha256Digest> last_read = {};
     RenewalList list = {};
     RenewalRefusals refusals = {};
   };
 
   Result<bool> read_place(Place& place, const Adopt& adopt);
-  Status judge(Place& place, BytesView file, const Adopt& adopt);
+  Result<bool> judge(Place& place, BytesView file, bool is_second_look, const Adopt& adopt);
   RenewalList merged_list() const;
 
   const Code refused_;

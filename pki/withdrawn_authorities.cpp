@@ -14,6 +14,8 @@ std::string describe(const Certificate& ca) {
   return ca.subject() + " (SHA-256 " + to_hex(ca.fingerprint()).substr(0, kShownDigits) + "...)";
 }
 
+}  // namespace
+
 std::vector<Certificate> leaving(const std::vector<Certificate>& former,
                                  const std::vector<Certificate>& next) {
   std::vector<Certificate> out;
@@ -22,8 +24,6 @@ std::vector<Certificate> leaving(const std::vector<Certificate>& former,
   });
   return out;
 }
-
-}  // namespace
 
 Status WithdrawnAuthorities::check(const std::vector<Certificate>& former,
                                    const std::vector<Certificate>& next) const {
@@ -40,6 +40,10 @@ Status WithdrawnAuthorities::check(const std::vector<Certificate>& former,
 void WithdrawnAuthorities::note(const std::vector<Certificate>& former,
                                 const std::vector<Certificate>& next) {
   for (const auto& ca : leaving(former, next)) withdrawn_.insert(ca.fingerprint());
+}
+
+void WithdrawnAuthorities::forget(const std::vector<Certificate>& authorities) {
+  for (const auto& ca : authorities) withdrawn_.erase(ca.fingerprint());
 }
 
 std::string describe(const std::vector<Certificate>& authorities) {

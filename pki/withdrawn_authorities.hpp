@@ -24,10 +24,16 @@ class WithdrawnAuthorities {
   Status check(const std::vector<Certificate>& former, const std::vector<Certificate>& next) const;
   /// Notes that `next` has replaced `former`. Call it after `check` succeeded.
   void note(const std::vector<Certificate>& former, const std::vector<Certificate>& next);
+  /// Lets these CAs come back. Call it only for a file that was read before it was whole.
+  void forget(const std::vector<Certificate>& authorities);
 
  private:
   std::set<Sha256Digest> withdrawn_;
 };
+
+/// Returns the CAs of `former` that `next` lacks.
+std::vector<Certificate> leaving(const std::vector<Certificate>& former,
+                                 const std::vector<Certificate>& next);
 
 /// Returns subjects and first digits of the fingerprints, for a person; at most 512 characters.
 std::string describe(const std::vector<Certificate>& authorities);

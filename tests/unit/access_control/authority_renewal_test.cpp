@@ -14,7 +14,6 @@
 namespace ddssec::access_control {
 namespace {
 
-using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -179,6 +178,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   ASSERT_TRUE(former && moved);
   put({&second()});
   log.all.clear();
+  EXPECT_THAT(poll(), IsEmpty()) << "the file may not be whole";
   EXPECT_THAT(poll(), ElementsAre(*former));
   ASSERT_EQ(log.all.size(), 2u);
   EXPECT_EQ(log.all.front().error.code(), Code::permissions_ca_renewed);
@@ -309,15 +309,30 @@ TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
   std::filesystem::create_directory(path_);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_ca_renewal_refused));
   std::filesystem::remove(path_);
+  put({&first()});
+  EXPECT_THAT(codes_after_looking(), IsEmpty()) << "a good file between two bad ones";
+  std::filesystem::remove(path_);
   const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path_.copy(address.sun_path, sizeof address.sun_path - 1);
   ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  EXPECT_THAT(codes_after_looking(), Each(Code::permissions_ca_renewal_refused));
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_ca_renewal_refused));
   ::close(socket);
   EXPECT_TRUE(accepts(first()));
   EXPECT_TRUE(may_publish("t"));
+}
+
+// The writer stops after the first of two certificates.
+TEST_F(AuthorityRenewal, FileCutBetweenItsCertificates_LosesNoCa) {
+  put({&first(), &second()});
+  codes_after_looking();
+  folder_.write("permissions_ca.pem", bundle({&first()}));
+  poll();
+  EXPECT_TRUE(accepts(second()));
+  folder_.write("permissions_ca.pem", bundle({&first(), &second()}));
+  EXPECT_THAT(codes_after_looking(), IsEmpty());
+  EXPECT_TRUE(accepts(second()));
 }
 
 TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
@@ -431,6 +446,7 @@ TEST_F(PresentedOnce, SecondCa_IsAcceptedUntilItLeaves) {
   ASSERT_TRUE(peer);
   EXPECT_TRUE(plugin->check_remote_participant(*peer, 0));
   put({&first()});
+  EXPECT_THAT(poll(), IsEmpty()) << "the file may not be whole";
   EXPECT_THAT(poll(), ElementsAre(*peer));
   EXPECT_FALSE(accepts(second()));
 }

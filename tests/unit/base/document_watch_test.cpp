@@ -86,6 +86,40 @@ TEST_F(DocumentWatchTest, DocumentThatIsRefusedAndPutBack_IsNotTaken) {
   EXPECT_EQ(taken_, std::vector<std::string>{"bad"});
 }
 
+TEST_F(DocumentWatchTest, DocumentThatIsUndecided_IsJudgedAgainAtTheNextPoll) {
+  auto watch = watch_of_file();
+  poll(watch);
+  std::vector<bool> known;
+  const auto poll_undecided = [&] {
+    now_ += 5s;
+    return watch.poll(now_, [&](BytesView) -> Status {
+      known.push_back(watch.is_as_at_last_poll());
+      if (!known.back()) watch.decide_at_next_poll();
+      return {};
+    });
+  };
+  folder_.replace("document", "second");
+  EXPECT_EQ(poll_undecided(), false);
+  folder_.replace("document", "third");
+  EXPECT_EQ(poll_undecided(), false);
+  EXPECT_EQ(poll_undecided(), true);
+  EXPECT_EQ(known, (std::vector{false, false, true}));
+}
+
+TEST_F(DocumentWatchTest, RefusalAfterAnUndecidedPoll_IsTheSecond) {
+  auto watch = watch_of_file();
+  poll(watch);
+  folder_.replace("document", "bad");
+  now_ += 5s;
+  EXPECT_EQ(watch.poll(now_,
+                       [&](BytesView) -> Status {
+                         watch.decide_at_next_poll();
+                         return {};
+                       }),
+            false);
+  EXPECT_CODE(poll(watch), permissions_renewal_refused);
+}
+
 TEST_F(DocumentWatchTest, RemedyOfTheReason_IsGivenIfTheDocumentMustBeWrittenAnew) {
   auto watch = watch_of("file:" + path_, true);
   folder_.replace("document", "bad");

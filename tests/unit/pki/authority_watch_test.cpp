@@ -15,6 +15,7 @@ class AuthorityWatchTest : public testing::Test {
     for (const auto& one : all) out += one.pem();
     return out;
   }
+  void write_in_place(const std::string& text) { folder_.write("ca.pem", text); }
   void put(const Authorities& all) { folder_.replace("ca.pem", pem(all)); }
   Result<bool> poll(Status answer = {}) {
     now_ += 5s;
@@ -53,6 +54,7 @@ TEST_F(AuthorityWatchTest, AddedAndRemovedAuthorities_AreTaken) {
   put({one_, two_, three});
   EXPECT_EQ(poll(), true);
   put({three});
+  EXPECT_EQ(poll(), false);
   EXPECT_EQ(poll(), true);
   EXPECT_EQ(in_force_, Authorities{three});
   EXPECT_EQ(judged_, 2);
@@ -60,6 +62,7 @@ TEST_F(AuthorityWatchTest, AddedAndRemovedAuthorities_AreTaken) {
 
 TEST_F(AuthorityWatchTest, RemovedAuthority_DoesNotComeBack) {
   put({two_});
+  EXPECT_EQ(poll(), false);
   EXPECT_EQ(poll(), true);
   put({one_, two_});
   EXPECT_EQ(poll(), false);
@@ -75,10 +78,100 @@ TEST_F(AuthorityWatchTest, RemovedAuthority_DoesNotComeBack) {
 TEST_F(AuthorityWatchTest, RefusedAuthorities_AreNotWithdrawnAndReported) {
   put({two_});
   EXPECT_EQ(poll(fail(Code::malformed)), false);
+  EXPECT_EQ(judged_, 0);
   EXPECT_CODE(poll(fail(Code::malformed)), identity_renewal_refused);
   put({one_, two_});
   EXPECT_EQ(poll(), false);
   EXPECT_FALSE(watch_.refused());
+}
+
+// ---- a file that is being written
+
+TEST_F(AuthorityWatchTest, FileCutBetweenItsCertificates_LosesNoCa) {
+  for (const auto& first : {one_, two_}) {
+    write_in_place(first.pem());
+    EXPECT_EQ(poll(), false);
+    write_in_place(pem({one_, two_}));
+    EXPECT_EQ(poll(), false);
+  }
+  EXPECT_EQ(judged_, 0);
+  EXPECT_FALSE(watch_.refused());
+}
+
+TEST_F(AuthorityWatchTest, FileCutAtTwoPollsThatAreNotInARow_LosesNoCa) {
+  for (int i = 0; i < 4; ++i) {
+    write_in_place(i % 2 == 0 ? one_.pem() : pem({one_, two_}));
+    EXPECT_EQ(poll(), false);
+  }
+  write_in_place("-----BEGIN");
+  EXPECT_EQ(poll(), false);
+  write_in_place(one_.pem());
+  EXPECT_EQ(poll(), false);
+  EXPECT_EQ(judged_, 0);
+}
+
+TEST_F(AuthorityWatchTest, FileThatGrows_LosesNoCa) {
+  const auto three = make_ca("CN=Three").certificate();
+  in_force_ = {one_, two_, three};
+  write_in_place(one_.pem());
+  EXPECT_EQ(poll(), false);
+  write_in_place(pem({one_, two_}));
+  EXPECT_EQ(poll(), false);
+  EXPECT_EQ(judged_, 0);
+}
+
+TEST_F(AuthorityWatchTest, WriterThatPausesLonger_BringsTheCaBack) {
+  write_in_place(two_.pem());
+  EXPECT_EQ(poll(), false);
+  EXPECT_EQ(poll(), true) << "a stolen CA must end";
+  write_in_place(pem({two_, one_}));
+  EXPECT_EQ(poll(), true);
+  EXPECT_EQ(in_force_, (Authorities{two_, one_}));
+}
+
+// An attacker could do these.
+TEST_F(AuthorityWatchTest, FileThatIsNoContinuation_BringsNoCaBack) {
+  write_in_place(two_.pem());
+  poll();
+  EXPECT_EQ(poll(), true);
+  write_in_place(pem({one_, two_}));
+  EXPECT_EQ(poll(), false) << "other octets at the beginning";
+  put({two_, one_});
+  EXPECT_CODE(poll(), identity_renewal_refused);
+  EXPECT_EQ(in_force_, Authorities{two_});
+}
+
+TEST_F(AuthorityWatchTest, FileThatWasRenamedIntoPlace_IsNotContinued) {
+  put({two_});
+  poll();
+  EXPECT_EQ(poll(), true);
+  write_in_place(pem({two_, one_}));
+  EXPECT_EQ(poll(), false);
+  EXPECT_EQ(in_force_, Authorities{two_});
+}
+
+TEST_F(AuthorityWatchTest, FormerFileAfterAnotherOne_IsNotContinued) {
+  const auto path = folder_.path() + "/ca.pem";
+  std::filesystem::create_hard_link(path, path + ".kept");
+  write_in_place(two_.pem());
+  poll();
+  EXPECT_EQ(poll(), true);
+  put({two_});
+  EXPECT_EQ(poll(), false);
+  folder_.write("ca.pem.kept", pem({two_, one_}));
+  std::filesystem::rename(path + ".kept", path);
+  EXPECT_EQ(poll(), false);
+  EXPECT_EQ(in_force_, Authorities{two_});
+}
+
+TEST_F(AuthorityWatchTest, ContinuationThatComesTooLate_BringsNoCaBack) {
+  write_in_place(two_.pem());
+  poll();
+  EXPECT_EQ(poll(), true);
+  now_ += AuthorityWatch::kMaxWritingTime;
+  write_in_place(pem({two_, one_}));
+  EXPECT_EQ(poll(), false);
+  EXPECT_EQ(in_force_, Authorities{two_});
 }
 
 TEST_F(AuthorityWatchTest, FileWithoutACertificate_IsReported) {
