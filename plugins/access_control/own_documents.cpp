@@ -324,33 +324,70 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
 
 // ---- the renewal list
 
-// Documents that were verified before are not verified again.
-Result<OwnDocuments::Listed> OwnDocuments::listed(const Renewal& now, BytesView file) const {
+// Returns the document if it was verified before.
+std::optional<OwnDocuments::Listed> OwnDocuments::known(const Renewal& now, BytesView file) const {
   const auto ca = now.participant.basis()->ca;
   const auto digest = sha256(file);
-  const auto known = std::ranges::find(listed_, digest, &Listed::file);
-  if (known != listed_.end() && ca->holds(known->document->signer())) return *known;
-  DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*ca, file, now.clock.now()));
-  return Listed{digest, std::move(document)};
+  for (const auto* const all : {&listed_.verified, &listed_.former})
+    if (const auto one = std::ranges::find(*all, digest, &Listed::file);
+        one != all->end() && ca->holds(one->document->signer()))
+      return *one;
+  return std::nullopt;
 }
 
 // An entry that was signed by no CA of the file does not count.
-Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
-  std::vector<Listed> next;
-  std::optional<Error> first;
-  for (const auto& file : list.permissions) {
-    auto one = listed(now, file);
-    if (one)
-      next.push_back(*std::move(one));
-    else if (!first)
-      first = std::move(one).error();
+void OwnDocuments::verify_some(const Renewal& now, ListedFiles& list) const {
+  const auto ca = now.participant.basis()->ca;
+  const auto count =
+      verifies_all_ ? list.waiting.size() : std::min(list.waiting.size(), kMaxVerifiedInAPoll);
+  const auto end = list.waiting.begin() + static_cast<std::ptrdiff_t>(count);
+  for (auto file = list.waiting.begin(); file != end; ++file) {
+    auto document = now.documents.permissions(*ca, *file, now.clock.now());
+    if (document)
+      list.verified.push_back({sha256(*file), *std::move(document)});
+    else if (!list.fault)
+      list.fault = std::move(document).error();
   }
-  if (next.empty() && first) return std::unexpected(*first);
-  listed_ = std::move(next);
+  list.waiting.erase(list.waiting.begin(), end);
+  if (list.waiting.empty() && list.counts()) list.former.clear();
+}
+
+void OwnDocuments::use_list(const Renewal& now) const {
   ListedPermissions::Documents documents;
-  for (const auto& one : listed_) documents.push_back(one.document);
+  for (const auto* const all : {&listed_.verified, &listed_.former})
+    for (const auto& one : *all) documents.push_back(one.document);
   now.participant.set_listed(std::make_shared<const ListedPermissions>(std::move(documents)));
+}
+
+Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
+  ListedFiles next{.former = listed_.former.empty() ? listed_.verified : listed_.former};
+  for (const auto& file : list.permissions) {
+    if (auto one = known(now, file))
+      next.verified.push_back(*std::move(one));
+    else
+      next.waiting.push_back(file);
+  }
+  verify_some(now, next);
+  if (!next.counts()) return std::unexpected(*next.fault);
+  listed_ = std::move(next);
+  use_list(now);
   return {};
+}
+
+// Verifies the next files of a long list. Returns the event if none of them counts: the former list
+// then stays in force.
+std::optional<Error> OwnDocuments::go_on_with_list(const Renewal& now) {
+  if (listed_.waiting.empty()) return std::nullopt;
+  verify_some(now, listed_);
+  std::optional<Error> out;
+  if (!listed_.counts()) {
+    out = renewal_refused_error(
+        Code::renewal_list_permissions_refused, *listed_.fault, renewal_list_.path(),
+        listed_.former.empty() ? "" : "the list read before stays in force");
+    listed_ = {.verified = std::move(listed_.former)};
+  }
+  use_list(now);
+  return out;
 }
 
 void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
@@ -360,6 +397,9 @@ void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
     return take_list(now, list);
   });
   if (!taken && was_read) events.push_back(taken.error());
+  if (!was_read)
+    if (const auto refused = go_on_with_list(now)) events.push_back(*refused);
+  verifies_all_ = false;
 }
 
 }  // namespace ddssec::access_control

@@ -36,8 +36,14 @@ class OwnDocuments {
   /// Makes the next renew() read the files, whatever the interval is.
   void force_poll();
 
-  /// Makes the next renew() read the renewal list.
-  void force_poll_of_list() { renewal_list_.force_poll(); }
+  /// The largest number of permissions of the renewal list that one renew() verifies, so that a
+  /// long list does not stop the host. Those that were verified before are not verified again.
+  static constexpr std::size_t kMaxVerifiedInAPoll = 16;
+  /// Makes the next renew() read the renewal list, and verify all of it: a peer ends otherwise.
+  void force_poll_of_list() {
+    renewal_list_.force_poll();
+    verifies_all_ = true;
+  }
 
   /// Notes that these octets are in force.
   void note_read(Bytes governance, BytesView permissions);
@@ -79,8 +85,20 @@ class OwnDocuments {
   };
   /// Keeps only one event about an unreadable folder, and none if authentication reports it.
   void keep_one_of_folder(std::vector<Error>& events) const;
-  Result<Listed> listed(const Renewal& now, BytesView file) const;
+  std::optional<Listed> known(const Renewal& now, BytesView file) const;
+  /// The permissions of a renewal list.
+  struct ListedFiles {
+    std::vector<Listed> verified = {};
+    std::vector<Bytes> waiting = {};  ///< files that were not verified yet
+    std::vector<Listed> former = {};  ///< those of the former list, as long as some files wait
+    std::optional<Error> fault = {};  ///< of the first file that does not count
+    /// False if there are permissions and none of them counts.
+    bool counts() const { return !waiting.empty() || !verified.empty() || !fault; }
+  };
+  void verify_some(const Renewal& now, ListedFiles& list) const;
   Status take_list(const Renewal& now, const pki::RenewalList& list);
+  void use_list(const Renewal& now) const;
+  std::optional<Error> go_on_with_list(const Renewal& now);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may replace the one in force.
   struct Judged {
@@ -102,7 +120,8 @@ class OwnDocuments {
   DocumentWatch permissions_;
   DocumentWatch identity_authorities_;
   pki::RenewalListWatch renewal_list_;
-  std::vector<Listed> listed_;
+  ListedFiles listed_;
+  bool verifies_all_ = false;
   Bytes governance_in_force_;
   std::optional<Bytes> governance_waiting_;
 };

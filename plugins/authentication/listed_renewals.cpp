@@ -1,7 +1,11 @@
 #include "plugins/authentication/listed_renewals.hpp"
 
 #include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
 
+#include "base/renewal_refusals.hpp"
 #include "pki/document_parts.hpp"
 #include "pki/key_digests.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
@@ -35,46 +39,86 @@ Result<std::shared_ptr<ListedRenewals>> ListedRenewals::of(const spi::PropertyLi
   return std::make_shared<ListedRenewals>(places, interval);
 }
 
-Status ListedRenewals::adopt(const pki::RenewalList& list, const TrustStore& trust, WallTime now) {
-  std::vector<pki::Certificate> usable;
-  std::optional<Error> first;
-  std::size_t foreign = 0;
-  for (const auto& certificate : list.certificates) {
-    const auto verdict = trust.verify(certificate, now);
+// Verifies the next certificates that wait.
+void ListedRenewals::verify_some(Judged& list, const TrustStore& trust, WallTime now) {
+  const auto count = std::min(list.waiting.size(), kMaxVerifiedInAPoll);
+  const auto end = list.waiting.begin() + static_cast<std::ptrdiff_t>(count);
+  for (auto one = list.waiting.begin(); one != end; ++one) {
+    const auto verdict = trust.verify(*one, now);
     if (verdict || is_about_time(verdict.error().code())) {
-      usable.push_back(certificate);
+      list.usable.push_back(*one);
       continue;
     }
-    ++foreign;
-    if (!first) first = verdict.error().with_document(certificate.subject());
+    ++list.foreign;
+    if (!list.first_fault) list.first_fault = verdict.error().with_document(one->subject());
   }
-  if (usable.empty() && first)
-    return fail(Code::renewal_list_refused,
-                {.field = first->details().document,
-                 .expected = "certificates of " + pki::describe(trust.anchors()),
-                 .found = "none that counts",
-                 .note = std::string(info(first->code()).summary)});
-  certificates_ = std::move(usable);
-  permissions_ = list.permissions.size();
-  foreign_ = foreign;
+  list.waiting.erase(list.waiting.begin(), end);
+  if (list.waiting.empty() && !list.usable.empty()) list.former.clear();
+}
+
+Status ListedRenewals::check_counts(const Judged& list, const TrustStore& trust) {
+  const auto& first = list.first_fault;
+  if (!list.waiting.empty() || !list.usable.empty() || !first) return {};
+  return fail(Code::renewal_list_refused,
+              {.field = first->details().document,
+               .expected = "certificates of " + pki::describe(trust.anchors()),
+               .found = "none that counts",
+               .note = std::string(info(first->code()).summary)});
+}
+
+Status ListedRenewals::adopt(const pki::RenewalList& list, const TrustStore& trust, WallTime now) {
+  std::set<Sha256Digest> known;
+  if (verdicts_hold_)
+    for (const auto& one : list_.usable) known.insert(one.fingerprint());
+  Judged next{.former = list_.former.empty() ? list_.usable : list_.former,
+              .permissions = list.permissions.size()};
+  for (const auto& one : list.certificates)
+    (known.contains(one.fingerprint()) ? next.usable : next.waiting).push_back(one);
+  verify_some(next, trust, now);
+  DDSSEC_RETURN_IF_ERROR(check_counts(next, trust));
+  if (next.waiting.empty()) next.former.clear();
+  list_ = std::move(next);
+  verdicts_hold_ = true;
+  refused_when_verified_.reset();
   return {};
+}
+
+Error ListedRenewals::taken_event() const {
+  const auto& [usable, waiting, former, permissions, foreign, fault] = list_;
+  return Error(Code::renewal_list_taken,
+               {.document = watch_.path(),
+                .found = std::to_string(usable.size()) + " certificates, " +
+                         std::to_string(permissions) + " permissions",
+                .note = foreign == 0 ? ""
+                                     : std::to_string(foreign) +
+                                           " more certificates do not count: they are revoked, "
+                                           "or of no CA that is trusted here"});
+}
+
+// Returns the event about a list of which all entries are verified.
+Result<std::optional<Error>> ListedRenewals::note_verified(const TrustStore& trust) {
+  if (is_reported_ || !list_.waiting.empty()) return std::nullopt;
+  is_reported_ = true;
+  const auto status = check_counts(list_, trust);
+  if (status) return taken_event();
+  list_.usable = std::exchange(list_.former, {});
+  refused_when_verified_ =
+      renewal_refused_error(Code::renewal_list_refused, status.error(), watch_.path(),
+                            list_.usable.empty() ? "" : "the list read before stays in force");
+  return std::unexpected(*refused_when_verified_);
 }
 
 Result<std::optional<Error>> ListedRenewals::poll(const Clock& clock, const TrustStore& trust) {
   const std::scoped_lock lock(mutex_);
-  DDSSEC_ASSIGN_OR_RETURN(const bool taken,
-                          watch_.poll(clock.monotonic(), [&](const pki::RenewalList& list) {
-                            return adopt(list, trust, clock.now());
-                          }));
-  if (!taken) return std::nullopt;
-  return Error(Code::renewal_list_taken,
-               {.document = watch_.path(),
-                .found = std::to_string(certificates_.size()) + " certificates, " +
-                         std::to_string(permissions_) + " permissions",
-                .note = foreign_ == 0 ? ""
-                                      : std::to_string(foreign_) +
-                                            " more certificates do not count: they are revoked, "
-                                            "or of no CA that is trusted here"});
+  bool was_judged = false;
+  const auto taken = watch_.poll(clock.monotonic(), [&](const pki::RenewalList& list) {
+    was_judged = true;
+    return adopt(list, trust, clock.now());
+  });
+  if (!was_judged) verify_some(list_, trust, clock.now());
+  DDSSEC_RETURN_IF_ERROR(taken);
+  if (*taken) is_reported_ = false;
+  return note_verified(trust);
 }
 
 void ListedRenewals::force_poll() {
@@ -84,6 +128,7 @@ void ListedRenewals::force_poll() {
 
 void ListedRenewals::reevaluate() {
   const std::scoped_lock lock(mutex_);
+  verdicts_hold_ = false;
   watch_.reevaluate();
 }
 
@@ -101,9 +146,9 @@ ListedRenewals::Found ListedRenewals::after(const Session& session, const TrustS
                                             WallTime now) const {
   const std::scoped_lock lock(mutex_);
   Found out;
-  for (const auto& listed : certificates_) {
+  const auto judge = [&](const pki::Certificate& listed) {
     if (listed.subject_digest() != session.proven.subject_digest() || listed == session.latest)
-      continue;
+      return;
     auto why_not = refusal_of(listed, session);
     if (why_not.empty() && !is_not_revoked(session.proven, trust, now))
       why_not = "the certificate of the handshake was revoked";
@@ -117,22 +162,26 @@ ListedRenewals::Found ListedRenewals::after(const Session& session, const TrustS
       out.why_not = "the renewal list " + watch_.path() +
                     " has the certificate with serial number " + listed.serial() +
                     ", which does not count: " + why_not;
-  }
+  };
+  for (const auto* const all : {&list_.usable, &list_.waiting, &list_.former})
+    std::ranges::for_each(*all, judge);
   return out;
 }
 
 bool ListedRenewals::holds(const pki::Certificate& certificate) const {
   const std::scoped_lock lock(mutex_);
-  return std::ranges::find(certificates_, certificate) != certificates_.end();
+  return std::ranges::any_of(
+      std::array{&list_.usable, &list_.waiting, &list_.former},
+      [&](const auto* all) { return std::ranges::find(*all, certificate) != all->end(); });
 }
 
 std::optional<DocumentState> ListedRenewals::state() const {
   const std::scoped_lock lock(mutex_);
-  const auto refused = watch_.refused();
-  if (certificates_.empty() && permissions_ == 0 && !refused) return std::nullopt;
+  const auto refused = refused_when_verified_ ? refused_when_verified_ : watch_.refused();
+  if (list_.usable.empty() && list_.permissions == 0 && !refused) return std::nullopt;
   DocumentState out{.kind = DocumentKind::renewal_list,
                     .file = watch_.path(),
-                    .parts = pki::parts_of(certificates_),
+                    .parts = pki::parts_of(list_.usable),
                     .refused = refused};
   // The end of an entry needs no attention, so it is not shown.
   for (auto& part : out.parts) part.until.reset();

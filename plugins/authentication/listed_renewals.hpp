@@ -22,10 +22,14 @@ class ListedRenewals {
   ListedRenewals(const std::vector<std::string>& uris, std::chrono::seconds interval)
       : watch_(uris, interval, Code::renewal_list_refused) {}
 
-  /// Reads the list if it has changed. If another list comes into force, returns the event
-  /// renewal_list_taken. Entries that `trust` does not accept do not count. Errors: those of
-  /// RenewalListWatch::poll; renewal_list_refused also if there are certificates and none of them
-  /// counts.
+  /// The largest number of certificates that one poll verifies, so that a long list does not stop
+  /// the host. Those that were verified in the former list are not verified again.
+  static constexpr std::size_t kMaxVerifiedInAPoll = 16;
+
+  /// Reads the list if it has changed, and verifies some of its entries. If all entries of another
+  /// list are verified, returns the event renewal_list_taken. Entries that `trust` does not accept
+  /// do not count. Errors: those of RenewalListWatch::poll; renewal_list_refused also if there are
+  /// certificates and none of them counts.
   Result<std::optional<Error>> poll(const Clock& clock, const TrustStore& trust);
   /// Makes the next poll read the file, whatever the interval is.
   void force_poll();
@@ -43,23 +47,38 @@ class ListedRenewals {
   };
   /// Returns the certificate with which the session goes on. It has the same subject and the key
   /// that the handshake has proven, does not begin before the latest certificate, and `trust`
-  /// accepts it at `now`. None if the proven one was revoked.
+  /// accepts it at `now`. None if the proven one was revoked. It verifies the certificate, so that
+  /// an entry also counts if no poll has verified it yet.
   Found after(const Session& session, const TrustStore& trust, WallTime now) const;
-  /// True if this certificate is on the list.
+  /// True if this certificate is on the list. It may not be verified.
   bool holds(const pki::Certificate& certificate) const;
 
   /// Returns the list in force, and what was refused; empty if there is neither.
   std::optional<DocumentState> state() const;
 
  private:
+  struct Judged {
+    std::vector<pki::Certificate> usable = {};
+    std::vector<pki::Certificate> waiting = {};  ///< no poll has verified these yet
+    /// The usable ones of the former list, as long as some of this list wait.
+    std::vector<pki::Certificate> former = {};
+    std::size_t permissions = 0;            ///< the number of permissions on the list
+    std::size_t foreign = 0;                ///< certificates that do not count
+    std::optional<Error> first_fault = {};  ///< of the first foreign one
+  };
+  static void verify_some(Judged& list, const TrustStore& trust, WallTime now);
+  static Status check_counts(const Judged& list, const TrustStore& trust);
   Status adopt(const pki::RenewalList& list, const TrustStore& trust, WallTime now);
+  Result<std::optional<Error>> note_verified(const TrustStore& trust);
+  Error taken_event() const;
   std::string refusal_of(const pki::Certificate& listed, const Session& session) const;
 
   mutable std::mutex mutex_;
   pki::RenewalListWatch watch_;
-  std::vector<pki::Certificate> certificates_;
-  std::size_t permissions_ = 0;  ///< the number of permissions on the list
-  std::size_t foreign_ = 0;      ///< certificates that do not count
+  Judged list_;
+  bool verdicts_hold_ = true;  ///< false after the trusted CAs or the revocation lists changed
+  bool is_reported_ = true;    ///< false until the event about this list has been returned
+  std::optional<Error> refused_when_verified_;
 };
 
 }  // namespace ddssec::authentication
