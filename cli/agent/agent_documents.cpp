@@ -183,7 +183,9 @@ class Fetching {
     if (octets.empty()) return {};
     DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(octets));
     FileTransaction out;
-    DDSSEC_RETURN_IF_ERROR(put_renewals(out, task_.files, {list, {}, {}, task_.clock.now()}));
+    KnownRenewals known;
+    DDSSEC_RETURN_IF_ERROR(
+        put_renewals(out, task_.files, {list, {}, {}, task_.clock.now(), known}));
     return note_files(out.commit_each());
   }
 

@@ -301,7 +301,8 @@ WallTime renewal_from(const pki::Certificate& renewed, WallTime now) {
 Status put_list_of_ca(const Participant& self, const std::string& renewals) {
   DDSSEC_ASSIGN_OR_RETURN(const auto list, pki::RenewalList::parse(as_bytes(renewals)));
   FileTransaction out;
-  DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, {list, {}, {}, self.now()}));
+  KnownRenewals known;
+  DDSSEC_RETURN_IF_ERROR(put_renewals(out, self.files, {list, {}, {}, self.now(), known}));
   DDSSEC_RETURN_IF_ERROR(out.commit_each());
   return {};
 }

@@ -1,6 +1,7 @@
 #include "cli/ca/renewal_list.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <iterator>
 #include <optional>
 #include <ranges>
@@ -218,22 +219,95 @@ Error with_hint_for_ca(const Error& error) {
   return Error(error.code(), std::move(details));
 }
 
-// The entries that CAs of the folder signed, because the others have no effect there.
-pki::RenewalList of_trusted(pki::RenewalList list, const pki::ParticipantFolder& files,
-                            WallTime now) {
-  const auto identity_cas = read_certificates(files.identity_ca);
-  std::erase_if(list.certificates, [&](const auto& one) {
-    const auto is_issuer = [&](const auto& ca) { return one.is_issued_by(ca); };
-    return !identity_cas || std::ranges::none_of(*identity_cas, is_issuer);
+// The largest numbers of remembered drafts and verdicts. A draft may have some MiB.
+constexpr std::size_t kMaxDrafts = 4;
+constexpr std::size_t kMaxVerdicts = 100'000;
+
+Sha256Digest digest_of(std::initializer_list<BytesView> parts) {
+  Bytes all;
+  for (const auto part : parts) {
+    const auto one = sha256(part);
+    all.insert(all.end(), one.begin(), one.end());
+  }
+  return sha256(all);
+}
+
+Bytes fingerprints_of(const Result<std::vector<pki::Certificate>>& cas) {
+  Bytes out;
+  for (const auto& ca : cas.value_or(std::vector<pki::Certificate>{}))
+    out.insert(out.end(), ca.fingerprint().begin(), ca.fingerprint().end());
+  return out;
+}
+
+// The CAs in a folder.
+class TrustOfFolder {
+ public:
+  TrustOfFolder(const pki::ParticipantFolder& files, const RenewalsForFolder& what)
+      : what_(what),
+        identity_cas_(read_certificates(files.identity_ca)),
+        permissions_cas_(read_certificates(files.permissions_ca)),
+        identity_digest_(fingerprints_of(identity_cas_)),
+        permissions_digest_(fingerprints_of(permissions_cas_)) {}
+
+  bool has_permissions_ca() const { return permissions_cas_.has_value(); }
+  Sha256Digest digest_with(BytesView list) const {
+    const auto has_ca = to_bytes(as_bytes(has_permissions_ca() ? "1" : "0"));
+    return digest_of({list, identity_digest_, permissions_digest_, has_ca});
+  }
+
+  // The entries that CAs of the folder signed, because the others have no effect there. Without a
+  // permissions CA, permissions cannot be judged and stay.
+  pki::RenewalList trusted(pki::RenewalList list) {
+    std::erase_if(list.certificates, [&](const auto& one) {
+      return !known({identity_digest_, one.fingerprint()}, [&] {
+        const auto is_issuer = [&](const auto& ca) { return one.is_issued_by(ca); };
+        return identity_cas_ && std::ranges::any_of(*identity_cas_, is_issuer);
+      });
+    });
+    if (!has_permissions_ca()) return list;
+    std::erase_if(list.permissions, [&](const auto& one) {
+      return !known({permissions_digest_, one}, [&] { return is_signed(one); });
+    });
+    return list;
+  }
+
+ private:
+  template <class Judge>
+  bool known(std::initializer_list<BytesView> key, Judge&& judge) {
+    auto& all = what_.known.trusted;
+    const auto digest = digest_of(key);
+    if (const auto found = all.find(digest); found != all.end()) return found->second;
+    if (all.size() >= kMaxVerdicts) all.clear();
+    return all[digest] = judge();
+  }
+  bool is_signed(BytesView file) {
+    if (!verifier_) verifier_ = pki::DocumentVerifier::make(*permissions_cas_);
+    return *verifier_ && (*verifier_)->verify(file, what_.now);
+  }
+
+  const RenewalsForFolder& what_;
+  const Result<std::vector<pki::Certificate>> identity_cas_, permissions_cas_;
+  const Bytes identity_digest_, permissions_digest_;
+  std::optional<Result<pki::DocumentVerifier>> verifier_;
+};
+
+Result<KnownRenewals::Draft> draft_of(TrustOfFolder& trust, const Result<Bytes>& present,
+                                      const RenewalsForFolder& what) {
+  const auto list_in = [](BytesView file) {
+    return pki::RenewalList::parse(file).value_or(pki::RenewalList{});
+  };
+  // Entries only extend rights, so none is removed because another list lacks it.
+  auto former = trust.trusted(present ? list_in(*present) : pki::RenewalList{});
+  std::erase_if(former.certificates, [&](const auto& one) {
+    return what.revoked.contains(one.serial()) &&
+           std::ranges::any_of(what.cas, [&](const auto& ca) { return one.is_issued_by(ca); });
   });
-  auto permissions_cas = read_certificates(files.permissions_ca);
-  if (!permissions_cas) return list;
-  const auto verifier = pki::DocumentVerifier::make(*std::move(permissions_cas));
-  std::erase_if(list.permissions, [&](const auto& one) {
-    if (!verifier) return true;
-    return !verifier->verify(one, now);
-  });
-  return list;
+  auto next = trust.trusted(what.entries);
+  if (!trust.has_permissions_ca()) next.permissions.clear();
+  const auto entries = entries_of(former, next, what.now);
+  const auto list = entries.list();
+  DDSSEC_ASSIGN_OR_RETURN(auto text, list.text());
+  return KnownRenewals::Draft{std::move(text), list.is_empty(), entries.left_out()};
 }
 
 }  // namespace
@@ -310,23 +384,20 @@ RenewalsOfCas renewals_of(const fs::path& given, const pki::Crl* revoked) {
 
 Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what) {
-  // Entries only extend rights, so none is removed because another list lacks it.
-  auto former =
-      of_trusted(read_renewals(files.renewals).value_or(pki::RenewalList{}), files, what.now);
-  std::erase_if(former.certificates, [&](const auto& one) {
-    return what.revoked.contains(one.serial()) &&
-           std::ranges::any_of(what.cas, [&](const auto& ca) { return one.is_issued_by(ca); });
-  });
-  auto next = of_trusted(what.entries, files, what.now);
-  if (!takes_permissions(files)) next.permissions.clear();
-  const auto entries = entries_of(former, next, what.now);
-  if (!entries.left_out().empty()) add_notice(too_long_error(files.renewals, entries.left_out()));
-  const auto list = entries.list();
-  if (list.is_empty() && !path_exists(files.renewals)) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto text, list.text());
+  TrustOfFolder trust(files, what);
   const auto present = read_file(files.renewals, pki::kMaxRenewalListOctets);
-  if (present && as_text(*present) == text) return {};
-  return out.put_public(files.renewals, text);
+  const auto key = trust.digest_with(present ? BytesView(*present) : BytesView{});
+  auto& drafts = what.known.drafts;
+  if (!drafts.contains(key)) {
+    DDSSEC_ASSIGN_OR_RETURN(auto made, draft_of(trust, present, what));
+    if (drafts.size() >= kMaxDrafts) drafts.clear();
+    drafts.emplace(key, std::move(made));
+  }
+  const auto& draft = drafts.at(key);
+  if (!draft.left_out.empty()) add_notice(too_long_error(files.renewals, draft.left_out));
+  if (draft.is_empty && !path_exists(files.renewals)) return {};
+  if (present && as_text(*present) == draft.text) return {};
+  return out.put_public(files.renewals, draft.text);
 }
 
 bool takes_permissions(const pki::ParticipantFolder& files) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "governance/model.hpp"
@@ -58,6 +59,18 @@ struct RenewalsOfCas {
 /// identity CA, or nullptr if there is none; certificates that it names are left out.
 RenewalsOfCas renewals_of(const std::filesystem::path& given, const pki::Crl* revoked);
 
+/// What put_renewals has found out for one folder. Most folders of a command have the same CAs and
+/// the same list, so that each entry is verified once, and not once for each folder.
+struct KnownRenewals {
+  struct Draft {
+    std::string text;
+    bool is_empty = true;                 ///< the list has no entry
+    std::set<std::string> left_out = {};  ///< subjects of entries that were too many
+  };
+  std::map<Sha256Digest, Draft> drafts = {};  ///< by the folder's list and CAs
+  std::map<Sha256Digest, bool> trusted = {};  ///< verdicts, by entry and CAs
+};
+
 /// Entries for a participant's folder.
 struct RenewalsForFolder {
   const pki::RenewalList& entries;
@@ -65,6 +78,7 @@ struct RenewalsForFolder {
   const std::vector<pki::Certificate>& cas;
   const std::set<std::string>& revoked;  ///< serial numbers
   WallTime now;
+  KnownRenewals& known;  ///< the same for all folders of a command with the same other members
 };
 
 /// Drafts the renewal list of a participant's folder: `entries` together with the present entries,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/tool_code.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/list_dates.hpp"
@@ -17,6 +18,7 @@
 #include "cli/folders/folder_kind.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
+#include "cli/frame/interruption.hpp"
 #include "cli/frame/options.hpp"
 #include "cli/inputs/files.hpp"
 #include "cli/inputs/times.hpp"
@@ -216,26 +218,41 @@ struct Distributed {
   std::vector<WrittenFile> files;
 };
 
+// Drafts and writes the renewal list of one folder.
+Status put_renewal_list(Distributed& done, const fs::path& folder, const Distribution& what,
+                        KnownRenewals& known) {
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  FileTransaction out;
+  const auto files_of = pki::participant_folder(folder);
+  if (!what.renewals.list.permissions.empty() && !takes_permissions(files_of))
+    done.without_permissions.push_back(folder);
+  DDSSEC_RETURN_IF_ERROR(put_renewals(
+      out, files_of,
+      {what.renewals.list, what.renewals.cas, what.renewals.revoked, what.now, known}));
+  DDSSEC_ASSIGN_OR_RETURN(auto files, out.commit_each());
+  std::ranges::move(files, std::back_inserter(done.files));
+  return {};
+}
+
+Error interrupted_error(std::size_t renewed, std::size_t folders) {
+  return Error(tool_code::interrupted_between_files,
+               {.found = fmt::format("the revocation list is in {} folders, the renewal list in {} "
+                                     "of them",
+                                     folders, renewed)});
+}
+
 // Call this after the revocation lists are in place: a fault in a renewal list must not keep the
 // revocation list from a folder.
 Status put_renewal_lists(Distributed& done, const Distribution& what) {
+  // Without it, a signal would end the command without a word about what is written.
+  const InterruptionGuard writing;
   std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
-  for (const auto& folder : done.folders) {
-    FileTransaction out;
-    const auto files_of = pki::participant_folder(folder);
-    if (!what.renewals.list.permissions.empty() && !takes_permissions(files_of))
-      done.without_permissions.push_back(folder);
-    auto status = put_renewals(
-        out, files_of, {what.renewals.list, what.renewals.cas, what.renewals.revoked, what.now});
-    if (status) {
-      auto files = out.commit_each();
-      if (files)
-        std::ranges::move(*files, std::back_inserter(done.files));
-      else
-        status = std::unexpected(std::move(files).error());
-    }
+  KnownRenewals known;
+  for (std::size_t i = 0; i < done.folders.size(); ++i) {
+    auto status = put_renewal_list(done, done.folders[i], what, known);
     if (status) continue;
-    if (status.error().code() == Code::interrupted) return status;
+    if (status.error().code() == Code::interrupted)
+      return std::unexpected(interrupted_error(i, done.folders.size()));
     done.errors.push_back(std::move(status).error());
   }
   return {};

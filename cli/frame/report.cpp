@@ -163,6 +163,7 @@ Exit exit_of(Code code) {
       code == tool_code::hook_unsafe || code == tool_code::trust_unsafe ||
       code == tool_code::link_untrusted || code == tool_code::status_folder_untrusted)
     return Exit::refused;
+  if (code == tool_code::interrupted_between_files) return Exit::failed;
   switch (code) {
     case Code::usage:
     case Code::name_unusable:

@@ -194,6 +194,37 @@ class Interrupted(Transcript):
         self.run_program(*new, *NOW)
         self.everywhere("permissions", "sign", "p.xml", "--ca", "demo", after=[verify], refused=(4,))
 
+    def interrupt_at(self, number, *words):
+        """A signal comes just before that call."""
+        return subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, capture_output=True, timeout=60, check=False, text=True,
+                              stdin=subprocess.DEVNULL,
+                              env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
+                                   "AT_CALL": "kill -TERM $PPID", "CALL": str(number)})
+
+    def test_AnInterruptedDistribution_SaysWhatItHasWritten(self):
+        self.run_program("init", "demo", "--participant", "a", "--participant", "b", "--participant", "c", *NOW)
+        self.run_program("identity", "renew", "demo/a", "--ca", "demo", *NOW)
+        before, number, said = self.octets(), 0, set()
+        base = self.top / "before"
+        shutil.copytree(self.at, base, symlinks=True)
+        while True:
+            number += 1
+            done = self.interrupt_at(number, "crl", "distribute", "--ca", "demo")
+            if done.returncode == 0:
+                break
+            self.assertEqual(done.returncode, 5, done.stderr)
+            changed = {name for name, octets in self.octets().items() if before.get(name) != octets}
+            renewed = len({name for name in changed if name.endswith("/renewed.pem")})
+            if "nothing was written" in done.stderr:
+                self.assertEqual(changed, set(), f"at {number}: {done.stderr}")
+            else:
+                self.assertIn("error[interrupted_between_files]", done.stderr)
+                self.assertIn(f"is in 3 folders, the renewal list in {renewed} of them", done.stderr)
+                said.add(renewed)
+            shutil.rmtree(self.at)
+            shutil.copytree(base, self.at, symlinks=True)
+        self.assertGreaterEqual(said, {1, 2}, "it was not interrupted between two lists")
+
     def test_what_changes_a_keystore(self):
         self.run_program("init", "ks", "--layout", "sros2", *NOW)
         self.everywhere("keystore", "permission", "ks", "/talker", "--publish", "r*", "--subscribe", "r*",

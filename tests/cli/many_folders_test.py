@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Commands that work on many participants: what they cost."""
+
+import base64
+import resource
+
+from transcript import NOW, PROGRAM, Transcript, main
+
+SLOWNESS = 10 if "asan" in str(PROGRAM) else 1
+FOLDERS = 100
+
+
+class ManyFolders(Transcript):
+    def issue(self, count):
+        self.run_program("ca", "create", "ca", "--no-passphrase", *NOW)
+        (self.at / "fleet.toml").write_text(
+            "".join(f'[[participant]]\nname = "p{i}"\npublish = ["rt/p{i}"]\n' for i in range(count)))
+        self.run_program("identity", "issue", "--from", "fleet.toml", "--ca", "ca", "-o", "out", *NOW)
+        self.folders = sorted((self.at / "out").iterdir())
+
+    def list_all(self):
+        """The lists of the CAs have an entry of each participant, as after a renewal of all."""
+        def block(path):
+            text = base64.encodebytes(path.read_bytes()).decode()
+            return f"-----BEGIN SIGNED PERMISSIONS-----\n{text}-----END SIGNED PERMISSIONS-----\n"
+        (self.at / "ca/identity/renewed.pem").write_text(
+            "".join((folder / "cert.pem").read_text() for folder in self.folders))
+        (self.at / "ca/permissions/renewed.pem").write_text(
+            "".join(block(folder / "permissions.p7s") for folder in self.folders))
+
+    def seconds(self, *words):
+        """Of a processor."""
+        def spent():
+            usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+            return usage.ru_utime + usage.ru_stime
+        before = spent()
+        self.run_program(*words, *NOW)
+        return spent() - before
+
+    def entries(self):
+        texts = [(folder / "renewed.pem").read_text() for folder in self.folders]
+        return {(text.count("BEGIN CERTIFICATE"), text.count("BEGIN SIGNED PERMISSIONS")) for text in texts}
+
+    def test_Distribute_VerifiesEachEntryOnce(self):
+        self.issue(FOLDERS)
+        self.list_all()
+        for former in ("none", "the same"):
+            taken = self.seconds("crl", "distribute", "--ca", "ca")
+            self.assertLess(taken, 5 * SLOWNESS, f"lists before: {former}")
+            self.assertEqual(self.entries(), {(FOLDERS, FOLDERS)})
+
+    def test_FoldersWithOtherLists_AreJudgedEachByItsOwn(self):
+        self.issue(4)
+        self.list_all()
+        certificate = (self.folders[1] / "cert.pem").read_text()
+        (self.folders[0] / "renewed.pem").write_text(certificate)
+        self.run_program("ca", "create", "other", "--no-passphrase", *NOW)
+        self.run_program("identity", "issue", "x", "--ca", "other", "-o", "x", *NOW)
+        (self.folders[2] / "renewed.pem").write_text((self.at / "x/cert.pem").read_text())
+        (self.folders[3] / "identity_ca.pem").write_text((self.at / "other/identity/ca.pem").read_text())
+        (self.folders[3] / "renewed.pem").write_text((self.at / "x/cert.pem").read_text())
+        self.run_program("crl", "distribute", "--ca", "ca", *NOW, exit=(0, 1, 3))
+        lists = [(folder / "renewed.pem").read_text() for folder in self.folders]
+        self.assertEqual([text.count("BEGIN CERTIFICATE") for text in lists[:3]], [4, 4, 4])
+        self.assertNotIn((self.at / "x/cert.pem").read_text(), lists[2])
+        self.assertIn((self.at / "x/cert.pem").read_text(), lists[3])
+        self.assertNotIn(certificate, lists[3])
+
+
+if __name__ == "__main__":
+    main()
