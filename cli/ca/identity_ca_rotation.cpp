@@ -142,7 +142,7 @@ Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation
   DDSSEC_ASSIGN_OR_RETURN(const auto listed, crl.revoked());
   RenewalListAdditions renewals;
   const Reissue reissue{change, log, crl, trusted, of_former, context, renewals};
-  ParticipantDrafts drafts(out, rotation);
+  ParticipantDrafts drafts(out, rotation, participants.size());
   for (const auto& participant : participants) {
     std::string revoked;
     DDSSEC_RETURN_IF_ERROR(drafts.add(participant, [&]() -> Status {

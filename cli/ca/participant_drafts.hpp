@@ -6,6 +6,7 @@
 
 #include "cli/ca/ca_rotation.hpp"
 #include "cli/frame/held_folder.hpp"
+#include "cli/frame/progress.hpp"
 
 namespace ddssec::cli {
 
@@ -31,13 +32,15 @@ RotationResult empty_result(const CaRotation& change);
 /// Drafts the files of the participants one after the other: all files of a participant, or none.
 class ParticipantDrafts {
  public:
-  ParticipantDrafts(FileTransaction& out, RotationResult& rotation)
-      : out_(out), rotation_(rotation) {}
+  /// Shows the progress of `participants` calls of add().
+  ParticipantDrafts(FileTransaction& out, RotationResult& rotation, std::size_t participants)
+      : out_(out), rotation_(rotation), progress_("participants", participants) {}
 
   /// Runs `draft`, which puts the files of a participant, and records its error in the result. Only
   /// interrupted is returned.
   template <class DraftFiles>
   Status add(const AffectedParticipant& participant, DraftFiles draft) {
+    progress_.step();
     out_.begin_folder(participant.name);
     Status drafted = hold_folder(participant.files.folder);
     if (drafted) drafted = draft();
@@ -53,6 +56,7 @@ class ParticipantDrafts {
 
   FileTransaction& out_;
   RotationResult& rotation_;
+  Progress progress_;
 };
 
 /// Adds the hint about a participant that keeps its old files, unless the error has its own hint.

@@ -120,7 +120,7 @@ Result<RotationResult> rotate_documents(FileTransaction& out, DocumentResigner& 
                                         const std::vector<AffectedParticipant>& participants,
                                         const std::vector<fs::path>& shared) {
   auto rotation = empty_result(change);
-  ParticipantDrafts drafts(out, rotation);
+  ParticipantDrafts drafts(out, rotation, participants.size());
   for (const auto& participant : participants)
     DDSSEC_RETURN_IF_ERROR(drafts.add(participant, [&]() -> Status {
       if (!keeps_documents(participant, change, signer.now()))

@@ -9,6 +9,7 @@
 #include "cli/ca/affected_participants.hpp"
 #include "cli/ca/ca_progress.hpp"
 #include "cli/ca/signed_documents.hpp"
+#include "cli/frame/progress.hpp"
 #include "cli/inputs/files.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/host_plugins.hpp"
@@ -179,7 +180,10 @@ Result<RotationForecast> forecast_of(const ForecastStep& step, const fs::path& g
   const ForecastReader reader(step);
   std::vector<ForecastParticipant> sides;
   RotationForecast out;
+  // Each participant is read, and then compared with the others.
+  Progress progress("steps of the forecast", 2 * all.size());
   for (const auto& participant : all) {
+    progress.step();
     auto side = reader.of(participant);
     if (side)
       sides.push_back(*std::move(side));
@@ -189,13 +193,15 @@ Result<RotationForecast> forecast_of(const ForecastStep& step, const fs::path& g
   out.judged = sides.size();
   out.needs_restarts = step.change.step != RotationStep::begin &&
                        std::ranges::any_of(sides, [](const auto& one) { return one.may_be_stock; });
-  for (auto a = sides.begin(); a != sides.end(); ++a)
+  for (auto a = sides.begin(); a != sides.end(); ++a) {
+    progress.step();
     for (auto b = a + 1; b != sides.end(); ++b) {
       const bool is_for_all = are_separated(*a, *b, false, false);
       if (!is_for_all && !are_separated_if_stock(*a, *b)) continue;
       ++out.parted;
       if (out.pairs.size() < kMaxPairs) out.pairs.push_back({a->name, b->name, !is_for_all});
     }
+  }
   return out;
 }
 

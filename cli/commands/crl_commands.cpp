@@ -20,6 +20,7 @@
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/interruption.hpp"
 #include "cli/frame/options.hpp"
+#include "cli/frame/progress.hpp"
 #include "cli/inputs/files.hpp"
 #include "cli/inputs/times.hpp"
 #include "governance/doctor/shell_word.hpp"
@@ -248,8 +249,10 @@ Status put_renewal_lists(Distributed& done, const Distribution& what) {
   const InterruptionGuard writing;
   std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
   KnownRenewals known;
+  Progress progress("renewal lists", done.folders.size());
   for (std::size_t i = 0; i < done.folders.size(); ++i) {
     auto status = put_renewal_list(done, done.folders[i], what, known);
+    progress.step();
     if (status) continue;
     if (status.error().code() == Code::interrupted)
       return std::unexpected(interrupted_error(i, done.folders.size()));
@@ -262,7 +265,9 @@ Status put_renewal_lists(Distributed& done, const Distribution& what) {
 Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
   Distributed done;
   FileTransaction out;
+  Progress progress("revocation lists", folders.size());
   for (const auto& folder : folders) {
+    progress.step();
     out.begin_folder(folder.string());
     if (auto drafted = put_list_into(out, folder, what); drafted) {
       done.folders.push_back(folder.string());

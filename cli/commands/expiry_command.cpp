@@ -13,6 +13,7 @@
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/options.hpp"
+#include "cli/frame/progress.hpp"
 #include "cli/inputs/files.hpp"
 #include "cli/inputs/times.hpp"
 #include "governance/read.hpp"
@@ -59,7 +60,11 @@ class Search {
       leave_out(path, error.message());
     else
       paths_.insert(path);
-    for (const auto& file : paths_) look_into(file);
+    Progress progress("files", paths_.size());
+    for (const auto& file : paths_) {
+      progress.step();
+      look_into(file);
+    }
     paths_.clear();
     is_full_ = false;
     if (hits_ + unreadable_.size() > before) return;

@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
-"""Commands that work on many participants: what they cost."""
+"""Commands that work on many participants: what they cost, and that they say how far they are."""
 
 import base64
+import os
+import pty
+import re
 import resource
+import subprocess
 
-from transcript import NOW, PROGRAM, Transcript, main
+from transcript import NOW, PROGRAM, Transcript, library_path, main
 
 SLOWNESS = 10 if "asan" in str(PROGRAM) else 1
 FOLDERS = 100
@@ -65,6 +69,48 @@ class ManyFolders(Transcript):
         self.assertNotIn((self.at / "x/cert.pem").read_text(), lists[2])
         self.assertIn((self.at / "x/cert.pem").read_text(), lists[3])
         self.assertNotIn(certificate, lists[3])
+
+    # ---- progress
+
+    def said(self, *words, terminal=False):
+        """What the command writes to standard error, which is a terminal or a pipe. Its clock is slow: each step takes
+        a second."""
+        library = PROGRAM.parent.parent / "lib/slow_steps.so"
+        environment = {**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(library)}
+        end, own = pty.openpty() if terminal else os.pipe()
+        with subprocess.Popen([PROGRAM, *words, *NOW], cwd=self.at, env=environment, stdout=subprocess.DEVNULL,
+                              stderr=own) as command:
+            os.close(own)
+            text = b""
+            while True:
+                try:
+                    octets = os.read(end, 65536)
+                except OSError:  # the terminal's other end is closed
+                    break
+                if not octets:
+                    break
+                text += octets
+        os.close(end)
+        self.assertIn(command.returncode, (0, 1), text)
+        return text.decode()
+
+    def expect_progress(self, *words, of):
+        self.assertRegex(self.said(*words), rf"(?m)^\d+ of {of}$")
+        self.assertRegex(self.said(*words, terminal=True), rf"\r\d+ of {of}.*\r\x1b\[K".replace(".*", "[^\n]*"))
+        self.assertIsNone(re.search(r"\d+ of ", self.said(*words, "-q")))
+
+    def test_LongWork_SaysHowFarItIs(self):
+        self.issue(6)
+        self.list_all()
+        self.expect_progress("crl", "distribute", "--ca", "ca", of="6 revocation lists")
+        self.expect_progress("crl", "distribute", "--ca", "ca", of="6 renewal lists")
+        self.expect_progress("ca", "rotate", "ca", "--role", "identity", "--overlap", "30d", "--dry-run",
+                             of="6 participants")
+        self.expect_progress("ca", "rotate", "ca", "--role", "identity", "--overlap", "30d", "--dry-run",
+                             of="12 steps of the forecast")
+        self.expect_progress("ca", "rotate", "ca", "--role", "permissions", "--overlap", "30d", "--dry-run",
+                             of="6 participants")
+        self.expect_progress("expiry", "out", of=r"\d+ files")
 
 
 if __name__ == "__main__":
