@@ -225,6 +225,42 @@ class Interrupted(Transcript):
             shutil.copytree(base, self.at, symlinks=True)
         self.assertGreaterEqual(said, {1, 2}, "it was not interrupted between two lists")
 
+    def test_ADiskThatIsFull_LeavesEachFileOldOrNew(self):
+        self.run_program("init", "demo", *NOW)
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "-o", "p.xml", *NOW)
+        for words in (("identity", "renew", "demo/talker", "--ca", "demo", "--permissions"),
+                      ("identity", "renew", "demo/talker", "--ca", "demo", "--rekey"),
+                      ("permissions", "sign", "p.xml", "--ca", "demo", "-o", "demo/talker/permissions.p7s", "--replace"),
+                      ("crl", "new", "--ca", "demo"), ("crl", "distribute", "--ca", "demo")):
+            with self.subTest(words=words):
+                self.full_everywhere(*words)
+
+    def full_everywhere(self, *words):
+        """The disk is full from some write on. When it has room, the command succeeds."""
+        base, writes = self.top / "full", 0
+        shutil.copytree(self.at, base, symlinks=True)
+        while True:
+            writes += 1
+            before = self.octets()
+            done = subprocess.run([PROGRAM, *words, *NOW], cwd=self.at, capture_output=True, timeout=60, check=False, text=True,
+                                  stdin=subprocess.DEVNULL,
+                                  env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
+                                       "FULL_AT": str(writes)})
+            if done.returncode == 0:
+                break
+            self.assertRegex(done.stderr, r"error\[file_unwritable\]", f"{words}, full at {writes}")
+            for name, octets in self.octets().items():
+                if before.get(name) != octets:
+                    self.assertTrue(is_whole(name, octets), f"{words}, full at {writes}: {name} is cut short")
+            self.assertLessEqual(before.keys(), self.octets().keys())
+            again = self.run_until(0, words)
+            self.assertEqual(again.returncode, 0, f"{words}, full at {writes}, then again: {again.stderr}")
+            self.assertEqual(self.run_until(0, ("doctor", "demo/talker")).returncode, 0)
+            shutil.rmtree(self.at)
+            shutil.copytree(base, self.at, symlinks=True)
+        self.assertGreater(writes, 1, words)
+        shutil.rmtree(base)
+
     def test_what_changes_a_keystore(self):
         self.run_program("init", "ks", "--layout", "sros2", *NOW)
         self.everywhere("keystore", "permission", "ks", "/talker", "--publish", "r*", "--subscribe", "r*",

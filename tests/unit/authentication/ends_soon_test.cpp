@@ -55,6 +55,21 @@ TEST(EndsSoon, Certificate_IsWarnedOfThirtySevenAndOneDayBefore) {
   EXPECT_EQ(alone.live(1), std::vector{Code::identity_ended});
 }
 
+TEST(EndsSoon, CaThatEndsFirst_IsWarnedOfThirtySevenAndOneDayBefore) {
+  const auto ca = make_ca("CN=Short CA,O=Example", {}, {kNow - days(1), kNow + days(100)});
+  Alone alone(make_identity(ca, "CN=carol,O=Example"));
+  EXPECT_TRUE(alone.live(69).empty());
+  for (const auto& [until, found] : {std::pair{1, "2027-03-01T00:00:00Z, in 30 days"},
+                                     {23, "2027-03-01T00:00:00Z, in 7 days"},
+                                     {6, "2027-03-01T00:00:00Z, in 1 day"}}) {
+    EXPECT_EQ(alone.live(until), std::vector{kSoon});
+    ASSERT_FALSE(alone.events().empty());
+    EXPECT_EQ(alone.events().front().error.details().document, "CN=Short CA,O=Example");
+    EXPECT_EQ(alone.events().front().error.details().found, found);
+  }
+  EXPECT_EQ(alone.live(1), std::vector{Code::identity_ended});
+}
+
 TEST(EndsSoon, Property_SaysWhen) {
   auto identity = carol(days(100));
   set(identity.properties, spi::property::kWarnBeforeEnd, "3");
