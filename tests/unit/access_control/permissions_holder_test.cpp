@@ -80,6 +80,30 @@ TEST_F(PermissionsExpiry, OwnPermissions_AreWarnedOfBeforeTheirEnd) {
   EXPECT_EQ(days, (std::vector{30, 7, 1}));
 }
 
+TEST_F(PermissionsExpiry, CaThatEndsBeforeThePermissions_IsWarnedOf) {
+  const auto ca = pki::make_ca("CN=Short CA,O=Example", {}, {kNow - 24h, kNow + 100 * 24h - 1s});
+  auto of_a_year = grant(kTalker, {rule(true)});
+  of_a_year.validity = {kNow, kNow + 365 * 24h};
+  auto all =
+      properties(signed_document(governance::to_xml(governance_document)),
+                 signed_by(ca, governance::to_xml(governance::Permissions{.grants = {of_a_year}})));
+  for (auto& one : all)
+    if (one.name == spi::property::kPermissionsCa)
+      one.value =
+          "data:," + authorities().permissions_ca.certificate().pem() + ca.certificate().pem();
+  ASSERT_OK(plugin->validate_local_permissions(kLocalIdentity, 0, all));
+  std::vector<int> days;
+  for (int day = 1; day < 100; ++day) {
+    log.all.clear();
+    clock.advance(24h);
+    EXPECT_TRUE(plugin->expire().empty());
+    if (log.all.empty()) continue;
+    EXPECT_EQ(log.only(), Code::permissions_end_soon);
+    days.push_back(100 - day);
+  }
+  EXPECT_EQ(days, (std::vector{30, 7, 1}));
+}
+
 TEST_F(PermissionsExpiry, OwnPermissionsThatAnotherGrantFollows_AreNotWarnedOf) {
   auto first = grant(kTalker, {rule(true)}), second = first;
   first.validity = {kNow, kNow + 50 * 24h};
