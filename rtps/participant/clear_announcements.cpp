@@ -134,7 +134,8 @@ std::vector<EntityId> ClearAnnouncements::counterparts(const EntityId& endpoint)
 bool ClearAnnouncements::has_keys(const Guid& endpoint) const {
   return core_.security &&
          std::ranges::any_of(counterparts(endpoint.entity), [&](const EntityId& local) {
-           return core_.security->keyring().keys_for(local, endpoint).have_come;
+           const auto keys = core_.security->keyring().keys_for(local, endpoint);
+           return keys.have_come || keys.have_second_come;
          });
 }
 
@@ -159,7 +160,8 @@ void ClearAnnouncements::look_for_keys(RemoteParticipant& remote) {
 bool ClearAnnouncements::request_keys(const Guid& endpoint, bool again) {
   bool any = false;
   for (const auto& local : counterparts(endpoint.entity)) {
-    if (!core_.security->keyring().keys_for(local, endpoint).are_awaited) continue;
+    const auto keys = core_.security->keyring().keys_for(local, endpoint);
+    if (!keys.are_awaited && !keys.are_second_awaited) continue;
     if (again) {
       core_.raise_about(Error(Code::rtps_keys_given_up), local, endpoint);
       return false;

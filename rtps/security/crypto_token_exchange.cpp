@@ -167,6 +167,11 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   if (is_revising_ && is_trusted(peer) &&
       completed->protection == core_.keyring.phases().endpoints().first_protection_of(local))
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
+  bool is_ready = false;
+  const bool any = take_early(peer, local, remote, is_ready);
+  if (is_ready) core_.host.on_keys(local, remote);
+  const auto keys = core_.keyring.keys_for(local, remote);
+  if (!any && keys.may_be_dropped && keys.are_second_awaited) request_tokens(local, remote);
 }
 
 // A peer that waits for the keys of messages joins with those that it knows without a name.
@@ -281,7 +286,17 @@ void CryptoTokenExchange::send_waiting(Peer& peer) {
       send_endpoint_tokens(peer, local, remote, std::move(*tokens));
     else
       core_.raise(tokens.error(), remote, EventOrigin::its_keys);
+    send_second_tokens(peer, local, remote);
   }
+}
+
+// Once we send with the new protection, the peer needs no keys of the former one.
+void CryptoTokenExchange::send_second_tokens(Peer& peer, const EntityId& local,
+                                             const Guid& remote) {
+  auto& phases = core_.keyring.phases();
+  if (phases.has_swapped() || !peer.state.association()->governance.takes_part) return;
+  phases.endpoints().send_again(local, remote);
+  complete(peer, local, remote);
 }
 
 // Without this, a refused message would wait for the peer's next HEARTBEAT.
@@ -373,12 +388,16 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   const auto protection = protection_in(message);
   if (protection != 0 && !core_.keyring.phases().endpoints().knows(local.entity, protection))
     return true;
-  if (core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown ||
-      core_.keyring.phases().endpoints().second_keys_of(local.entity, remote) != nullptr) {
+  // A suspended pair may have got no second protection yet. Its keys are not sent again, either.
+  if (has_pair_for(peer, message)) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
     return true;
   }
-  if (!peer.state.association()->early.keep(std::move(message), octets, core_.now)) return false;
+  const bool is_kept =
+      peer.state.association()->early.keep(std::move(message), octets, core_.now);
+  // Keys of a protection that a known pair may never get must not hold up the others.
+  if (!is_kept)
+    return core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown;
   core_.host.on_early_keys(local.entity, remote);
   return true;
 }
@@ -389,9 +408,32 @@ void CryptoTokenExchange::note_revised(Peer& peer) {
 }
 
 // The peer may find a pair first that lacks a protection. The pair then gets it here.
+bool CryptoTokenExchange::has_pair_for(Peer& peer, const GenericMessage& message) {
+  const auto& local = message.destination_endpoint.entity;
+  const auto protection = protection_in(message);
+  if (protection != 0) complete(peer, local, message.source_endpoint);
+  return core_.keyring.has_pair(local, message.source_endpoint, protection);
+}
+
+bool CryptoTokenExchange::take_early(Peer& peer, const EntityId& local, const Guid& remote,
+                                     bool& is_ready) {
+  auto& early = peer.state.association()->early;
+  const bool any =
+      early.take({core_.own->guid().prefix, local}, remote, [&](const GenericMessage& message) {
+        const auto protection = protection_in(message);
+        if (protection != 0 && !core_.keyring.phases().endpoints().knows(local, protection))
+          return true;
+        if (!has_pair_for(peer, message)) return false;
+        is_ready = apply_tokens(peer, message) || is_ready;
+        return true;
+      });
+  if (any && (have_room_.empty() || have_room_.back() != remote.prefix))
+    have_room_.push_back(remote.prefix);
+  return any;
+}
+
 bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message) {
   const auto protection = protection_in(message);
-  if (protection != 0) complete(peer, message.destination_endpoint.entity, message.source_endpoint);
   const auto& local = message.destination_endpoint.entity;
   const auto& remote = message.source_endpoint;
   const bool had_keys = core_.keyring.keys_for(local, remote).have_come;
@@ -423,11 +465,7 @@ bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remot
     send_waiting(*peer);
   }
   bool is_ready = registered->is_ready;
-  const bool any = association->early.take(
-      {core_.own->guid().prefix, local}, remote,
-      [&](const auto& early) { is_ready = apply_tokens(*peer, early) || is_ready; });
-  if (any && (have_room_.empty() || have_room_.back() != remote.prefix))
-    have_room_.push_back(remote.prefix);
+  const bool any = take_early(*peer, local, remote, is_ready);
   // The remote endpoint may have sent its keys before this pair dropped them, so they are requested
   // again.
   if (!any && !is_ready && core_.keyring.keys_for(local, remote).may_be_dropped)

@@ -96,6 +96,8 @@ class CryptoTokenExchange {
   void add_waiting(Association& association, const EntityId& local, const Guid& remote,
                    spi::KeyStage stage);
   void send_waiting(Peer& peer);
+  /// Sends the keys of the pair's second protection, if it is the one that is to come.
+  void send_second_tokens(Peer& peer, const EntityId& local, const Guid& remote);
   bool may_send(const Association& association) const;
   /// Returns false if there is no room for the message now and it must be delivered again.
   bool on_message(const GuidPrefix& prefix, const Change& change);
@@ -104,6 +106,12 @@ class CryptoTokenExchange {
   bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
   /// Notes that the peer has revised keys, so that its former ones end.
   void note_revised(Peer& peer);
+  /// True if the pair that the tokens are for exists under their protection. If only that
+  /// protection is missing and the pair may have it, it gets it.
+  bool has_pair_for(Peer& peer, const GenericMessage& message);
+  /// Applies the tokens of the pair that arrived before it was registered. Returns true if there
+  /// were any. `is_ready` becomes true if the pair has become ready.
+  bool take_early(Peer& peer, const EntityId& local, const Guid& remote, bool& is_ready);
   /// Returns true if the pair has become ready.
   bool apply_tokens(Peer& peer, const GenericMessage& message);
 

@@ -1,6 +1,7 @@
 #include "rtps/security/early_tokens.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace ddssec::rtps {
 
@@ -17,15 +18,28 @@ bool EarlyTokens::keep(GenericMessage message, std::size_t octets, MonotonicTime
   return true;
 }
 
+std::vector<EarlyTokens::Kept> EarlyTokens::remove_all_of(const Guid& local, const Guid& remote) {
+  const auto others = std::ranges::stable_partition(
+      kept_, [&](const Kept& kept) { return !kept.is_of(local, remote); });
+  std::vector<Kept> out(std::make_move_iterator(others.begin()),
+                        std::make_move_iterator(others.end()));
+  kept_.erase(others.begin(), others.end());
+  for (const auto& one : out) octets_ -= one.octets;
+  return out;
+}
+
 bool EarlyTokens::take(const Guid& local, const Guid& remote,
-                       const std::function<void(const GenericMessage&)>& use) {
-  const auto taken = std::erase_if(kept_, [&](const Kept& kept) {
-    if (!kept.is_of(local, remote)) return false;
-    use(kept.message);
-    octets_ -= kept.octets;
-    return true;
-  });
-  return taken > 0;
+                       const std::function<bool(const GenericMessage&)>& use) {
+  bool any = false;
+  for (auto& one : remove_all_of(local, remote)) {
+    if (use(one.message)) {
+      any = true;
+      continue;
+    }
+    octets_ += one.octets;
+    kept_.insert(std::ranges::upper_bound(kept_, one.since, {}, &Kept::since), std::move(one));
+  }
+  return any;
 }
 
 void EarlyTokens::drop(std::vector<Kept>::iterator at) {

@@ -16,16 +16,17 @@ class EarlyTokens {
  public:
   static constexpr std::size_t kMaxMessages = 1024;
   static constexpr std::size_t kMaxOctets = std::size_t{512} << 10;
-  /// Limit for one pair of endpoints: the tokens in use and revised ones.
-  static constexpr std::size_t kMaxOfPair = 2;
+  /// Limit for one pair of endpoints: the tokens in use and revised ones, of two protections while
+  /// the governance changes.
+  static constexpr std::size_t kMaxOfPair = 4;
   static constexpr MonotonicTime kMinKept = std::chrono::seconds(30);
 
   /// Keeps a message; `octets` is its size as received. Returns false if there is no room now.
   bool keep(GenericMessage message, std::size_t octets, MonotonicTime now);
-  /// Calls `use` with each message of that pair, oldest first, and removes it. Returns true if
-  /// there was any.
+  /// Calls `use` with each message of that pair, oldest first, and removes it if `use` returns
+  /// true. Returns true if any was removed. `use` may take or keep further messages.
   bool take(const Guid& local, const Guid& remote,
-            const std::function<void(const GenericMessage&)>& use);
+            const std::function<bool(const GenericMessage&)>& use);
   std::size_t size() const { return kept_.size(); }
 
  private:
@@ -38,6 +39,7 @@ class EarlyTokens {
     }
   };
   void drop(std::vector<Kept>::iterator at);
+  std::vector<Kept> remove_all_of(const Guid& local, const Guid& remote);
   bool has_room(std::size_t octets) const {
     return kept_.size() < kMaxMessages && octets_ + octets <= kMaxOctets;
   }

@@ -250,10 +250,25 @@ void SecondProtections::remove(const EntityId& id) {
   keys_.remove(others_, id);
 }
 
-void SecondProtections::unregister_pair(const EntityId& id, const Guid& remote) {
+// If the pair returns, it is judged again whether it may have these keys.
+void SecondProtections::unregister_pair(const EntityId& id, const Guid& remote, AfterMatch after) {
   forget(permitted_, id, remote);
   forget(announced_with_second_, id, remote);
-  keys_.unregister_pair(others_, id, remote, AfterMatch::gone);
+  if (const auto displaced = keys_.unregister_pair(others_, id, remote, after))
+    unregister_pair(id, *displaced);
+}
+
+void SecondProtections::resume(const EntityId& id, const Guid& remote) {
+  const auto other = others_.find(id);
+  if (other == others_.end()) return;
+  auto& local = other->second;
+  const auto pair = local.pairs.find(remote);
+  if (pair == local.pairs.end() || (!pair->second.is_suspended && !pair->second.is_silent)) return;
+  if (!is_permitted(id, remote)) return unregister_pair(id, remote);
+  pair->second.is_suspended = pair->second.is_silent = false;
+  pair->second.is_unsent = true;
+  local.list(id, remote, pair->second);
+  if (const auto displaced = local.note_idle(remote, pair->second)) unregister_pair(id, *displaced);
 }
 
 void SecondProtections::drop_keys(const EntityId& id, const std::optional<Guid>& remote) {
@@ -302,6 +317,13 @@ void SecondProtections::send_again(const GuidPrefix& prefix) {
     for (auto at = other.pairs.lower_bound({prefix, {}});
          at != other.pairs.end() && at->first.prefix == prefix; ++at)
       at->second.is_unsent = at->second.handle != 0;
+}
+
+void SecondProtections::send_again(const EntityId& id, const Guid& remote) {
+  const auto other = others_.find(id);
+  if (other == others_.end()) return;
+  const auto pair = other->second.pairs.find(remote);
+  if (pair != other->second.pairs.end()) pair->second.is_unsent = pair->second.handle != 0;
 }
 
 std::vector<std::pair<EntityId, Guid>> SecondProtections::incomplete_pairs(

@@ -144,7 +144,11 @@ class SecondProtections {
   void swap() noexcept;
   void remove_all();
   void remove(const EntityId& id);
-  void unregister_pair(const EntityId& id, const Guid& remote);
+  void unregister_pair(const EntityId& id, const Guid& remote,
+                       AfterMatch after = AfterMatch::gone);
+  /// The pair is registered again: its second keys count again if they were kept, and the pair may
+  /// have them. The remote endpoint gets ours once more.
+  void resume(const EntityId& id, const Guid& remote);
   /// Drops the keys of the pair for both protections. Does nothing if no pair is named.
   void drop_keys(const EntityId& id, const std::optional<Guid>& remote);
   void unregister_pairs_of(const GuidPrefix& remote);
@@ -165,6 +169,8 @@ class SecondProtections {
   bool has_pair_under_two_protections(const GuidPrefix& prefix) const;
   /// Notes that keys of second protections must be sent once more, to endpoints of that peer.
   void send_again(const GuidPrefix& prefix);
+  /// The same for one pair.
+  void send_again(const EntityId& id, const Guid& remote);
   /// Returns the pairs with endpoints of that peer that have one protection and lack the other
   /// one, or whose keys must be sent.
   std::vector<std::pair<EntityId, Guid>> incomplete_pairs(const GuidPrefix& prefix) const;

@@ -104,6 +104,7 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
                                                 bool is_relay_only) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
+  phases_.endpoints().resume(id, remote);
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
     auto& pair = known->second;
@@ -127,11 +128,10 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
   return registered;
 }
 
-// The second protection of the pair is always dropped. A suspended pair gets it again when it
-// returns.
+// The remote endpoint sends its keys for either protection only once, so both stay or go.
 std::optional<Guid> Keyring::unregister_pair(const EntityId& id, const Guid& remote,
                                              AfterMatch after) {
-  phases_.endpoints().unregister_pair(id, remote);
+  phases_.endpoints().unregister_pair(id, remote, after);
   auto displaced = keys_.unregister_pair(locals_, id, remote, after);
   phases_.endpoints().drop_keys(id, displaced);
   return displaced;
@@ -155,6 +155,12 @@ Keyring::PairKeyState Keyring::keys_for(const EntityId& id, const Guid& remote) 
   const auto* local = find(id);
   if (local == nullptr) return {};
   PairKeyState out{.may_be_dropped = local->idle.has_displaced(remote.prefix)};
+  if (const auto* second = phases_.endpoints().second_keys_of(id, remote)) {
+    const auto& pair = second->pairs.at(remote);
+    out.have_second_come = pair.keys != Sha256Digest{};
+    out.are_second_awaited = !phases_.has_swapped() && !pair.is_ready && !pair.is_suspended;
+    out.may_be_dropped = out.may_be_dropped || second->idle.has_displaced(remote.prefix);
+  }
   const auto found = local->pairs.find(remote);
   if (found == local->pairs.end()) return out;
   const auto& pair = found->second;
@@ -177,14 +183,24 @@ std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& rem
       {by_message ? peer->second.keys : none, by_submessage ? local->pairs.at(remote).keys : none});
 }
 
+LocalKeys* Keyring::find(const EntityId& id, ProtectionId protection) {
+  const auto at = locals_.find(id);
+  if (at == locals_.end()) return nullptr;
+  const bool is_first = protection == 0 || at->second.protection == protection;
+  return is_first ? &at->second : phases_.endpoints().find(id, protection);
+}
+
+bool Keyring::has_pair(const EntityId& id, const Guid& remote, ProtectionId protection) {
+  const auto* local = find(id, protection);
+  return local != nullptr && local->pairs.contains(remote);
+}
+
 Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote,
                                           std::span<const spi::Token> tokens,
                                           ProtectionId protection) {
-  const auto at = locals_.find(id);
-  const bool is_first =
-      at != locals_.end() && (protection == 0 || at->second.protection == protection);
-  auto* local = is_first ? &at->second : phases_.endpoints().find(id, protection);
+  auto* local = find(id, protection);
   if (local == nullptr) return fail(Code::crypto_not_matched);
+  const bool is_first = local == find(id);
   const auto pair = local->pairs.find(remote);
   if (pair == local->pairs.end() || pair->second.handle == 0)
     return fail(Code::crypto_tokens_not_expected);

@@ -77,10 +77,14 @@ class Keyring final : public SendProtection {
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// True if the pair is registered and not suspended.
   bool is_pair_registered(const EntityId& local, const Guid& remote) const;
+  /// True if the pair is registered or suspended under that protection; see set_endpoint_tokens.
+  bool has_pair(const EntityId& local, const Guid& remote, ProtectionId protection);
   /// The state of the remote endpoint's keys for a pair.
   struct PairKeyState {
     bool have_come = false;    ///< also if the pair is suspended
     bool are_awaited = false;  ///< the pair is registered, and waits for them
+    bool have_second_come = false;    ///< the same for its second protection
+    bool are_second_awaited = false;  ///< the same; false if that is the former one
     /// True if there were too many pairs of the local endpoint with the subject of the remote one,
     /// so that some were unregistered (IdlePairs).
     bool may_be_dropped = false;
@@ -156,6 +160,8 @@ class Keyring final : public SendProtection {
   friend bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& reader,
                              const ReceivedProtection& opened_by);
   const LocalKeys* find(const EntityId& id) const { return rtps::find(locals_, id); }
+  /// 0 means the first protection. Returns nullptr if the endpoint does not have that protection.
+  LocalKeys* find(const EntityId& id, ProtectionId protection);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
   spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }

@@ -1,5 +1,5 @@
-// An insider tries to end the first phase of a governance change, in which participants still
-// accept the former protection, before all of them have the document.
+// Insiders and outsiders misuse a governance change, above all its first phase, in which
+// participants still accept the former protection.
 #include "tests/unit/rtps_security/governance_changes.hpp"
 
 namespace ddssec::rtps::governance_changes {
@@ -30,6 +30,68 @@ TEST(GovernanceChange, InsiderThatLeavesAndComesBack_DoesNotEndTheFirstPhase) {
   fleet.run(10);
   EXPECT_EQ(Fleet::unmatched(b), 0) << fleet.text();
   EXPECT_TRUE(fleet.has_all(b)) << fleet.text();
+}
+
+// ---- an outsider, where discovery and messages are bare
+
+// Returns a message without protection that says that the endpoint has ended.
+Bytes forged_end(const Guid& endpoint, std::int64_t number) {
+  const bool writes = is_writer(endpoint.entity);
+  return forged(endpoint.prefix, Data{writes ? kPublicationsReader : kSubscriptionsReader,
+                                      writes ? kPublicationsWriter : kSubscriptionsWriter,
+                                      {number},
+                                      {endpoint.octets(), {true, true}},
+                                      PayloadKind::none,
+                                      {}});
+}
+
+// Forges the ends of alice's writer at bob, and of bob's reader at alice.
+void part(Fleet& fleet) {
+  const auto from = *Locator::parse("127.0.0.1", 7999);
+  for (std::int64_t number = 1; number < 6; ++number) {
+    fleet.a.node->receive(forged_end(fleet.readers.at(&fleet.b.node), number), fleet.world.now,
+                          from);
+    fleet.b.node->receive(forged_end(fleet.writer, number), fleet.world.now, from);
+  }
+  ASSERT_EQ(fleet.a.node.listener.matched, 1);
+  ASSERT_EQ(fleet.b.node.listener.matched, 0);
+}
+
+enum class When { before_the_document, in_the_first_phase };
+
+void expect_that_they_match_after_the_change(const Rules& before, const Rules& after, When when) {
+  Fleet fleet(before, "60");
+  fleet.run(1);
+  if (when == When::before_the_document) {
+    ASSERT_NO_FATAL_FAILURE(part(fleet));
+  }
+  fleet.put({&fleet.a, &fleet.b}, after, 2);
+  fleet.run(4);
+  ASSERT_TRUE(fleet.a.node.events.has(Code::governance_changing)) << fleet.text();
+  if (when == When::in_the_first_phase) {
+    ASSERT_NO_FATAL_FAILURE(part(fleet));
+  }
+  fleet.run(12);
+  ASSERT_FALSE(fleet.a.node.events.has(Code::governance_renewed)) << "carol is waited for";
+  EXPECT_EQ(fleet.a.node.listener.matched, 2) << "by the former protection" << fleet.text();
+  fleet.put({&fleet.c}, after, 2);
+  fleet.run(10);
+  EXPECT_TRUE(fleet.a.node.events.has(Code::governance_renewed)) << fleet.text();
+  EXPECT_EQ(fleet.a.node.listener.matched, 2) << fleet.text();
+  EXPECT_EQ(fleet.b.node.listener.matched, 1) << fleet.text();
+  const auto received = fleet.b.node.listener.changes.size();
+  fleet.run(1);
+  fleet.world.run(100);
+  EXPECT_EQ(fleet.b.node.listener.changes.size(), received + 10) << fleet.text();
+}
+
+// The keys of the next protection are sent only once, as those of the present one are.
+TEST(GovernanceChange, ForgedEndOfAnEndpoint_TakesNoKeysOfTheNextProtection) {
+  const Rules bare, signs{.metadata = kSign}, encrypts{.metadata = kEncrypt};
+  for (const auto when : {When::before_the_document, When::in_the_first_phase}) {
+    expect_that_they_match_after_the_change(signs, encrypts, when);
+    expect_that_they_match_after_the_change(bare, signs, when);
+  }
 }
 
 }  // namespace

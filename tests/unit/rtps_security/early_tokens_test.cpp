@@ -26,7 +26,7 @@ struct EarlyTokensTest : ::testing::Test {
     int count = 0;
     const auto message = tokens(number);
     const bool any = early.take(message.destination_endpoint, message.source_endpoint,
-                                [&](const GenericMessage&) { ++count; });
+                                [&](const GenericMessage&) { return ++count > 0; });
     EXPECT_EQ(any, count > 0) << "it says if there was any";
     return count;
   }
@@ -42,6 +42,17 @@ TEST_F(EarlyTokensTest, TokensOfAPair_AreTakenOnce) {
   EXPECT_EQ(taken(1), 1);
   EXPECT_EQ(taken(1), 0);
   EXPECT_EQ(early.size(), 1u) << "those of the other pair stay";
+}
+
+TEST_F(EarlyTokensTest, TokensThatAreOfNoUseYet_Stay) {
+  EXPECT_TRUE(keep(1));
+  EXPECT_TRUE(keep(2, EarlyTokens::kMaxOctets - 100));
+  const auto message = tokens(1);
+  EXPECT_FALSE(early.take(message.destination_endpoint, message.source_endpoint,
+                          [](const GenericMessage&) { return false; }));
+  EXPECT_FALSE(keep(3)) << "they count as before";
+  EXPECT_EQ(taken(1), 1);
+  EXPECT_TRUE(keep(3));
 }
 
 TEST_F(EarlyTokensTest, OnePair_KeepsOnlyTheLatest) {
