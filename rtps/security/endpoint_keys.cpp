@@ -141,7 +141,7 @@ Result<PairRegistration> EndpointKeys::register_pair(const EntityId& id, LocalKe
     if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
     DDSSEC_ASSIGN_OR_RETURN(pair.handle,
                             register_with_plugin(id, local, peer->second, is_relay_only));
-    endpoint_of_[pair.handle] = {remote, local.protection};
+    endpoint_of_[pair.handle] = {remote, local.protection, id};
     if (!local.is_volatile) {
       DDSSEC_ASSIGN_OR_RETURN(out.tokens, tokens_for(id, local, pair));
       out.is_ready = pair.is_ready = !waits_for_tokens(id, local.attributes);

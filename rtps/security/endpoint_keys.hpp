@@ -107,10 +107,11 @@ class EndpointKeys {
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
                                              const PairKeys& pair,
                                              spi::KeyStage stage = spi::KeyStage::in_use);
-  /// The remote endpoint of a pair, and the protection under which the pair is registered.
+  /// The two endpoints of a pair, and the protection under which the pair is registered.
   struct Endpoint {
     Guid guid;
     ProtectionId protection;
+    EntityId local;
   };
   /// Returns nullptr for an unknown handle.
   const Endpoint* endpoint_of(std::int64_t handle) const;

@@ -266,8 +266,9 @@ void GovernanceTransition::refresh(Peer& peer) const {
   if (association == nullptr) return;
   auto& governance = association->governance;
   governance.takes_part = has_changed(peer);
-  core_.keyring.phases().note_sends_next(
-      peer.prefix(), governance.takes_part && governance.received->state != State::changing);
+  if (phase_ != Phase::none && governance.takes_part &&
+      governance.received->state != State::changing)
+    core_.keyring.phases().note_sends_next(peer.prefix());
 }
 
 void GovernanceTransition::report_behind() {

@@ -68,17 +68,24 @@ Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sende
   if (!size) return undecodable(size.error(), sender);
   const auto* by = keys_.endpoint_of(by_writer ? found->datawriter.value : found->datareader.value);
   if (by == nullptr) return undecodable(Error(Code::crypto_not_matched), sender);
+  // Others have the former key, too, and the new document may deny them the topic.
+  if (phases_.is_former(by->local, by->guid, by->protection))
+    return undecodable(Error(Code::message_from_before), sender);
   return OpenSubmessage{scratch.first(*size), by->guid, by->protection};
 }
 
 // With two protections, the key of the submessage says which one counts for the payload. Where
 // neither protects submessages, both protect payloads (governance::live_change), and the payload
-// names its key.
+// names its key. A peer that has changed sends nothing more with the former ones.
 Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writer,
                                         BytesView payload, const ReceivedProtection& opened_by,
                                         MutableBytes scratch) {
   const auto* local = find(reader);
   if (local == nullptr) return fail(Code::crypto_not_matched);
+  if (const auto* next = phases_.only_next(reader, writer)) [[unlikely]] {
+    const auto plain = open_payload_under(transform(), *next, writer, payload, scratch);
+    return plain ? plain : undecodable(Error(Code::message_from_before), writer.prefix);
+  }
   if (const auto* other = phases_.endpoints().second_keys_of(reader, writer)) [[unlikely]] {
     const bool by_key = opened_by.submessage == writer;
     const auto fits = [&](const LocalKeys& one) {

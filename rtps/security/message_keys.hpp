@@ -42,7 +42,7 @@ class MessageKeys {
     return protection == id() || (second_ && protection == id_of(second_->kind));
   }
   /// The protection that the document that takes the place of the other one demands.
-  ProtectionId next_id() const { return has_swapped_ || !second_ ? id() : id_of(second_->kind); }
+  ProtectionId next_id() const { return id_of(next().kind); }
   /// From now on the second protection is the first one, and the other way round.
   void swap() noexcept;
   void remove_second();
@@ -69,8 +69,10 @@ class MessageKeys {
   /// `receiver`: nullptr: all remote participants.
   Result<std::size_t> protect(const spi::ParticipantCryptoHandle* receiver, BytesView plain,
                               MutableBytes out);
+  /// `sends_next`: the sender no longer uses the former one of two protections. Error then:
+  /// message_from_before.
   Result<std::size_t> open(spi::ParticipantCryptoHandle sender, BytesView message,
-                           MutableBytes scratch);
+                           MutableBytes scratch, bool sends_next);
 
  private:
   struct Protection {
@@ -80,6 +82,8 @@ class MessageKeys {
   };
   Result<spi::ParticipantCryptoHandle> add_remote(Protection& to, const RemoteCrypto& remote);
   void release(const Protection& protection);
+  /// The protection that the document that takes the place of the other one demands.
+  const Protection& next() const { return has_swapped_ || !second_ ? first_ : *second_; }
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
 
   OwnSecurity& own_;

@@ -12,26 +12,41 @@ void ProtectionPhases::remove_second() {
   endpoints_.remove_all();
   messages_.remove_second();
   has_swapped_ = false;
+  for (auto& [prefix, remote] : remotes_) remote.sends_next = false;
 }
 
-void ProtectionPhases::note_sends_next(const GuidPrefix& peer, bool sends_next) {
+void ProtectionPhases::note_sends_next(const GuidPrefix& peer) {
   const auto at = remotes_.find(peer);
-  if (at != remotes_.end())
-    at->second.sends_next = sends_next || (has_swapped_ && at->second.sends_next);
+  if (at != remotes_.end()) at->second.sends_next = true;
 }
 
-bool ProtectionPhases::may_send_by_former(const GuidPrefix& peer) const {
+bool ProtectionPhases::counts_second(const GuidPrefix& peer) const {
   const auto at = remotes_.find(peer);
-  return has_swapped_ && at != remotes_.end() && !at->second.sends_next;
+  return at != remotes_.end() && at->second.sends_next != has_swapped_;
+}
+
+const LocalKeys* ProtectionPhases::only_next(const EntityId& id, const Guid& remote) const {
+  const auto* second = endpoints_.second_keys_of(id, remote);
+  if (second == nullptr) [[likely]]
+    return nullptr;
+  const auto at = remotes_.find(remote.prefix);
+  if (at == remotes_.end() || !at->second.sends_next) return nullptr;
+  return has_swapped_ ? find(locals_, id) : second;
+}
+
+bool ProtectionPhases::is_former(const EntityId& id, const Guid& remote,
+                                 ProtectionId protection) const {
+  const auto* next = only_next(id, remote);
+  return next != nullptr && next->protection != protection;
 }
 
 bool ProtectionPhases::must_protect_messages(const GuidPrefix& peer) const {
-  return is_protected(may_send_by_former(peer) ? messages_.second_kind() : messages_.kind());
+  return is_protected(counts_second(peer) ? messages_.second_kind() : messages_.kind());
 }
 
 const LocalKeys* ProtectionPhases::demanded(const EntityId& id, const Guid& remote) const {
-  if (may_send_by_former(remote.prefix))
-    if (const auto* former = endpoints_.second_keys_of(id, remote)) return former;
+  if (counts_second(remote.prefix))
+    if (const auto* second = endpoints_.second_keys_of(id, remote)) return second;
   return find(locals_, id);
 }
 

@@ -8,9 +8,10 @@ namespace ddssec::rtps {
 /// The second protections of endpoints and of messages, and by which of the two each peer says that
 /// it sends (GovernanceTransition). No I/O, clock or lock.
 ///
-/// One of the two documents counts for a message, never a layer of each: until the swap the former
-/// one, which demands no more than the next one in any layer (governance::live_change). After the
-/// swap the former one still counts for peers that have not said that they send by the next one.
+/// One of the two documents counts for a message, never a layer of each: the next one for peers that
+/// say that they send by it, the former one for all others. It demands no more than the next one in
+/// any layer (governance::live_change). Keys of either protection are taken from a peer until it
+/// says so, and then only those of the next one: others have its former keys, too.
 class ProtectionPhases {
  public:
   /// `locals`: the endpoints with the protection that counts when they send.
@@ -25,12 +26,19 @@ class ProtectionPhases {
   /// From now on the second protections are the first ones, and the other way round.
   void swap() noexcept;
   void remove_second();
-  /// Whether the peer says that it sends by the document that comes into force here. Once it does
-  /// so, it does until the second protections are removed: it may have taken a later document.
-  void note_sends_next(const GuidPrefix& peer, bool sends_next);
+  /// Notes that the peer says that it sends by the document that comes into force here. It does so
+  /// until the second protections are removed, also if it has taken a later document since.
+  void note_sends_next(const GuidPrefix& peer);
   bool has_swapped() const { return has_swapped_; }
-  /// True if the next document counts here, but the peer may still send by the former one.
-  bool may_send_by_former(const GuidPrefix& peer) const;
+  /// True if the protection that is not sent here is the one that the peer's messages must have at
+  /// least: the peer has changed and we have not, or the other way round.
+  bool counts_second(const GuidPrefix& peer) const;
+  /// True if the remote endpoint no longer sends with the keys of that protection of the local
+  /// endpoint, because its participant says that it sends by the next document.
+  bool is_former(const EntityId& id, const Guid& remote, ProtectionId protection) const;
+  /// The local endpoint under the next protection if the remote endpoint sends only by it, and they
+  /// have a pair under two protections; otherwise nullptr.
+  const LocalKeys* only_next(const EntityId& id, const Guid& remote) const;
   /// True if messages of the participant are taken only if its own key protects them. Plain builtin
   /// endpoints of some vendors are excepted.
   bool must_protect_messages(const GuidPrefix& peer) const;

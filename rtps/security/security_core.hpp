@@ -72,8 +72,8 @@ struct SecurityCore {
   }
   /// True if the participant's liveliness counts only if it is asserted by the secure topic.
   bool must_protect_liveliness(const GuidPrefix& prefix) const {
-    const bool is_former = other_domain && keyring.phases().may_send_by_former(prefix);
-    return (is_former ? *other_domain : own->attributes()).is_liveliness_protected();
+    const bool by_other = other_domain && keyring.phases().counts_second(prefix);
+    return (by_other ? *other_domain : own->attributes()).is_liveliness_protected();
   }
   /// Returns the possible senders of a message that a local endpoint accepts as one of the remote
   /// endpoint.

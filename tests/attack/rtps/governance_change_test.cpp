@@ -1,5 +1,6 @@
 // Insiders and outsiders misuse a governance change, above all its first phase, in which
 // participants still accept the former protection.
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/governance_changes.hpp"
 
 namespace ddssec::rtps::governance_changes {
@@ -30,6 +31,40 @@ TEST(GovernanceChange, InsiderThatLeavesAndComesBack_DoesNotEndTheFirstPhase) {
   fleet.run(10);
   EXPECT_EQ(Fleet::unmatched(b), 0) << fleet.text();
   EXPECT_TRUE(fleet.has_all(b)) << fleet.text();
+}
+
+// Returns true if bob takes a new sample in alice's name that was made with her former keys, as a
+// former reader of hers can make it.
+bool takes_sample_under_former_keys(Fleet& fleet) {
+  auto &a = fleet.a.node, &b = fleet.b.node;
+  EXPECT_TRUE(fleet.has_all(b)) << fleet.text();
+  auto& core = ParticipantAccess::core(*a.participant);
+  auto& phases = core.security->keyring().phases();
+  a.post.sent.clear();
+  phases.swap();
+  fleet.write();
+  core.sender.flush_now();
+  phases.swap();
+  const auto before = b.listener.changes.size();
+  EXPECT_FALSE(a.post.sent.empty());
+  for (const auto& [port, datagram] : std::exchange(a.post.sent, {}))
+    if (port == b.port) b->receive(datagram, fleet.world.now, *Locator::parse("127.0.0.1", 0));
+  return b.listener.changes.size() > before;
+}
+
+TEST(GovernanceChange, KeysOfTheFormerProtection_CountNoMoreOnceTheirOwnerHasChanged) {
+  const std::pair<Rules, Rules> changes[] = {
+      {{.metadata = kSign}, {.metadata = kEncrypt}},
+      {rules_of(kNone, kNone, kSign), rules_of(kNone, kNone, kEncrypt)},
+      {rules_of(kNone, kSign, kEncrypt), rules_of(kNone, kEncrypt, kEncrypt)}};
+  for (const auto& [former, next] : changes) {
+    SecondPhase fleet(former, next);
+    const auto dropped = fleet.b.node->protection_counters().undecodable;
+    EXPECT_FALSE(takes_sample_under_former_keys(fleet)) << fleet.text();
+    EXPECT_GT(fleet.b.node->protection_counters().undecodable, dropped);
+    EXPECT_TRUE(fleet.has_all(fleet.b.node)) << "the true one comes" << fleet.text();
+    EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0) << fleet.text();
+  }
 }
 
 // ---- an outsider, where discovery and messages are bare

@@ -55,31 +55,68 @@ struct Phases {
 TEST(ProtectionPhases, NextProtection_IsDemandedOfAPeerThatSaysThatItSendsByIt) {
   Phases of(kNone, kSign);
   EXPECT_FALSE(of.must_protect());
-  of.phases.note_sends_next(of.peer, true);
-  EXPECT_FALSE(of.must_protect()) << "what it sent before may come later";
-  of.phases.note_sends_next(of.peer, false);
   of.phases.swap();
   EXPECT_FALSE(of.must_protect()) << "it has not changed yet";
   EXPECT_TRUE(of.phases.must_protect_messages(Node::candidate(8))) << "one that is not known";
-  of.phases.note_sends_next(of.peer, true);
+  of.phases.note_sends_next(of.peer);
   EXPECT_TRUE(of.must_protect());
-  of.phases.note_sends_next(of.peer, false);
-  EXPECT_TRUE(of.must_protect()) << "it has a later document";
   of.phases.remove_second();
   EXPECT_TRUE(of.must_protect());
   EXPECT_FALSE(of.phases.messages().has_second());
+}
+
+TEST(ProtectionPhases, PeerThatChangesFirst_IsJudgedByTheNextProtectionAtOnce) {
+  Phases of(kNone, kSign);
+  of.phases.note_sends_next(of.peer);
+  EXPECT_TRUE(of.must_protect());
+  of.phases.swap();
+  EXPECT_TRUE(of.must_protect());
+}
+
+TEST(ProtectionPhases, ChangeThatIsGivenUp_LeavesTheFormerProtection) {
+  Phases of(kNone, kSign);
+  of.phases.note_sends_next(of.peer);
+  of.phases.remove_second();
+  EXPECT_FALSE(of.must_protect());
 }
 
 TEST(ProtectionPhases, TwoProtectedKinds_NeverTakeABareMessage) {
   Phases of(kSign, kEncrypt);
   EXPECT_TRUE(of.must_protect());
   of.phases.swap();
-  for (const bool sends_next : {true, false}) {
-    of.phases.note_sends_next(of.peer, sends_next);
-    EXPECT_TRUE(of.must_protect());
-  }
+  EXPECT_TRUE(of.must_protect());
+  of.phases.note_sends_next(of.peer);
+  EXPECT_TRUE(of.must_protect());
   EXPECT_EQ(of.phases.messages().kind(), kEncrypt);
   EXPECT_EQ(of.phases.messages().second_kind(), kSign);
+}
+
+TEST(ProtectionPhases, FormerKeys_CountNoMoreOnceThePeerHasChanged) {
+  Phases of(kSign, kEncrypt);
+  of.add_endpoint(kSign, kEncrypt);
+  const auto former = of.phases.endpoints().first_protection_of(of.reader);
+  const auto next = protection_id(*of.phases.endpoints().attributes(of.reader));
+  const auto expect_former = [&](bool is_former) {
+    EXPECT_EQ(of.phases.is_former(of.reader, of.writer, former), is_former);
+    EXPECT_FALSE(of.phases.is_former(of.reader, of.writer, next));
+  };
+  expect_former(false);
+  of.phases.note_sends_next(of.peer);
+  expect_former(true);
+  of.phases.swap();
+  expect_former(true);
+  EXPECT_FALSE(of.phases.is_former(of.reader, {of.peer, EntityId{{0, 0, 2, 2}}}, former))
+      << "a pair with one protection";
+  of.phases.remove_second();
+  EXPECT_FALSE(of.phases.is_former(of.reader, of.writer, former)) << "there is only one";
+}
+
+TEST(ProtectionPhases, FormerKeysOfAPeerThatHasNotChanged_CountUntilTheEnd) {
+  Phases of(kSign, kEncrypt);
+  of.add_endpoint(kSign, kEncrypt);
+  const auto former = of.phases.endpoints().first_protection_of(of.reader);
+  of.phases.swap();
+  EXPECT_FALSE(of.phases.is_former(of.reader, of.writer, former));
 }
 
 // Messages and submessages are judged by the same document.
@@ -91,7 +128,7 @@ TEST(ProtectionPhases, OneDocument_CountsForAllLayersOfAMessage) {
   of.phases.swap();
   EXPECT_EQ(of.demanded(), kSign);
   EXPECT_FALSE(of.must_protect());
-  of.phases.note_sends_next(of.peer, true);
+  of.phases.note_sends_next(of.peer);
   EXPECT_EQ(of.demanded(), kEncrypt);
   EXPECT_TRUE(of.must_protect());
   EXPECT_EQ(of.phases.demanded(EntityId{{0, 0, 9, 7}}, of.writer), nullptr);
