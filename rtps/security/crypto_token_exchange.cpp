@@ -164,8 +164,7 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   if (!completed) return core_.raise(completed.error(), remote, EventOrigin::its_keys);
   if (completed->protection == 0) return;
   send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
-  if (is_revising_ && is_trusted(peer) &&
-      completed->protection == core_.keyring.phases().endpoints().first_protection_of(local))
+  if (is_revising_ && is_trusted(peer))
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
   bool is_ready = false;
   const bool any = take_early(peer, local, remote, is_ready);
@@ -174,21 +173,28 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   if (!any && keys.may_be_dropped && keys.are_second_awaited) request_tokens(local, remote);
 }
 
-// A peer that waits for the keys of messages joins with those that it knows without a name.
 bool CryptoTokenExchange::complete_message_keys(Peer& peer) {
   auto& sent = peer.state.association()->governance.message_keys;
   const auto next = core_.keyring.phases().messages().next_id();
   if (sent == next) return true;
-  if (!has_room(peer)) return false;
-  auto tokens = core_.keyring.participant_tokens(peer.prefix(), next);
+  if (!has_room(peer) || !send_message_keys(peer, next, spi::KeyStage::in_use)) return false;
+  sent = next;
+  if (is_revising_ && is_trusted(peer)) send_message_keys(peer, next, spi::KeyStage::revised);
+  return true;
+}
+
+// A peer that waits for the keys of messages joins with those that it knows without a name.
+bool CryptoTokenExchange::send_message_keys(Peer& peer, ProtectionId protection,
+                                            spi::KeyStage stage) {
+  auto tokens = core_.keyring.participant_tokens(peer.prefix(), protection, stage);
   if (!tokens) {
     core_.raise(tokens.error(), peer, EventOrigin::its_keys);
     return false;
   }
-  sent = next;
+  if (tokens->empty()) return true;
   GenericMessage message;
   message.message_class = message_class::kParticipantTokensOfOne;
-  message.related.sequence_number = static_cast<std::int64_t>(next);
+  message.related.sequence_number = static_cast<std::int64_t>(protection);
   message.data = std::move(*tokens);
   send(peer, std::move(message));
   return true;
@@ -243,6 +249,10 @@ void CryptoTokenExchange::send_revised(Peer& peer) {
   if (!own) return core_.raise(own.error(), peer, EventOrigin::its_keys);
   send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
   auto& association = *peer.state.association();
+  auto& phases = core_.keyring.phases();
+  const auto next = phases.messages().next_id();
+  if (next != phases.messages().id() && association.governance.message_keys == next)
+    send_message_keys(peer, next, spi::KeyStage::revised);
   for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
     add_waiting(association, local, remote, spi::KeyStage::revised);
   send_waiting(peer);
@@ -286,17 +296,25 @@ void CryptoTokenExchange::send_waiting(Peer& peer) {
       send_endpoint_tokens(peer, local, remote, std::move(*tokens));
     else
       core_.raise(tokens.error(), remote, EventOrigin::its_keys);
-    send_second_tokens(peer, local, remote);
+    send_second_tokens(peer, local, remote, stage);
   }
 }
 
-// Once we send with the new protection, the peer needs no keys of the former one.
-void CryptoTokenExchange::send_second_tokens(Peer& peer, const EntityId& local,
-                                             const Guid& remote) {
+// Once we send with the new protection, the peer needs no keys of the former one. Revised keys come
+// after those that they take the place of.
+void CryptoTokenExchange::send_second_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                                             spi::KeyStage stage) {
   auto& phases = core_.keyring.phases();
   if (phases.has_swapped() || !peer.state.association()->governance.takes_part) return;
-  phases.endpoints().send_again(local, remote);
+  auto& second = phases.endpoints();
+  if (stage == spi::KeyStage::in_use) second.send_again(local, remote);
   complete(peer, local, remote);
+  if (stage == spi::KeyStage::in_use) return;
+  auto revised = second.revised_tokens(local, remote);
+  if (revised)
+    send_endpoint_tokens(peer, local, remote, std::move(revised->tokens), revised->protection);
+  else
+    core_.raise(revised.error(), remote, EventOrigin::its_keys);
 }
 
 // Without this, a refused message would wait for the peer's next HEARTBEAT.
@@ -436,10 +454,10 @@ bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message
   const auto protection = protection_in(message);
   const auto& local = message.destination_endpoint.entity;
   const auto& remote = message.source_endpoint;
-  const bool had_keys = core_.keyring.keys_for(local, remote).have_come;
-  const auto former = core_.keyring.keys_of(local, remote);
+  const auto former = core_.keyring.tokens_of(local, remote, protection);
   const auto is_ready = core_.keyring.set_endpoint_tokens(local, remote, message.data, protection);
-  if (had_keys && core_.keyring.keys_of(local, remote) != former) note_revised(peer);
+  const bool had_keys = former != Sha256Digest{};
+  if (had_keys && core_.keyring.tokens_of(local, remote, protection) != former) note_revised(peer);
   if (!is_ready) core_.raise(is_ready.error(), peer, EventOrigin::its_keys);
   return is_ready && *is_ready;
 }

@@ -93,11 +93,14 @@ class CryptoTokenExchange {
   void complete(Peer& peer, const EntityId& local, const Guid& remote);
   /// Returns false if there was no room, or if there were no keys of messages.
   bool complete_message_keys(Peer& peer);
+  /// Returns false if there are none.
+  bool send_message_keys(Peer& peer, ProtectionId protection, spi::KeyStage stage);
   void add_waiting(Association& association, const EntityId& local, const Guid& remote,
                    spi::KeyStage stage);
   void send_waiting(Peer& peer);
   /// Sends the keys of the pair's second protection, if it is the one that is to come.
-  void send_second_tokens(Peer& peer, const EntityId& local, const Guid& remote);
+  void send_second_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                          spi::KeyStage stage);
   bool may_send(const Association& association) const;
   /// Returns false if there is no room for the message now and it must be delivered again.
   bool on_message(const GuidPrefix& prefix, const Change& change);

@@ -371,6 +371,26 @@ Result<SecondProtections::Completion> SecondProtections::complete(const EntityId
   return Completion{lacks.protection, std::move(registered.tokens)};
 }
 
+Result<SecondProtections::Completion> SecondProtections::revised_tokens(const EntityId& id,
+                                                                        const Guid& remote) {
+  const auto other = others_.find(id);
+  if (other == others_.end() || !is_permitted(id, remote)) return Completion{};
+  const auto pair = other->second.pairs.find(remote);
+  if (pair == other->second.pairs.end() || pair->second.handle == 0 || pair->second.is_suspended)
+    return Completion{};
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto tokens, keys_.tokens_for(id, other->second, pair->second, spi::KeyStage::revised));
+  return Completion{other->second.protection, std::move(tokens)};
+}
+
+void SecondProtections::add_pairs_with_keys(const GuidPrefix& prefix,
+                                            std::set<std::pair<EntityId, Guid>>& to) const {
+  for (const auto& [id, other] : others_)
+    for (auto at = other.pairs.lower_bound({prefix, {}});
+         at != other.pairs.end() && at->first.prefix == prefix; ++at)
+      if (at->second.handle != 0 && !at->second.is_suspended) to.emplace(id, at->first);
+}
+
 const LocalKeys* SecondProtections::second_keys_of(const EntityId& id, const Guid& remote) const {
   if (others_.empty()) [[likely]]
     return nullptr;

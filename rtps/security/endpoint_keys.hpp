@@ -183,6 +183,12 @@ class SecondProtections {
   /// Registers the pair also under the protection under which it is not registered yet. Errors:
   /// those of the plugin.
   Result<Completion> complete(const EntityId& id, const Guid& remote);
+  /// Returns the second protection and its keys of the revision under way, for the remote endpoint
+  /// of a pair that may have them. Without a revision or such a pair there are none. Errors: those
+  /// of the plugin.
+  Result<Completion> revised_tokens(const EntityId& id, const Guid& remote);
+  /// Adds the pairs with endpoints of that peer that have keys of a second protection.
+  void add_pairs_with_keys(const GuidPrefix& prefix, std::set<std::pair<EntityId, Guid>>& to) const;
 
  private:
   /// Local endpoints, each with its remote ones.

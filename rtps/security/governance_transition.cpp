@@ -64,7 +64,7 @@ void GovernanceTransition::tick() {
   if (phase_ == Phase::none) return send_to_all();
   // The protections are added before the reports are sent, because peers that receive a report send
   // keys for the second protection at once.
-  if (phase_ == Phase::accepting && (is_interrupted() || !add_protections())) return;
+  if (phase_ == Phase::accepting && !add_protections()) return;
   send_to_all();
   const bool is_complete = complete_pairs();
   if (phase_ == Phase::accepting) {
@@ -102,22 +102,12 @@ bool GovernanceTransition::may_begin() {
   return !revision_.is_busy() || core_.now >= *waits_since_ + core_.own->governance_change_time();
 }
 
-// Keys of the second protection are not revised, and a peer that loses its trust may have them. In
-// the first phase nothing was sent with them yet: they are dropped, and made anew after the
-// revision. In the second phase they are accepted for no longer than former keys are.
+// Keys of the next protection are revised with the present ones, so the first phase goes on: a
+// participant that dropped them would hear nothing from peers that change meanwhile. Those of the
+// former protection count for no longer in the second phase than former keys do.
 void GovernanceTransition::note_revision() {
-  if (phase_ == Phase::accepting && core_.now < deadline_) {
-    core_.keyring.phases().remove_second();  // also those of endpoints that were made since
-    has_protections_ = false;
-    return;
-  }
-  if (phase_ == Phase::accepting && add_protections()) change();
   if (phase_ == Phase::draining)
     deadline_ = std::min(deadline_, core_.now + 2 * KeyReviser::kTimeout);
-}
-
-bool GovernanceTransition::is_interrupted() const {
-  return !has_protections_ && revision_.is_busy() && core_.now < deadline_;
 }
 
 void GovernanceTransition::begin(const Version& next) {

@@ -30,8 +30,7 @@ class GovernanceTransition {
   void tick();
   /// True if the participant's own attributes have changed since the last call.
   bool take_changed_domain() { return std::exchange(has_changed_domain_, false); }
-  /// Must be called while keys are revised, or are to be. In the first phase, the change goes on
-  /// after that, but no later than its time demands; the second phase does not last long.
+  /// Must be called while keys are revised, or are to be. A second phase does not last long then.
   void note_revision();
 
  private:
@@ -45,7 +44,6 @@ class GovernanceTransition {
 
   void check();
   bool may_begin();
-  bool is_interrupted() const;
   void begin(const Version& next);
   void change();
   void end();

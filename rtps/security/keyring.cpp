@@ -169,6 +169,13 @@ Keyring::PairKeyState Keyring::keys_for(const EntityId& id, const Guid& remote) 
   return out;
 }
 
+Sha256Digest Keyring::tokens_of(const EntityId& id, const Guid& remote, ProtectionId protection) {
+  const auto* local = find(id, protection);
+  if (local == nullptr || !local->attributes.is_submessage_protected()) return {};
+  const auto pair = local->pairs.find(remote);
+  return pair == local->pairs.end() ? Sha256Digest{} : pair->second.keys;
+}
+
 // There is no digest if only payloads are protected: an attacker can change their sequence numbers.
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
   const auto* local = phases_.demanded(id, remote);
@@ -229,15 +236,16 @@ Status Keyring::activate(spi::KeyRevision revision) {
   return factory().activate_key_revision(own_.crypto(), revision);
 }
 
-std::vector<std::pair<EntityId, Guid>> Keyring::pairs_with_keys(const GuidPrefix& prefix) const {
-  std::vector<std::pair<EntityId, Guid>> out;
+std::set<std::pair<EntityId, Guid>> Keyring::pairs_with_keys(const GuidPrefix& prefix) const {
+  std::set<std::pair<EntityId, Guid>> out;
   for (const auto& [id, local] : locals_) {
     if (local.is_volatile) continue;
     for (auto at = local.pairs.lower_bound({prefix, {}}); at != local.pairs.end(); ++at) {
       if (at->first.prefix != prefix) break;
-      if (at->second.handle != 0 && !at->second.is_suspended) out.emplace_back(id, at->first);
+      if (at->second.handle != 0 && !at->second.is_suspended) out.emplace(id, at->first);
     }
   }
+  phases_.endpoints().add_pairs_with_keys(prefix, out);
   return out;
 }
 

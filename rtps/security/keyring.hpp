@@ -90,6 +90,9 @@ class Keyring final : public SendProtection {
     bool may_be_dropped = false;
   };
   PairKeyState keys_for(const EntityId& local, const Guid& remote) const;
+  /// Returns a digest of the remote endpoint's latest tokens for that protection. Zero: none have
+  /// come, or they protect no submessages.
+  Sha256Digest tokens_of(const EntityId& local, const Guid& remote, ProtectionId protection);
   /// Returns a digest of the keys that protect messages from the remote to the local endpoint. It
   /// stays the same as long as the keys do. Empty if the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
@@ -108,8 +111,8 @@ class Keyring final : public SendProtection {
     return factory().is_key_revision_due(own_.crypto()) || phases_.messages().needs_revision();
   }
   /// Returns the pairs of local endpoints with endpoints of that peer that have keys of their own,
-  /// without suspended ones.
-  std::vector<std::pair<EntityId, Guid>> pairs_with_keys(const GuidPrefix& prefix) const;
+  /// under either protection, without suspended ones.
+  std::set<std::pair<EntityId, Guid>> pairs_with_keys(const GuidPrefix& prefix) const;
   /// Returns the tokens that the remote endpoint of such a pair needs: those in use, or those of
   /// the revision under way.
   Result<std::vector<spi::Token>> endpoint_tokens(const EntityId& local, const Guid& remote,

@@ -83,7 +83,6 @@ void MessageKeys::swap() noexcept {
   if (!second_) return;
   std::swap(first_, *second_);
   has_swapped_ = true;
-  revision_.reset();
 }
 
 void MessageKeys::remove_second() {
@@ -120,15 +119,27 @@ Status MessageKeys::set_tokens(spi::ParticipantCryptoHandle remote,
 // ---- key revision
 
 // The keys of the participant's own handle are revised with those of its endpoints.
-Status MessageKeys::revise() {
-  if (first_.handle == own_.crypto() || revision_) return {};
-  DDSSEC_ASSIGN_OR_RETURN(revision_, factory().revise_local_entity_keys(first_.handle));
+Status MessageKeys::revise(Protection& protection) {
+  if (protection.handle == own_.crypto() || protection.revision) return {};
+  DDSSEC_ASSIGN_OR_RETURN(protection.revision,
+                          factory().revise_local_entity_keys(protection.handle));
   return {};
 }
 
+Status MessageKeys::activate(Protection& protection) {
+  const auto revision = std::exchange(protection.revision, std::nullopt);
+  return revision ? factory().activate_key_revision(protection.handle, *revision) : Status();
+}
+
+Status MessageKeys::revise() {
+  DDSSEC_RETURN_IF_ERROR(revise(first_));
+  return second_ ? revise(*second_) : Status();
+}
+
 Status MessageKeys::activate() {
-  const auto revision = std::exchange(revision_, std::nullopt);
-  return revision ? factory().activate_key_revision(first_.handle, *revision) : Status();
+  const auto first = activate(first_);
+  const auto second = second_ ? activate(*second_) : Status();
+  return first ? second : first;
 }
 
 bool MessageKeys::needs_revision() {

@@ -60,7 +60,8 @@ class MessageKeys {
                     ProtectionId of = 0);
 
   // Key revision; see Keyring:
-  /// Makes the next keys of messages. Errors: those of the plugin.
+  /// Makes the next keys of messages, also those of a second protection. Errors: those of the
+  /// plugin.
   Status revise();
   Status activate();
   bool needs_revision();
@@ -79,8 +80,12 @@ class MessageKeys {
     spi::ParticipantCryptoHandle handle;  ///< of the local participant
     ProtectionKind kind;
     std::vector<spi::ParticipantCryptoHandle> remotes = {};
+    /// While its keys are being revised apart from those of the endpoints.
+    std::optional<spi::KeyRevision> revision = {};
   };
   Result<spi::ParticipantCryptoHandle> add_remote(Protection& to, const RemoteCrypto& remote);
+  Status revise(Protection& protection);
+  Status activate(Protection& protection);
   void release(const Protection& protection);
   /// The protection that the document that takes the place of the other one demands.
   const Protection& next() const { return has_swapped_ || !second_ ? first_ : *second_; }
@@ -91,8 +96,6 @@ class MessageKeys {
   Protection first_;
   std::optional<Protection> second_;
   bool has_swapped_ = false;
-  /// Of the first protection, while its keys are being revised apart from those of the endpoints.
-  std::optional<spi::KeyRevision> revision_;
 };
 
 }  // namespace ddssec::rtps

@@ -33,6 +33,30 @@ TEST(GovernanceChange, InsiderThatLeavesAndComesBack_DoesNotEndTheFirstPhase) {
   EXPECT_TRUE(fleet.has_all(b)) << fleet.text();
 }
 
+// An insider makes bob revise his keys all the time, and the others change meanwhile.
+TEST(GovernanceChange, RevisionsOfOneParticipant_LeaveItTheKeysOfTheOthers) {
+  const auto former = revising(everything(kSign)), next = revising(everything(kEncrypt));
+  Fleet fleet(former, "60");
+  fleet.put({&fleet.a, &fleet.b, &fleet.c}, next, 2);
+  const auto has_all = [&] { return fleet.b.node.listener.changes.size() == fleet.written; };
+  for (int second = 0; second < 12; ++second) {
+    for (auto* node : fleet.world.nodes) node->clock.advance(1s);
+    for (int i = 0; i < 10; ++i) {
+      EXPECT_TRUE(fleet.b.node->revise_keys());
+      fleet.write();
+      fleet.world.run(10);
+    }
+    EXPECT_TRUE(fleet.world.run_until(has_all, 20)) << second << fleet.text();
+  }
+  EXPECT_TRUE(fleet.a.node.events.has(Code::governance_renewed)) << fleet.text();
+  EXPECT_TRUE(fleet.c.node.events.has(Code::governance_renewed)) << fleet.text();
+  fleet.run(10);
+  EXPECT_TRUE(fleet.b.node.events.has(Code::governance_renewed)) << fleet.text();
+  for (auto* member : {&fleet.a, &fleet.b, &fleet.c})
+    EXPECT_EQ(Fleet::unmatched(member->node), 0) << fleet.text();
+  EXPECT_FALSE(fleet.is_readable_on_the_network());
+}
+
 // Returns true if bob takes a new sample in alice's name that was made with her former keys, as a
 // former reader of hers can make it.
 bool takes_sample_under_former_keys(Fleet& fleet) {
