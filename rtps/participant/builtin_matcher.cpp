@@ -62,12 +62,19 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
 
 // The endpoints are unmatched first, because a new match begins with the first announcement that
 // the writer keeps.
+void BuiltinMatcher::read_again(const BuiltinTopicInfo& info, RemoteParticipant& remote) {
+  builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
+  match(info, remote, false, true);
+}
+
 void BuiltinMatcher::refresh_announcements(RemoteParticipant& remote, bool secure) {
-  for (const auto& info : kBuiltinTopics) {
-    if (!is_sedp(info, secure)) continue;
-    builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
-    match(info, remote, false, true);
-  }
+  for (const auto& info : kBuiltinTopics)
+    if (is_sedp(info, secure)) read_again(info, remote);
+}
+
+void BuiltinMatcher::refresh_participant(RemoteParticipant& remote) {
+  for (const auto& info : kBuiltinTopics)
+    if (info.topic == BuiltinTopic::participants_secure) read_again(info, remote);
 }
 
 void BuiltinMatcher::offer_again(const RemoteParticipant& remote) {

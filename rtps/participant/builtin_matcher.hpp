@@ -25,6 +25,8 @@ class BuiltinMatcher {
   void unmatch(const RemoteParticipant& remote);
   /// Requests all plain announcements of the participant's endpoints again, or all secure ones.
   void refresh_announcements(RemoteParticipant& remote, bool secure = false);
+  /// Requests again what the participant announces of itself by DCPSParticipantsSecure.
+  void refresh_participant(RemoteParticipant& remote);
   /// Tells the participant which announcements of ours there are: it requests those that it has not
   /// received, whatever was acknowledged in its name.
   void offer_again(const RemoteParticipant& remote);
@@ -40,6 +42,7 @@ class BuiltinMatcher {
  private:
   void match(const BuiltinTopicInfo& info, RemoteParticipant& remote, bool with_writer,
              bool again = false);
+  void read_again(const BuiltinTopicInfo& info, RemoteParticipant& remote);
 
   ParticipantCore& core_;
   BuiltinEndpoints& builtin_;

@@ -67,7 +67,8 @@ void unmatch(EndpointMatcher& matcher, BuiltinMatcher& builtin, RemoteParticipan
   builtin.unmatch(remote);
 }
 
-// Data that a participant announces under its keys counts like data that it signed in a handshake.
+// Addresses that a participant announces under its keys count like those that it signed in a
+// handshake. Where nothing protects DCPSParticipantsSecure, anyone can have announced them.
 void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
             RemoteParticipant& remote, ParticipantData announced) {
   auto& metatraffic = announced.metatraffic_unicast;
@@ -75,6 +76,7 @@ void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& bui
   leave_out_loopback(core, metatraffic);
   leave_out_loopback(core, user);
   if (!remote.has_signed_addresses || metatraffic.empty()) return;
+  if (!core.is_participant_data_proven(remote.prefix())) return;
   if (remote.signed_metatraffic == metatraffic && remote.signed_user == user) return;
   adopt_signed_addresses(core, remote, std::move(metatraffic), std::move(user));
   if (!has_proven_address(core, remote))

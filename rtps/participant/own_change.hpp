@@ -13,7 +13,8 @@ struct OwnChange {
     LocatorList metatraffic, user;
   };
   std::optional<Bytes> user_data = {};
-  /// Authenticated participants of ddssec follow to the new addresses. Without security, and if
+  /// Authenticated participants of ddssec follow to the new addresses if the governance protects
+  /// discovery or messages. Without security, and if
   /// none of the former addresses is left, all participants are found anew.
   std::optional<Addresses> addresses = {};
 };

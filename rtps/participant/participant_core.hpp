@@ -97,6 +97,12 @@ struct ParticipantCore {
     return origin_of_announcement(announced.guid, announced.by_secure_discovery) ==
            EventOrigin::its_keys;
   }
+  /// True if only that participant can have sent the data of its DCPSParticipantsSecure.
+  bool is_participant_data_proven(const GuidPrefix& peer) const {
+    return security && security->core().origin(kParticipantsSecureReader,
+                                               {peer, kParticipantsSecureWriter}) ==
+                           EventOrigin::its_keys;
+  }
   /// Returns the governance's attributes of the domain. Without security, nothing is protected.
   const spi::ParticipantSecurityAttributes& attributes() const {
     static const spi::ParticipantSecurityAttributes kNone;

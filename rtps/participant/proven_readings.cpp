@@ -26,6 +26,7 @@ void ProvenReadings::begin(RemoteParticipant& remote, bool secure) {
   for (const auto& [id, endpoint] : remote.endpoints)
     if (endpoint.data.by_secure_discovery == secure) remote.unconfirmed.insert(id);
   builtin_.refresh_announcements(remote, secure);
+  if (secure) builtin_.refresh_participant(remote);
 }
 
 void ProvenReadings::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {

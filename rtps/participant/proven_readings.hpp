@@ -7,8 +7,9 @@
 
 namespace ddssec::rtps {
 
-/// Reads again what authenticated participants announce, and forgets what they do not confirm. A
-/// forged announcement from before must not count as one under their keys.
+/// Reads again what authenticated participants announce of their endpoints and of themselves, and
+/// forgets endpoints that they do not confirm. A forged announcement from before must not count as
+/// one under their keys.
 class ProvenReadings {
  public:
   ProvenReadings(ParticipantCore& core, RemoteParticipants& remotes, EndpointMatcher& matcher,
