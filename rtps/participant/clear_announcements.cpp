@@ -69,8 +69,11 @@ void ClearAnnouncements::give_way_to(RemoteParticipant& remote, const EndpointDa
 
 bool ClearAnnouncements::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {
   const auto id = endpoint.guid.entity;
-  if (!is_doubtful(remote, id, endpoint.by_secure_discovery)) return true;
   auto& reading = remote.announcement_refresh;
+  if (!is_doubtful(remote, id, endpoint.by_secure_discovery)) {
+    reading.note_alive(id);
+    return true;
+  }
   const auto known = remote.endpoints.find(id);
   if (known == remote.endpoints.end()) {
     if (reading.without_keys().contains(id)) note_change(reading);
@@ -115,6 +118,14 @@ bool ClearAnnouncements::is_doubtful(const RemoteParticipant& remote, const Enti
                                      bool secure) const {
   return core_.is_authenticated(remote.prefix()) &&
          core_.origin_of_announcement({remote.prefix(), endpoint}, secure) == EventOrigin::anyone;
+}
+
+// While the governance changes, an endpoint may move to protected discovery. The end of its
+// unprotected announcement does not count for it then.
+bool ClearAnnouncements::is_proven(const RemoteParticipant& remote,
+                                   const EntityId& endpoint) const {
+  const auto known = remote.endpoints.find(endpoint);
+  return known != remote.endpoints.end() && core_.is_proven(known->second.data);
 }
 
 // ---- keys
@@ -179,7 +190,7 @@ void ClearAnnouncements::on_refreshed(RemoteParticipant& remote) {
   if (!builtin_.has_read(remote)) return note_change(reading);
   for (const auto& [endpoint, counts] : reading.take_confirmed_ends()) {
     const bool is_known = remote.endpoints.contains(endpoint);
-    if (is_known && counts) continue;
+    if (is_known && (counts || is_proven(remote, endpoint))) continue;
     if (is_known) matcher_.remove(remote, endpoint, true);
     const auto dropped = reading.note_gone(endpoint);
     if (!dropped || remote.endpoints.contains(*dropped)) continue;

@@ -39,6 +39,8 @@ class ClearAnnouncements final : private Timed {
  private:
   void on_time(MonotonicTime now) override;
   bool is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint, bool secure) const;
+  /// True if the endpoint is known, and only its participant can have announced it.
+  bool is_proven(const RemoteParticipant& remote, const EntityId& endpoint) const;
   void note_change(AnnouncementRefresh& reading);
   void note_contradiction(const GuidPrefix& participant);
   /// Returns the local endpoints of the other kind.

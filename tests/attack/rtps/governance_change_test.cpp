@@ -153,5 +153,32 @@ TEST(GovernanceChange, ForgedEndOfAnEndpoint_TakesNoKeysOfTheNextProtection) {
   }
 }
 
+// The announcements that protection proves count, whatever was said before.
+TEST(GovernanceChange, ForgedEndsOfManyEndpointsFromBefore_PartNoneAfterIt) {
+  const Rules bare{.metadata = kSign};
+  auto discovery = bare, messages = bare;
+  discovery.discovery = messages.rtps = kSign;
+  for (const auto& after : {discovery, messages}) {
+    Fleet fleet(bare, "60", false);
+    auto &a = fleet.a.node, &b = fleet.b.node;
+    std::vector<Guid> readers{fleet.readers.at(&b)};
+    while (readers.size() < AnnouncementRefresh::kMaxEnded + 20)
+      readers.push_back(
+          b->create_reader(square(default_reader_qos()), b.listener, fleet.world.now).value());
+    const auto all = static_cast<int>(readers.size());
+    ASSERT_TRUE(fleet.world.run_until([&] { return a.listener.matched == all; }, 1000));
+    fleet.put({&fleet.a, &fleet.b}, after, 2);
+    for (auto* node : fleet.world.nodes) node->clock.advance(1s);
+    std::int64_t number = all;
+    for (const auto& reader : readers)
+      a->receive(forged_end(reader, ++number), fleet.world.now, *Locator::parse("127.0.0.1", 7999));
+    EXPECT_EQ(a.listener.matched, all - static_cast<int>(AnnouncementRefresh::kMaxEnded));
+    fleet.run(20);
+    EXPECT_TRUE(a.events.has(Code::governance_renewed)) << fleet.text();
+    EXPECT_EQ(a.listener.matched, all) << fleet.text();
+    EXPECT_EQ(a.listener.unmatched, static_cast<int>(AnnouncementRefresh::kMaxEnded));
+  }
+}
+
 }  // namespace
 }  // namespace ddssec::rtps::governance_changes

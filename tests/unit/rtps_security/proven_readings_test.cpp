@@ -2,7 +2,6 @@
 #include "rtps/participant/proven_readings.hpp"
 
 #include "rtps/discovery/serialized.hpp"
-#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/governance_changes.hpp"
 
@@ -60,7 +59,7 @@ TEST(ProvenReadings, ForgedAnnouncementsFromBefore_AreForgotten) {
 const Bytes kForgedText{'f', 'o', 'r', 'g', 'e', 'd'};
 
 const RemoteParticipant& bob(Fleet& fleet) {
-  return ParticipantAccess::peer(*fleet.a.node.participant, fleet.b.node->prefix());
+  return fleet.a.node->remote_participants().all().at(fleet.b.node->prefix());
 }
 
 // Announces in bob's name, by DCPSParticipantsSecure and without protection. The loop ends at the
