@@ -14,8 +14,8 @@ struct OwnChange {
   };
   std::optional<Bytes> user_data = {};
   /// Authenticated participants of ddssec follow to the new addresses if the governance protects
-  /// discovery or messages. Without security, and if
-  /// none of the former addresses is left, all participants are found anew.
+  /// discovery or messages. Without security, and if none of the former addresses is left, all
+  /// participants are found anew.
   std::optional<Addresses> addresses = {};
 };
 

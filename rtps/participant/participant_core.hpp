@@ -99,9 +99,9 @@ struct ParticipantCore {
   }
   /// True if only that participant can have sent the data of its DCPSParticipantsSecure.
   bool is_participant_data_proven(const GuidPrefix& peer) const {
-    return security && security->core().origin(kParticipantsSecureReader,
-                                               {peer, kParticipantsSecureWriter}) ==
-                           EventOrigin::its_keys;
+    return security &&
+           security->core().origin(kParticipantsSecureReader, {peer, kParticipantsSecureWriter}) ==
+               EventOrigin::its_keys;
   }
   /// Returns the governance's attributes of the domain. Without security, nothing is protected.
   const spi::ParticipantSecurityAttributes& attributes() const {

@@ -29,6 +29,18 @@ ProtectionId protection_in(const GenericMessage& message) {
   return names_one ? static_cast<ProtectionId>(message.related.sequence_number) : 0;
 }
 
+// True if the pair exists under that protection, suspended or not.
+bool has_pair(SecondProtections& of, const EntityId& local, const Guid& remote,
+              ProtectionId protection) {
+  const auto* keys = of.find(local, protection);
+  return keys != nullptr && keys->pairs.contains(remote);
+}
+
+bool may_send(const Association& association) {
+  constexpr auto kMax = CryptoTokenExchange::kMaxUnacknowledgedOctets;
+  return association.volatile_writer && association.volatile_writer->history().octets() < kMax;
+}
+
 }  // namespace
 
 Status CryptoTokenExchange::open(Peer& peer) {
@@ -163,8 +175,9 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   auto completed = core_.keyring.phases().endpoints().complete(local, remote);
   if (!completed) return core_.raise(completed.error(), remote, EventOrigin::its_keys);
   if (completed->protection == 0) return;
+  const bool has_keys = !completed->tokens.empty();
   send_endpoint_tokens(peer, local, remote, std::move(completed->tokens), completed->protection);
-  if (is_revising_ && is_trusted(peer))
+  if (is_revising_ && is_trusted(peer) && has_keys)
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
   bool is_ready = false;
   const bool any = take_early(peer, local, remote, is_ready);
@@ -259,11 +272,6 @@ void CryptoTokenExchange::send_revised(Peer& peer) {
 }
 
 // ---- waiting messages
-
-bool CryptoTokenExchange::may_send(const Association& association) const {
-  return association.volatile_writer &&
-         association.volatile_writer->history().octets() < kMaxUnacknowledgedOctets;
-}
 
 bool CryptoTokenExchange::has_room(const Peer& peer) const {
   const auto* association = peer.state.association();
@@ -406,16 +414,16 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   const auto protection = protection_in(message);
   if (protection != 0 && !core_.keyring.phases().endpoints().knows(local.entity, protection))
     return true;
-  // A suspended pair may have got no second protection yet. Its keys are not sent again, either.
-  if (has_pair_for(peer, message)) {
+  // The peer may find a pair first that lacks a protection. The pair then gets it here, unless it
+  // is suspended: then its tokens wait, because they are not sent again.
+  if (protection != 0) complete(peer, local.entity, remote);
+  if (has_pair(core_.keyring.phases().endpoints(), local.entity, remote, protection)) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);
     return true;
   }
-  const bool is_kept =
-      peer.state.association()->early.keep(std::move(message), octets, core_.now);
+  const bool is_kept = peer.state.association()->early.keep(std::move(message), octets, core_.now);
   // Keys of a protection that a known pair may never get must not hold up the others.
-  if (!is_kept)
-    return core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown;
+  if (!is_kept) return core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown;
   core_.host.on_early_keys(local.entity, remote);
   return true;
 }
@@ -425,23 +433,16 @@ void CryptoTokenExchange::note_revised(Peer& peer) {
   peer.state.association()->former_keys_end = core_.now + spi::kFormerKeyLife + kMargin;
 }
 
-// The peer may find a pair first that lacks a protection. The pair then gets it here.
-bool CryptoTokenExchange::has_pair_for(Peer& peer, const GenericMessage& message) {
-  const auto& local = message.destination_endpoint.entity;
-  const auto protection = protection_in(message);
-  if (protection != 0) complete(peer, local, message.source_endpoint);
-  return core_.keyring.has_pair(local, message.source_endpoint, protection);
-}
-
 bool CryptoTokenExchange::take_early(Peer& peer, const EntityId& local, const Guid& remote,
                                      bool& is_ready) {
   auto& early = peer.state.association()->early;
   const bool any =
       early.take({core_.own->guid().prefix, local}, remote, [&](const GenericMessage& message) {
         const auto protection = protection_in(message);
-        if (protection != 0 && !core_.keyring.phases().endpoints().knows(local, protection))
-          return true;
-        if (!has_pair_for(peer, message)) return false;
+        auto& second = core_.keyring.phases().endpoints();
+        if (protection != 0 && !second.knows(local, protection)) return true;
+        if (protection != 0) complete(peer, local, remote);
+        if (!has_pair(second, local, remote, protection)) return false;
         is_ready = apply_tokens(peer, message) || is_ready;
         return true;
       });
@@ -454,10 +455,11 @@ bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message
   const auto protection = protection_in(message);
   const auto& local = message.destination_endpoint.entity;
   const auto& remote = message.source_endpoint;
-  const auto former = core_.keyring.tokens_of(local, remote, protection);
+  const auto* keys = core_.keyring.phases().endpoints().find(local, protection);
+  if (keys == nullptr) return false;
+  const auto former = keys->submessage_tokens_of(remote);
   const auto is_ready = core_.keyring.set_endpoint_tokens(local, remote, message.data, protection);
-  const bool had_keys = former != Sha256Digest{};
-  if (had_keys && core_.keyring.tokens_of(local, remote, protection) != former) note_revised(peer);
+  if (former && keys->submessage_tokens_of(remote) != former) note_revised(peer);
   if (!is_ready) core_.raise(is_ready.error(), peer, EventOrigin::its_keys);
   return is_ready && *is_ready;
 }

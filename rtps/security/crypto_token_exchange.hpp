@@ -101,7 +101,6 @@ class CryptoTokenExchange {
   /// Sends the keys of the pair's second protection, if it is the one that is to come.
   void send_second_tokens(Peer& peer, const EntityId& local, const Guid& remote,
                           spi::KeyStage stage);
-  bool may_send(const Association& association) const;
   /// Returns false if there is no room for the message now and it must be delivered again.
   bool on_message(const GuidPrefix& prefix, const Change& change);
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
@@ -109,9 +108,6 @@ class CryptoTokenExchange {
   bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
   /// Notes that the peer has revised keys, so that its former ones end.
   void note_revised(Peer& peer);
-  /// True if the pair that the tokens are for exists under their protection. If only that
-  /// protection is missing and the pair may have it, it gets it.
-  bool has_pair_for(Peer& peer, const GenericMessage& message);
   /// Applies the tokens of the pair that arrived before it was registered. Returns true if there
   /// were any. `is_ready` becomes true if the pair has become ready.
   bool take_early(Peer& peer, const EntityId& local, const Guid& remote, bool& is_ready);

@@ -68,6 +68,13 @@ std::optional<Guid> LocalKeys::note_idle(const Guid& remote, const PairKeys& pai
                                          : IdlePairs::Why::keys_awaited);
 }
 
+std::optional<Sha256Digest> LocalKeys::submessage_tokens_of(const Guid& remote) const {
+  const auto pair = pairs.find(remote);
+  const bool any = attributes.is_submessage_protected() && pair != pairs.end() &&
+                   pair->second.keys != Sha256Digest{};
+  return any ? std::optional(pair->second.keys) : std::nullopt;
+}
+
 // ---- local endpoints
 
 Status EndpointKeys::register_local(const EntityId& id, LocalKeys& local) {
@@ -399,6 +406,9 @@ const LocalKeys* SecondProtections::second_keys_of(const EntityId& id, const Gui
 }
 
 LocalKeys* SecondProtections::find(const EntityId& id, ProtectionId protection) {
+  const auto first = first_.find(id);
+  if (first != first_.end() && (protection == 0 || first->second.protection == protection))
+    return &first->second;
   const auto at = others_.find(id);
   return at != others_.end() && at->second.protection == protection ? &at->second : nullptr;
 }

@@ -58,6 +58,9 @@ struct LocalKeys {
   /// Notes a pair that is in neither list and has keys. Returns the pair whose keys must be given
   /// up in exchange, if any.
   std::optional<Guid> note_idle(const Guid& remote, const PairKeys& pair);
+  /// Returns a digest of the remote endpoint's latest tokens; empty if none have come, or if they
+  /// protect no submessages.
+  std::optional<Sha256Digest> submessage_tokens_of(const Guid& remote) const;
 };
 using Locals = std::map<EntityId, LocalKeys>;
 /// Returns nullptr if there is no such endpoint.
@@ -145,8 +148,7 @@ class SecondProtections {
   void swap() noexcept;
   void remove_all();
   void remove(const EntityId& id);
-  void unregister_pair(const EntityId& id, const Guid& remote,
-                       AfterMatch after = AfterMatch::gone);
+  void unregister_pair(const EntityId& id, const Guid& remote, AfterMatch after = AfterMatch::gone);
   /// The pair is registered again: its second keys count again if they were kept, and the pair may
   /// have them. The remote endpoint gets ours once more.
   void resume(const EntityId& id, const Guid& remote);
@@ -158,7 +160,8 @@ class SecondProtections {
   ProtectionId first_protection_of(const EntityId& id) const;
   /// True if the endpoint has that protection as first or second one.
   bool knows(const EntityId& id, ProtectionId protection) const;
-  /// Returns the second protection with its keys if it is `protection`, otherwise nullptr.
+  /// Returns the first or second protection with its keys, whichever is `protection`; 0 means the
+  /// first one. Returns nullptr if neither is.
   LocalKeys* find(const EntityId& id, ProtectionId protection);
   /// Notes whether the pair may have keys for both protections. Until that is noted, it may not.
   void set_permitted(const EntityId& id, const Guid& remote, bool may);

@@ -169,13 +169,6 @@ Keyring::PairKeyState Keyring::keys_for(const EntityId& id, const Guid& remote) 
   return out;
 }
 
-Sha256Digest Keyring::tokens_of(const EntityId& id, const Guid& remote, ProtectionId protection) {
-  const auto* local = find(id, protection);
-  if (local == nullptr || !local->attributes.is_submessage_protected()) return {};
-  const auto pair = local->pairs.find(remote);
-  return pair == local->pairs.end() ? Sha256Digest{} : pair->second.keys;
-}
-
 // There is no digest if only payloads are protected: an attacker can change their sequence numbers.
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
   const auto* local = phases_.demanded(id, remote);
@@ -190,22 +183,10 @@ std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& rem
       {by_message ? peer->second.keys : none, by_submessage ? local->pairs.at(remote).keys : none});
 }
 
-LocalKeys* Keyring::find(const EntityId& id, ProtectionId protection) {
-  const auto at = locals_.find(id);
-  if (at == locals_.end()) return nullptr;
-  const bool is_first = protection == 0 || at->second.protection == protection;
-  return is_first ? &at->second : phases_.endpoints().find(id, protection);
-}
-
-bool Keyring::has_pair(const EntityId& id, const Guid& remote, ProtectionId protection) {
-  const auto* local = find(id, protection);
-  return local != nullptr && local->pairs.contains(remote);
-}
-
 Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote,
                                           std::span<const spi::Token> tokens,
                                           ProtectionId protection) {
-  auto* local = find(id, protection);
+  auto* local = phases_.endpoints().find(id, protection);
   if (local == nullptr) return fail(Code::crypto_not_matched);
   const bool is_first = local == find(id);
   const auto pair = local->pairs.find(remote);

@@ -77,12 +77,10 @@ class Keyring final : public SendProtection {
   PairKind kind_of(const EntityId& local, const Guid& remote) const;
   /// True if the pair is registered and not suspended.
   bool is_pair_registered(const EntityId& local, const Guid& remote) const;
-  /// True if the pair is registered or suspended under that protection; see set_endpoint_tokens.
-  bool has_pair(const EntityId& local, const Guid& remote, ProtectionId protection);
   /// The state of the remote endpoint's keys for a pair.
   struct PairKeyState {
-    bool have_come = false;    ///< also if the pair is suspended
-    bool are_awaited = false;  ///< the pair is registered, and waits for them
+    bool have_come = false;           ///< also if the pair is suspended
+    bool are_awaited = false;         ///< the pair is registered, and waits for them
     bool have_second_come = false;    ///< the same for its second protection
     bool are_second_awaited = false;  ///< the same; false if that is the former one
     /// True if there were too many pairs of the local endpoint with the subject of the remote one,
@@ -90,9 +88,6 @@ class Keyring final : public SendProtection {
     bool may_be_dropped = false;
   };
   PairKeyState keys_for(const EntityId& local, const Guid& remote) const;
-  /// Returns a digest of the remote endpoint's latest tokens for that protection. Zero: none have
-  /// come, or they protect no submessages.
-  Sha256Digest tokens_of(const EntityId& local, const Guid& remote, ProtectionId protection);
   /// Returns a digest of the keys that protect messages from the remote to the local endpoint. It
   /// stays the same as long as the keys do. Empty if the content is not authenticated.
   std::optional<Sha256Digest> keys_of(const EntityId& local, const Guid& remote) const;
@@ -163,8 +158,6 @@ class Keyring final : public SendProtection {
   friend bool shows_receiver(const Keyring& keyring, const EntityId& writer, const Guid& reader,
                              const ReceivedProtection& opened_by);
   const LocalKeys* find(const EntityId& id) const { return rtps::find(locals_, id); }
-  /// 0 means the first protection. Returns nullptr if the endpoint does not have that protection.
-  LocalKeys* find(const EntityId& id, ProtectionId protection);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
   spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }

@@ -8,10 +8,10 @@ namespace ddssec::rtps {
 /// The second protections of endpoints and of messages, and by which of the two each peer says that
 /// it sends (GovernanceTransition). No I/O, clock or lock.
 ///
-/// One of the two documents counts for a message, never a layer of each: the next one for peers that
-/// say that they send by it, the former one for all others. It demands no more than the next one in
-/// any layer (governance::live_change). Keys of either protection are taken from a peer until it
-/// says so, and then only those of the next one: others have its former keys, too.
+/// One of the two documents counts for a message, never a layer of each: the next one for peers
+/// that say that they send by it, the former one for all others. It demands no more than the next
+/// one in any layer (governance::live_change). Keys of either protection are taken from a peer
+/// until it says so, and then only those of the next one: others have its former keys, too.
 class ProtectionPhases {
  public:
   /// `locals`: the endpoints with the protection that counts when they send.

@@ -83,8 +83,8 @@ void forge_bob(Fleet& fleet) {
 
 TEST(ProvenReadings, ForgedDataOfAParticipantFromBefore_GivesWayToItsOwn) {
   const Rules bare{.secure_topics = true};
-  for (const auto& after :
-       {Rules{.discovery = kSign, .secure_topics = true}, Rules{.rtps = kSign, .secure_topics = true}}) {
+  for (const auto& after : {Rules{.discovery = kSign, .secure_topics = true},
+                            Rules{.rtps = kSign, .secure_topics = true}}) {
     Fleet fleet(bare);
     const Bytes own{'b', 'o', 'b'};
     fleet.b.node->change_own({.user_data = own}, fleet.world.now);
