@@ -423,8 +423,9 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   }
   const bool is_kept = peer.state.association()->early.keep(std::move(message), octets, core_.now);
   // Keys of a protection that a known pair may never get must not hold up the others.
-  if (!is_kept) return core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown;
-  core_.host.on_early_keys(local.entity, remote);
+  const bool is_known = core_.keyring.kind_of(local.entity, remote) != Keyring::PairKind::unknown;
+  if (!is_kept) return is_known;
+  if (!is_known) core_.host.on_early_keys(local.entity, remote);
   return true;
 }
 

@@ -265,13 +265,14 @@ void SecondProtections::unregister_pair(const EntityId& id, const Guid& remote, 
     unregister_pair(id, *displaced);
 }
 
-void SecondProtections::resume(const EntityId& id, const Guid& remote) {
+void SecondProtections::resume(const EntityId& id, const Guid& remote, bool is_relay_only) {
   const auto other = others_.find(id);
   if (other == others_.end()) return;
   auto& local = other->second;
   const auto pair = local.pairs.find(remote);
   if (pair == local.pairs.end() || (!pair->second.is_suspended && !pair->second.is_silent)) return;
-  if (!is_permitted(id, remote)) return unregister_pair(id, remote);
+  if (pair->second.is_relay_only != is_relay_only || !is_permitted(id, remote))
+    return unregister_pair(id, remote);
   pair->second.is_suspended = pair->second.is_silent = false;
   pair->second.is_unsent = true;
   local.list(id, remote, pair->second);

@@ -75,6 +75,7 @@ struct RemoteCrypto {
   /// It sends by the governance document that comes into force here: it says so, or was judged by
   /// that document when it authenticated (GovernanceTransition).
   bool sends_next = false;
+  bool says_next = false;  ///< it has said so: its former keys count no more
   spi::ParticipantCryptoHandle crypto = {};
   Sha256Digest keys = {};  ///< digest of its latest tokens
 };
@@ -150,8 +151,9 @@ class SecondProtections {
   void remove(const EntityId& id);
   void unregister_pair(const EntityId& id, const Guid& remote, AfterMatch after = AfterMatch::gone);
   /// The pair is registered again: its second keys count again if they were kept, and the pair may
-  /// have them. The remote endpoint gets ours once more.
-  void resume(const EntityId& id, const Guid& remote);
+  /// have them. The remote endpoint gets ours once more. Keys of a pair that was relay-only, or is
+  /// now, do not count for the other kind.
+  void resume(const EntityId& id, const Guid& remote, bool is_relay_only);
   /// Drops the keys of the pair for both protections. Does nothing if no pair is named.
   void drop_keys(const EntityId& id, const std::optional<Guid>& remote);
   void unregister_pairs_of(const GuidPrefix& remote);

@@ -104,7 +104,7 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
                                                 bool is_relay_only) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
-  phases_.endpoints().resume(id, remote);
+  phases_.endpoints().resume(id, remote, is_relay_only);
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
     auto& pair = known->second;

@@ -34,7 +34,7 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
   const auto remote = remotes_.find(header.prefix);
   if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), header.prefix);
   const auto size =
-      phases_.messages().open(remote->second.crypto, message, scratch, remote->second.sends_next);
+      phases_.messages().open(remote->second.crypto, message, scratch, remote->second.says_next);
   if (!size) return undecodable(size.error(), header.prefix);
   return OpenMessage{scratch.first(*size), true};
 }

@@ -116,7 +116,13 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const ReceivedProt
   const bool message_missing =
       phases_.must_protect_messages(remote.prefix) && !opened_by.message && !may_come_bare;
   const bool submessage_missing = lacks_submessage_key(*local, remote, opened_by);
-  if (!message_missing && !submessage_missing) return true;
+  if (!message_missing && !submessage_missing) {
+    // The key may have been found by way of another endpoint, which has no second protection.
+    const bool is_former =
+        opened_by.submessage == remote && phases_.is_former(id, remote, opened_by.protection);
+    if (is_former) static_cast<void>(undecodable(Error(Code::message_from_before), remote.prefix));
+    return !is_former;
+  }
   ++counters_.unprotected;
   events_.raise(
       peer_event(Error(Code::rtps_protection_missing,

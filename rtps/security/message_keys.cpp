@@ -157,14 +157,14 @@ Result<std::size_t> MessageKeys::protect(const spi::ParticipantCryptoHandle* rec
 }
 
 Result<std::size_t> MessageKeys::open(spi::ParticipantCryptoHandle sender, BytesView message,
-                                      MutableBytes scratch, bool sends_next) {
+                                      MutableBytes scratch, bool says_next) {
   auto& transform = own_.plugins().cryptography.transform();
-  const auto& expected = sends_next ? next() : first_;
+  const auto& expected = says_next ? next() : first_;
   auto opened = transform.decode_rtps_message(expected.handle, sender, message, scratch);
   if (opened || !second_) [[likely]]
     return opened;
   if (!is_of_other_key(opened.error().code())) return opened;
-  if (sends_next) return fail(Code::message_from_before);
+  if (says_next) return fail(Code::message_from_before);
   return transform.decode_rtps_message(second_->handle, sender, message, scratch);
 }
 

@@ -70,10 +70,10 @@ class MessageKeys {
   /// `receiver`: nullptr: all remote participants.
   Result<std::size_t> protect(const spi::ParticipantCryptoHandle* receiver, BytesView plain,
                               MutableBytes out);
-  /// `sends_next`: the sender no longer uses the former one of two protections. Error then:
+  /// `says_next`: the sender no longer uses the former one of two protections. Error then:
   /// message_from_before.
   Result<std::size_t> open(spi::ParticipantCryptoHandle sender, BytesView message,
-                           MutableBytes scratch, bool sends_next);
+                           MutableBytes scratch, bool says_next);
 
  private:
   struct Protection {

@@ -12,12 +12,12 @@ void ProtectionPhases::remove_second() {
   endpoints_.remove_all();
   messages_.remove_second();
   has_swapped_ = false;
-  for (auto& [prefix, remote] : remotes_) remote.sends_next = false;
+  for (auto& [prefix, remote] : remotes_) remote.sends_next = remote.says_next = false;
 }
 
 void ProtectionPhases::note_sends_next(const GuidPrefix& peer) {
   const auto at = remotes_.find(peer);
-  if (at != remotes_.end()) at->second.sends_next = true;
+  if (at != remotes_.end()) at->second.sends_next = at->second.says_next = true;
 }
 
 bool ProtectionPhases::counts_second(const GuidPrefix& peer) const {
@@ -30,7 +30,7 @@ const LocalKeys* ProtectionPhases::only_next(const EntityId& id, const Guid& rem
   if (second == nullptr) [[likely]]
     return nullptr;
   const auto at = remotes_.find(remote.prefix);
-  if (at == remotes_.end() || !at->second.sends_next) return nullptr;
+  if (at == remotes_.end() || !at->second.says_next) return nullptr;
   return has_swapped_ ? find(locals_, id) : second;
 }
 

@@ -119,6 +119,32 @@ TEST(ProtectionPhases, FormerKeysOfAPeerThatHasNotChanged_CountUntilTheEnd) {
   EXPECT_FALSE(of.phases.is_former(of.reader, of.writer, former));
 }
 
+// It authenticates by the next document, but may not have taken it yet: it still has to send with
+// its former keys.
+TEST(ProtectionPhases, FormerKeysOfAPeerThatJoinsInTheSecondPhase_CountUntilItReports) {
+  Phases of(kSign, kEncrypt);
+  of.add_endpoint(kSign, kEncrypt);
+  const auto former = of.phases.endpoints().first_protection_of(of.reader);
+  of.phases.swap();
+  of.remotes[of.peer].sends_next = true;
+  EXPECT_FALSE(of.phases.is_former(of.reader, of.writer, former));
+  EXPECT_EQ(of.demanded(), kEncrypt);
+  of.phases.note_sends_next(of.peer);
+  EXPECT_TRUE(of.phases.is_former(of.reader, of.writer, former));
+}
+
+TEST(ProtectionPhases, PairThatBecomesRelayOnly_DoesNotGetItsSecondKeysBack) {
+  for (const bool is_relay_only : {false, true}) {
+    Phases of(kSign, kEncrypt);
+    of.add_endpoint(kSign, kEncrypt);
+    const auto next = protection_id(*of.phases.endpoints().attributes(of.reader));
+    of.phases.endpoints().find(of.reader, next)->pairs.at(of.writer).is_suspended = true;
+    of.phases.endpoints().resume(of.reader, of.writer, is_relay_only);
+    EXPECT_EQ(of.phases.endpoints().find(of.reader, next)->pairs.contains(of.writer),
+              !is_relay_only);
+  }
+}
+
 // Messages and submessages are judged by the same document.
 TEST(ProtectionPhases, OneDocument_CountsForAllLayersOfAMessage) {
   Phases of(kNone, kSign);
