@@ -412,4 +412,18 @@ Status KeyExchange::set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHan
   return set(local, remote, tokens);
 }
 
+// The position is not part of the keys: it is another one each time that the same keys are sent.
+Sha256Digest KeyExchange::digest_of(std::span<const spi::Token> tokens) const {
+  Sha256Digest out{};
+  for (const auto& token : tokens) {
+    auto material = read_crypto_token(token);
+    if (!material) continue;
+    material->position.reset();
+    auto octets = serialize_key_material(*material);
+    out = sha256({out, octets});
+    wipe(octets);
+  }
+  return out;
+}
+
 }  // namespace ddssec::cryptography

@@ -28,6 +28,7 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Status set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHandle local,
                                              spi::DatareaderCryptoHandle remote,
                                              std::span<const spi::Token> tokens) override;
+  Sha256Digest digest_of(std::span<const spi::Token> tokens) const override;
 
  private:
   template <class Local, class Remote>

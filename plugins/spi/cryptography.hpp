@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
+#include "base/hash.hpp"
 #include "base/result.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/handles.hpp"
@@ -177,6 +178,10 @@ class CryptoKeyExchange {
   virtual Status set_remote_datareader_crypto_tokens(DatawriterCryptoHandle local,
                                                      DatareaderCryptoHandle remote,
                                                      std::span<const Token> tokens) = 0;
+
+  /// Returns a digest of the keys in a peer's tokens. Tokens that bring the same keys once more
+  /// have the same digest, though their octets differ. Call it after the tokens were set.
+  virtual Sha256Digest digest_of(std::span<const Token> tokens) const = 0;
 };
 
 /// DDS_SecureSubmessageCategory_t (DDS-Security 1.2, clause 9.5.1.7).

@@ -77,7 +77,8 @@ struct RemoteCrypto {
   bool sends_next = false;
   bool says_next = false;  ///< it has said so: its former keys count no more
   spi::ParticipantCryptoHandle crypto = {};
-  Sha256Digest keys = {};  ///< digest of its latest tokens
+  /// Digests of its latest keys for each protection of messages.
+  std::map<ProtectionId, Sha256Digest> keys = {};
 };
 using Remotes = std::map<GuidPrefix, RemoteCrypto>;
 

@@ -5,17 +5,6 @@
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::rtps {
-namespace {
-
-Sha256Digest digest_of(std::span<const spi::Token> tokens) {
-  Sha256Digest out{};
-  for (const auto& token : tokens)
-    for (const auto& property : token.binary_properties) out = sha256({out, property.value});
-  return out;
-}
-
-}  // namespace
-
 Keyring::~Keyring() {
   while (!remotes_.empty()) remove_remote(remotes_.begin()->first);
   while (!locals_.empty()) remove_local(EntityId(locals_.begin()->first));
@@ -94,8 +83,9 @@ Result<bool> Keyring::set_participant_tokens(const GuidPrefix& prefix,
   const auto at = remotes_.find(prefix);
   if (at == remotes_.end()) return fail(Code::crypto_not_matched);
   DDSSEC_RETURN_IF_ERROR(phases_.messages().set_tokens(at->second.crypto, tokens, protection));
-  const auto former = std::exchange(at->second.keys, digest_of(tokens));
-  return former != Sha256Digest{} && former != at->second.keys;
+  auto& known = at->second.keys[protection != 0 ? protection : phases_.messages().id()];
+  const auto former = std::exchange(known, exchange().digest_of(tokens));
+  return former != Sha256Digest{} && former != known;
 }
 
 // ---- pairs
@@ -179,8 +169,8 @@ std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& rem
   const bool by_submessage = local->attributes.is_submessage_protected();
   if (!by_message && !by_submessage) return std::nullopt;
   const Sha256Digest none{};
-  return sha256(
-      {by_message ? peer->second.keys : none, by_submessage ? local->pairs.at(remote).keys : none});
+  return sha256({by_message ? phases_.message_keys_of(remote.prefix) : none,
+                 by_submessage ? local->pairs.at(remote).keys : none});
 }
 
 Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote,
@@ -198,7 +188,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datareader_crypto_tokens({own}, {peer}, tokens));
   else
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
-  pair->second.keys = digest_of(tokens);
+  pair->second.keys = exchange().digest_of(tokens);
   const bool was_ready = std::exchange(pair->second.is_ready, true);
   local->list(id, remote, pair->second);
   phases_.endpoints().drop_keys(id, local->note_idle(remote, pair->second));

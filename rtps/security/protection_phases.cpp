@@ -44,6 +44,15 @@ bool ProtectionPhases::must_protect_messages(const GuidPrefix& peer) const {
   return is_protected(counts_second(peer) ? messages_.second_kind() : messages_.kind());
 }
 
+Sha256Digest ProtectionPhases::message_keys_of(const GuidPrefix& peer) const {
+  const auto at = remotes_.find(peer);
+  if (at == remotes_.end()) return {};
+  const auto& keys = at->second.keys;
+  const auto kind = counts_second(peer) ? messages_.second_kind() : messages_.kind();
+  const auto found = keys.find(MessageKeys::id_of(kind));
+  return found == keys.end() ? Sha256Digest{} : found->second;
+}
+
 const LocalKeys* ProtectionPhases::demanded(const EntityId& id, const Guid& remote) const {
   if (counts_second(remote.prefix))
     if (const auto* second = endpoints_.second_keys_of(id, remote)) return second;

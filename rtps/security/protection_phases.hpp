@@ -42,6 +42,9 @@ class ProtectionPhases {
   /// True if messages of the participant are taken only if its own key protects them. Plain builtin
   /// endpoints of some vendors are excepted.
   bool must_protect_messages(const GuidPrefix& peer) const;
+  /// The digest of the peer's keys for the protection that its messages must have at least; zeros
+  /// if they have not come.
+  Sha256Digest message_keys_of(const GuidPrefix& peer) const;
   /// The local endpoint under the protection that messages of the remote one must have at least;
   /// nullptr: it was never added.
   const LocalKeys* demanded(const EntityId& id, const Guid& remote) const;

@@ -152,5 +152,20 @@ TEST(Tokens, TokensThatComeAgain_ReplaceTheKeys) {
   EXPECT_EQ(code_of(decode_submessage(two, e, encoded)), Code::transform_key_id_mismatch);
 }
 
+TEST(Tokens, TokensOfTheSameKeys_HaveTheSameDigest) {
+  for (const auto kind : {kEncrypt, kEncryptOrigin}) {
+    TwoSides two;
+    const auto e = two.endpoints(endpoint_attributes(kind, kEncrypt));
+    const auto& exchange = two.b.exchange();
+    const auto first = two.writer_tokens(e).value();
+    encode_submessage(two, e, data_submessage(8)).value();
+    const auto again = two.writer_tokens(e).value();
+    EXPECT_NE(first, again) << "they say where the writer is";
+    EXPECT_EQ(exchange.digest_of(first), exchange.digest_of(again));
+    const auto other = two.endpoints(endpoint_attributes(kind, kEncrypt));
+    EXPECT_NE(exchange.digest_of(first), exchange.digest_of(two.writer_tokens(other).value()));
+  }
+}
+
 }  // namespace
 }  // namespace ddssec::cryptography::testing

@@ -60,6 +60,9 @@ class KeyThief : public spi::Cryptography, protected spi::CryptoKeyExchange {
     kept(tokens);
     return exchange().set_remote_datareader_crypto_tokens(a, b, tokens);
   }
+  Sha256Digest digest_of(Given tokens) const override {
+    return engine_->key_exchange().digest_of(tokens);
+  }
 
  private:
   spi::CryptoKeyExchange& exchange() { return engine_->key_exchange(); }
