@@ -426,4 +426,11 @@ Sha256Digest KeyExchange::digest_of(std::span<const spi::Token> tokens) const {
   return out;
 }
 
+// All keys of an entity are revised together.
+spi::KeyRevision KeyExchange::key_revision_of(std::span<const spi::Token> tokens) const {
+  if (tokens.empty()) return 0;
+  const auto material = read_crypto_token(tokens.front());
+  return material ? revision_of(material->kind) : 0;
+}
+
 }  // namespace ddssec::cryptography

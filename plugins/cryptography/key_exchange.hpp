@@ -29,6 +29,7 @@ class KeyExchange final : public spi::CryptoKeyExchange {
                                              spi::DatareaderCryptoHandle remote,
                                              std::span<const spi::Token> tokens) override;
   Sha256Digest digest_of(std::span<const spi::Token> tokens) const override;
+  spi::KeyRevision key_revision_of(std::span<const spi::Token> tokens) const override;
 
  private:
   template <class Local, class Remote>

@@ -182,6 +182,8 @@ class CryptoKeyExchange {
   /// Returns a digest of the keys in a peer's tokens. Tokens that bring the same keys once more
   /// have the same digest, though their octets differ. Call it after the tokens were set.
   virtual Sha256Digest digest_of(std::span<const Token> tokens) const = 0;
+  /// Returns the revision of the keys in such tokens; 0 if there are none.
+  virtual KeyRevision key_revision_of(std::span<const Token> tokens) const = 0;
 };
 
 /// DDS_SecureSubmessageCategory_t (DDS-Security 1.2, clause 9.5.1.7).

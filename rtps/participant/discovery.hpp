@@ -56,8 +56,8 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_replaced(const GuidPrefix& peer) override;
   void on_keys(const EntityId& local, const Guid& remote) override;
   void on_early_keys(const EntityId& local, const Guid& remote) override;
-  void on_former_keys_ended(const GuidPrefix& peer) override {
-    parts_.local.distrust_former_keys(peer);
+  void on_key_change(const EntityId& local, const Guid& remote, KeyChange change) override {
+    parts_.local.note_key_change(local, remote, change);
   }
   bool on_rights_changed(const GuidPrefix& peer) override;
   void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }

@@ -167,12 +167,19 @@ const EndpointData* LocalEndpoints::find(const EntityId& id) const {
   return at == readers_.end() ? nullptr : &at->second.data;
 }
 
-void LocalEndpoints::distrust_former_keys(const GuidPrefix& peer) {
-  for (auto& [id, writer] : writers_) writer.protocol->distrust_former_keys(peer);
-  for (auto& [id, reader] : readers_) reader.protocol->distrust_former_keys(peer, core_.now);
+void LocalEndpoints::note_key_change(const EntityId& local, const Guid& remote, KeyChange change) {
+  const auto note_writer = [&](StatefulWriter& writer) {
+    if (local.is_zero() || writer.guid().entity == local) writer.note_key_change(remote, change);
+  };
+  const auto note_reader = [&](StatefulReader& reader) {
+    if (local.is_zero() || reader.guid().entity == local)
+      reader.note_key_change(remote, change, core_.now);
+  };
+  for (auto& [id, writer] : writers_) note_writer(*writer.protocol);
+  for (auto& [id, reader] : readers_) note_reader(*reader.protocol);
   builtin_.each([&](const BuiltinTopicInfo&, StatefulWriter& writer, StatefulReader& reader) {
-    writer.distrust_former_keys(peer);
-    reader.distrust_former_keys(peer, core_.now);
+    note_writer(writer);
+    note_reader(reader);
   });
 }
 

@@ -67,8 +67,8 @@ class LocalEndpoints final : public ProcessPeer {
   std::map<EntityId, LocalWriter>& writers() { return writers_; }
   std::map<EntityId, LocalReader>& readers() { return readers_; }
   BuiltinEndpoints& builtin() { return builtin_; }
-  /// See StatefulReader and StatefulWriter, for all endpoints.
-  void distrust_former_keys(const GuidPrefix& peer);
+  /// See StatefulReader and StatefulWriter, for one local endpoint; without an entity, for all.
+  void note_key_change(const EntityId& local, const Guid& remote, KeyChange change);
   /// Returns the remote endpoints that match a local one.
   std::vector<Guid> matched(const Guid& endpoint) const;
 

@@ -40,6 +40,7 @@ void MessageReceiver::read(const Header& header, BytesView datagram, MonotonicTi
     if (!opened) return;  // counted, and reported if it deserves an event
     datagram = opened->plain;
     context.opened_by.message = opened->is_by_participant;
+    context.opened_by.message_key = opened->age;
   }
   const auto status = walk(datagram, context);
   report(context);
@@ -86,6 +87,7 @@ Status MessageReceiver::open_group(const SubmessageView& prefix, MessageReader& 
   if (!opened) return {};
   context.opened_by.submessage = opened->by;
   context.opened_by.protection = opened->protection;
+  context.opened_by.submessage_key = opened->age;
   DDSSEC_ASSIGN_OR_RETURN(const auto inner,
                           MessageReader::over_submessages({}, opened->plain).next());
   if (!inner) return fail(Code::truncated);
@@ -219,8 +221,8 @@ bool MessageReceiver::is_refused(const EntityId& reader, const Guid& writer, con
 // Submessage protection does not cover INFO_TS, so an attacker can change it.
 std::optional<Time> MessageReceiver::source_time(const Context& context,
                                                  const InlineQos& inline_qos) const {
-  const auto& [by_message, by_writer, protection] = context.opened_by;
-  const bool is_covered = by_message || by_writer.prefix != context.source;
+  const auto& by_writer = context.opened_by.submessage;
+  const bool is_covered = context.opened_by.message || by_writer.prefix != context.source;
   if (is_covered || is_builtin(by_writer.entity) || !endpoints_.sends_keys(context.source))
     return context.time;
   return inline_qos.source_time;
@@ -257,7 +259,9 @@ Status MessageReceiver::on_data(const SubmessageView& view, Context& context) {
     if (!payload) return;
     plain.payload = *payload;
     if (is_refused(reader.guid().entity, {from, data.writer}, plain, context)) return;
-    if (!reader.on_data(from, plain, source_time(context, data.inline_qos))) return;
+    if (!reader.on_data(from, plain, source_time(context, data.inline_qos), {},
+                        context.opened_by.age()))
+      return;
     context.note_received(true);
     listener_.on_alive({from, data.writer});
     if (memory_ != nullptr)
@@ -282,7 +286,7 @@ Status MessageReceiver::on_reference(const Data& data, Context& context) {
         is_marked(reader.guid().entity, writer, context) && !has_end_mark(payload.view(), 0);
     if (payload.size() == 0 || ends ||
         !reader.on_data(writer.prefix, data, source_time(context, data.inline_qos),
-                        std::move(payload)))
+                        std::move(payload), context.opened_by.age()))
       return;
     context.note_received(true);
     listener_.on_alive(writer);
@@ -314,7 +318,9 @@ Status MessageReceiver::on_data_frag(const SubmessageView& view, Context& contex
     const auto plain = payload ? with_payload(frag, *payload) : fail(Code::truncated);
     if (!plain) return;
     const bool marks = is_marked(reader.guid().entity, {from, frag.writer}, context);
-    if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos), marks)) return;
+    if (!reader.on_data_frag(from, *plain, source_time(context, frag.inline_qos), marks,
+                             context.opened_by.age()))
+      return;
     context.note_received(true);
     listener_.on_alive({from, frag.writer});
     if (memory_ != nullptr)
@@ -329,7 +335,9 @@ Status MessageReceiver::on_heartbeat(const SubmessageView& view, Context& contex
   if (!context.counts()) return {};
   if (is_builtin(heartbeat.writer)) listener_.on_builtin_heartbeat(from);
   each_reader(heartbeat.reader, heartbeat.writer, context, [&](StatefulReader& reader) {
-    if (!reader.on_heartbeat(from.prefix, heartbeat, context.is_protected())) return;
+    if (!reader.on_heartbeat(from.prefix, heartbeat, context.is_protected(),
+                             context.opened_by.age()))
+      return;
     context.note_received(true);
     if (heartbeat.asserts_liveliness) listener_.on_alive(from);
   });
@@ -340,7 +348,7 @@ Status MessageReceiver::on_gap(const SubmessageView& view, Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto gap, read_gap(view));
   if (!context.counts()) return {};
   each_reader(gap.reader, gap.writer, context, [&](StatefulReader& reader) {
-    context.note_received(reader.on_gap(context.source, gap));
+    context.note_received(reader.on_gap(context.source, gap, context.opened_by.age()));
   });
   return {};
 }
@@ -350,7 +358,8 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
   const bool is_protected = is_for(acknack.writer, acknack.reader, context);
-  context.note_received(writer->on_acknack(context.source, acknack, context.now, is_protected),
+  context.note_received(writer->on_acknack(context.source, acknack, context.now, is_protected,
+                                           context.opened_by.age()),
                         is_protected);
   listener_.on_acknack(context.source, acknack, is_protected);
   return {};
@@ -361,7 +370,8 @@ Status MessageReceiver::on_nack_frag(const SubmessageView& view, Context& contex
   auto* writer = addressed(nack.writer, nack.reader, context);
   if (writer == nullptr) return {};
   const bool is_protected = is_for(nack.writer, nack.reader, context);
-  context.note_received(writer->on_nack_frag(context.source, nack, context.now, is_protected),
+  context.note_received(writer->on_nack_frag(context.source, nack, context.now, is_protected,
+                                             context.opened_by.age()),
                         is_protected);
   return {};
 }

@@ -19,6 +19,9 @@ class PastWriters {
     Sha256Digest keys;
     SequenceNumber next;  ///< every change below was delivered or given up
     std::int32_t last_heartbeat;
+    /// The same for what came under the newest keys only. Others cannot have moved it.
+    SequenceNumber newest_next = {1};
+    std::optional<std::int32_t> newest_heartbeat = {};
   };
 
   void add(const Guid& writer, const GuidPrefix& identity, const Position& position) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "rtps/reliability/key_age.hpp"
 #include "wire/numbers.hpp"
 
 namespace ddssec::rtps {
@@ -25,8 +26,11 @@ class RecentMessages {
   static constexpr std::size_t kRemembered = 2;
 
   /// Returns false for a repetition. `is_protected` means that keys of the sender protect the
-  /// message, and show which participant it is for.
-  bool accept(const Message& message, bool is_protected) {
+  /// message, and show which participant it is for; `age` is theirs.
+  bool accept(const Message& message, bool is_protected, KeyAge age = KeyAge::newest) {
+    if (is_protected && age == KeyAge::newest &&
+        (!last_newest_ || is_later(message.count, *last_newest_)))
+      last_newest_ = message.count;
     const auto& last = is_protected ? last_protected_ : last_;
     const bool is_new = !last || is_later(message.count, *last) ||
                         (!is_protected && std::ranges::find(recent_, message) == recent_.end());
@@ -36,8 +40,20 @@ class RecentMessages {
     ++taken_;
     return true;
   }
-  /// Restores the last count of a sender that was known before.
-  void resume(std::int32_t last) { last_protected_ = last_ = last; }
+  /// Restores the last count of a sender that was known before, and that under its newest keys.
+  void resume(std::int32_t last, std::optional<std::int32_t> newest = std::nullopt) {
+    last_protected_ = last_ = last;
+    last_newest_ = newest;
+  }
+  /// The sender has revised its keys: no message has come under the newest ones.
+  void note_revised() { last_newest_.reset(); }
+  /// Forgets what did not come under the newest keys.
+  void distrust_former_keys() {
+    last_protected_ = last_newest_;
+    last_.reset();
+  }
+  /// Returns the highest count under the newest keys, also of messages that were not accepted.
+  std::optional<std::int32_t> last_newest() const { return last_newest_; }
   /// Returns the count of the last protected message, or of the last one if none was protected; 0
   /// if there is none.
   std::int32_t last() const { return last_protected_.value_or(last_.value_or(0)); }
@@ -53,7 +69,7 @@ class RecentMessages {
       recent_[taken_ % kRemembered] = message;
   }
 
-  std::optional<std::int32_t> last_protected_, last_;
+  std::optional<std::int32_t> last_protected_, last_, last_newest_;
   std::uint64_t taken_ = 0;
   std::vector<Message> recent_;  ///< unprotected messages
 };

@@ -66,9 +66,14 @@ void StatefulReader::readdress(const Guid& writer, const LocatorList& locators) 
   proxy->set_locators(locators);
 }
 
-void StatefulReader::distrust_former_keys(const GuidPrefix& writers, MonotonicTime now) {
+void StatefulReader::note_key_change(const Guid& writer, KeyChange change, MonotonicTime now) {
   for (auto& [guid, proxy] : writers_) {
-    if (guid.prefix != writers || proxy.writer().is_in_process) continue;
+    if (guid.prefix != writer.prefix || !(writer.entity.is_zero() || guid == writer)) continue;
+    if (proxy.writer().is_in_process) continue;
+    if (change == KeyChange::revised) {
+      proxy.note_revised();
+      continue;
+    }
     proxy.distrust_former_keys();
     if (proxy.is_reliable()) send_query(proxy, now);
   }
@@ -91,15 +96,15 @@ bool StatefulReader::has_history() const {
 
 // ---- messages of writers
 
-bool StatefulReader::accept(WriterProxy& proxy, SequenceNumber number,
-                            std::optional<Change> change) {
-  const bool is_new = proxy.accept(number, std::move(change));
+bool StatefulReader::accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change,
+                            KeyAge age) {
+  const bool is_new = proxy.accept(number, std::move(change), age);
   if (proxy.held().octets() > 0) trim(proxy);
   return is_new;
 }
 
 bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
-                             const std::optional<Time>& time, Payload elsewhere) {
+                             const std::optional<Time>& time, Payload elsewhere, KeyAge age) {
   sender_.note_sample();
   auto* proxy = find({from, data.writer});
   if (proxy == nullptr) return false;
@@ -107,38 +112,39 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   if (data.sequence_number < proxy->next()) return false;
   // DDS 1.4 has no instance state for samples that did not pass a filter, so there is nothing to
   // report.
-  if (data.inline_qos.status.filtered) return accept(*proxy, data.sequence_number, std::nullopt);
+  if (data.inline_qos.status.filtered)
+    return accept(*proxy, data.sequence_number, std::nullopt, age);
   // This does the same as accept(), but does not move the change once more.
   auto payload = elsewhere.size() > 0 ? std::move(elsewhere) : Payload::copy_of(data.payload);
-  const bool is_new =
-      proxy->accept(data.sequence_number, received_change(from, data, time, std::move(payload)));
+  const bool is_new = proxy->accept(data.sequence_number,
+                                    received_change(from, data, time, std::move(payload)), age);
   if (proxy->held().octets() > 0) trim(*proxy);
   return is_new;
 }
 
 bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
-                                  const std::optional<Time>& time, bool is_marked) {
+                                  const std::optional<Time>& time, bool is_marked, KeyAge age) {
   auto* proxy = find({from, frag.writer});
   if (proxy == nullptr) return false;
   check(*proxy, frag, proxy->next());
   if (!proxy->lacks(frag.sequence_number)) return false;
-  if (!has_place(*proxy, frag, time)) return false;
+  if (!has_place(*proxy, frag, time, age)) return false;
   const bool is_new = proxy->partial().insert(frag);
   auto complete = proxy->partial().take_complete(frag.sequence_number);
   if (!complete) return is_new;
   const auto mark = end_mark(complete->status, complete->is_key_only);
   if (is_marked && !has_end_mark(complete->payload.view(), mark)) return false;
   if (mark != 0) set_end_mark(complete->payload.fill(), 0);
-  return accept(*proxy, frag.sequence_number, std::move(complete));
+  return accept(*proxy, frag.sequence_number, std::move(complete), age);
 }
 
 bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
-                               const std::optional<Time>& time) {
+                               const std::optional<Time>& time, KeyAge age) {
   auto& partial = proxy.partial();
   if (!partial.admits(frag)) return false;
   if (partial.contains(frag.sequence_number)) return true;
   if (frag.sample_size > largest_sample_) {
-    accept(proxy, frag.sequence_number, std::nullopt);  // so that it is never requested again
+    accept(proxy, frag.sequence_number, std::nullopt, age);  // so that it is never requested again
     if (dropped_) dropped_(proxy.writer().guid, frag.sample_size);
     return false;
   }
@@ -167,11 +173,11 @@ void StatefulReader::trim(const WriterProxy& proxy) {
 }
 
 bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat,
-                                  bool is_protected) {
+                                  bool is_protected, KeyAge age) {
   auto* proxy = find({from, heartbeat.writer});
   if (proxy == nullptr) return false;
   check(*proxy, heartbeat);
-  if (!proxy->on_heartbeat(heartbeat, is_protected)) return false;
+  if (!proxy->on_heartbeat(heartbeat, is_protected, age)) return false;
   if (!proxy->is_reliable()) return true;
   if (heartbeat.group && proxy->next() > heartbeat.last && on_group_)
     on_group_(proxy->writer().guid, heartbeat.group->current);
@@ -182,19 +188,19 @@ bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
 // If the reader has arrived at the start of a range, the whole range is skipped. Otherwise at most
 // 256 of its numbers are recorded; the writer announces the range again when the reader requests
 // it.
-bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap) {
+bool StatefulReader::on_gap(const GuidPrefix& from, const Gap& gap, KeyAge age) {
   auto* proxy = find({from, gap.writer});
   if (proxy == nullptr) return false;
   if (proxy->contradictions) proxy->contradictions->note(gap);
   const auto before = std::pair(proxy->next(), proxy->early());
   if (gap.start <= proxy->next() && !proxy->waits_for_heartbeat()) {
-    proxy->skip_to(gap.list.base());
+    proxy->skip_to(gap.list.base(), age);
   } else if (gap.list.base().value - gap.start.value <= kMaxBitsPerSet) {
     for (auto number = gap.start; number < gap.list.base(); number = number.next())
-      accept(*proxy, number, std::nullopt);
+      accept(*proxy, number, std::nullopt, age);
   }
   gap.list.for_each([&](SequenceNumber number) {
-    if (number >= proxy->next()) accept(*proxy, number, std::nullopt);
+    if (number >= proxy->next()) accept(*proxy, number, std::nullopt, age);
   });
   return before != std::pair(proxy->next(), proxy->early());
 }

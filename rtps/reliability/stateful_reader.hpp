@@ -75,26 +75,28 @@ class StatefulReader final : private Timed {
   /// Removes the writer. It is remembered with `keys`; if they are empty, it is not.
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
-  /// To be called when former keys of a participant have ended, with which others may have sent in
-  /// its name: see WriterProxy::distrust_former_keys. Reliable writers are asked for a HEARTBEAT.
-  void distrust_former_keys(const GuidPrefix& writers, MonotonicTime now);
+  /// To be called when the keys of the writer have changed; without an entity, those of all writers
+  /// of the participant. See WriterProxy. When former keys have ended, reliable writers are asked
+  /// for a HEARTBEAT.
+  void note_key_change(const Guid& writer, KeyChange change, MonotonicTime now);
   /// Sets the locators to which messages for a matched writer of another process are sent.
   void readdress(const Guid& writer, const LocatorList& locators);
 
   // All return whether the message was new. Only a new message is a sign of life, because old
   // messages can be repeated.
   /// Handles a DATA. `elsewhere` is a payload that is not in the submessage; empty if the
-  /// submessage has it.
+  /// submessage has it. `age` is that of the keys that protect it, here and below.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
-               Payload elsewhere = {});
+               Payload elsewhere = {}, KeyAge age = KeyAge::newest);
   /// Handles a DATA_FRAG. `is_marked` means that only the payload is proven, and that it has the
   /// mark of its change (end_mark).
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time,
-                    bool is_marked = false);
+                    bool is_marked = false, KeyAge age = KeyAge::newest);
   /// Handles a HEARTBEAT. `is_protected` means that keys of the writer's participant protect the
   /// message.
-  bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected = true);
-  bool on_gap(const GuidPrefix& from, const Gap& gap);
+  bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected = true,
+                    KeyAge age = KeyAge::newest);
+  bool on_gap(const GuidPrefix& from, const Gap& gap, KeyAge age = KeyAge::newest);
 
   // Called by a writer of this process (see StatefulWriter::attach):
   /// Returns false if the writer is not matched.
@@ -137,9 +139,10 @@ class StatefulReader final : private Timed {
     const auto at = writers_.find(writer);
     return at == writers_.end() ? nullptr : &at->second;
   }
-  bool accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change);
+  bool accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change, KeyAge age);
   /// Begins a sample if needed. Returns false if the fragment belongs to a sample that has no room.
-  bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time);
+  bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time,
+                 KeyAge age);
   /// Gives up the latest changes of identities that hold too much, from the writer that holds the
   /// most. They are requested again. To be called after a change of this writer was held.
   void trim(const WriterProxy& proxy);

@@ -220,14 +220,14 @@ MemoryWriting& StatefulWriter::memory() {
 // ---- messages of readers
 
 bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,
-                                bool is_protected) {
+                                bool is_protected, KeyAge age) {
   auto* proxy = readers_.find({from, acknack.reader});
   if (proxy == nullptr || !proxy->reader().is_reliable) return false;
   const auto base = acknack.missing.base();
   // A reader that knows nothing yet asks which changes the writer holds (base 0: Fast DDS; count 0:
   // Cyclone DDS). A recorded request of this kind must not make old counts acceptable again.
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
-  if (!pre_emptive && !proxy->acknacks.accept(acknack, is_protected)) return false;
+  if (!pre_emptive && !proxy->acknacks.accept(acknack, is_protected, age)) return false;
   bool answered = false;
   if (!pre_emptive) {
     const bool advances = base <= history_.last().next() && base.previous() > proxy->acknowledged();
@@ -247,19 +247,25 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   return !pre_emptive;
 }
 
-void StatefulWriter::distrust_former_keys(const GuidPrefix& readers) {
+void StatefulWriter::note_key_change(const Guid& reader, KeyChange change) {
+  const auto note = [change](auto& messages) {
+    if (change == KeyChange::revised)
+      messages.note_revised();
+    else
+      messages.distrust_former_keys();
+  };
   for (auto& [guid, proxy] : readers_.all()) {
-    if (guid.prefix != readers) continue;
-    proxy.acknacks = {};
-    proxy.nack_frags = {};
+    if (guid.prefix != reader.prefix || !(reader.entity.is_zero() || guid == reader)) continue;
+    note(proxy.acknacks);
+    note(proxy.nack_frags);
   }
 }
 
 bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
-                                  bool is_protected) {
+                                  bool is_protected, KeyAge age) {
   auto* proxy = readers_.find({from, nack.reader});
   if (proxy == nullptr || !proxy->reader().is_reliable) return false;
-  if (!proxy->nack_frags.accept(nack, is_protected)) return false;
+  if (!proxy->nack_frags.accept(nack, is_protected, age)) return false;
   schedule_.note_request(now);
   call_at(schedule_.due());
   if (!retransmissions_.begin(*proxy, nack, now)) return true;

@@ -71,15 +71,16 @@ class StatefulWriter final : private Timed {
   /// Asserts the writer's liveliness to all readers without a sample (LIVELINESS MANUAL_BY_TOPIC).
   void assert_liveliness();
 
-  /// To be called when former keys of a participant have ended, with which others may have sent in
-  /// its name: the counts of its readers begin anew.
-  void distrust_former_keys(const GuidPrefix& readers);
+  /// To be called when the keys of the reader have changed; without an entity, those of all readers
+  /// of the participant. When former keys have ended, the counts of readers go on from those under
+  /// the newest ones.
+  void note_key_change(const Guid& reader, KeyChange change);
   /// Both return false if the message was received before, or contains nothing yet (a pre-emptive
-  /// one). `is_protected` means that keys of its sender protect it.
+  /// one). `is_protected` means that keys of its sender protect it; `age` is theirs.
   bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,
-                  bool is_protected = true);
+                  bool is_protected = true, KeyAge age = KeyAge::newest);
   bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
-                    bool is_protected = true);
+                    bool is_protected = true, KeyAge age = KeyAge::newest);
   /// Sends the HEARTBEATs that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;

@@ -15,7 +15,8 @@ WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& 
 }
 
 void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) {
-  heartbeats_.resume(past.last_heartbeat);
+  heartbeats_.resume(past.last_heartbeat, past.newest_heartbeat);
+  newest_next_ = floor_ = past.newest_next;
   former_ = past.next;
   waits_for_heartbeat_ = is_reliable_ && wants_history;
   if (waits_for_heartbeat_) return;
@@ -23,7 +24,13 @@ void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) 
   delivered_ = next_.previous();
 }
 
-bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change) {
+bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change, KeyAge age) {
+  const bool is_taken = take(number, std::move(change));
+  if (is_taken && age == KeyAge::newest) newest_next_ = std::max(newest_next_, number.next());
+  return is_taken;
+}
+
+bool WriterProxy::take(SequenceNumber number, std::optional<Change> change) {
   partial_.erase(number, number);
   if (!is_reliable_) {
     note_lost(number);
@@ -50,19 +57,29 @@ bool WriterProxy::deliver(SequenceNumber number, Change& change) {
   return true;
 }
 
+void WriterProxy::note_revised() {
+  heartbeats_.note_revised();
+  newest_next_ = {1};
+}
+
+// What is held is requested again, so it does not count as having come.
 void WriterProxy::distrust_former_keys() {
-  heartbeats_ = {};
+  heartbeats_.distrust_former_keys();
   is_doubted_ = is_reliable_;
   while (!early_.empty()) early_.erase_last();
   if (!partial_.empty()) partial_.erase({0}, partial_.last());
-  if (!is_reliable_) next_ = {1};
+  if (waits_for_heartbeat_)
+    former_ = newest_next_ = std::min(newest_next_, floor_);
+  else
+    floor_ = newest_next_ = std::min(newest_next_, next_);
+  if (!is_reliable_) next_ = floor_;
 }
 
 void WriterProxy::correct(SequenceNumber last) {
   history_end_ = std::min(history_end_, last);
   if (next_ <= last.next()) return;
   // What was delivered above `last` was never written, and hides what the writer has written since.
-  next_ = delivered_ <= last ? delivered_.next() : last.next();
+  next_ = std::max(floor_, delivered_ <= last ? delivered_.next() : last.next());
   lost_until_ = std::min(lost_until_, next_);
 }
 
@@ -100,10 +117,10 @@ void WriterProxy::note_lost(SequenceNumber until) {
 
 // Without protection, the HEARTBEAT that ends a wait may be a recorded one, or a forged one may
 // have had the latest count. Then the former position counts, so that nothing is delivered twice.
-bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
+bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected, KeyAge age) {
   if (!was_heard_ && !waits_for_heartbeat_) heartbeats_ = {};
   const bool is_later_one = is_later(heartbeat.count, heartbeats_.last());
-  if (!heartbeats_.accept(heartbeat, is_protected)) return false;
+  if (!heartbeats_.accept(heartbeat, is_protected, age)) return false;
   if (!std::exchange(was_heard_, true)) history_end_ = heartbeat.last;
   if (!is_reliable_) return true;
   query.stop();
@@ -113,7 +130,7 @@ bool WriterProxy::on_heartbeat(const Heartbeat& heartbeat, bool is_protected) {
     start_at(is_later_one ? heartbeat.first : former_);
   advance();
   note_lost(heartbeat.first);
-  skip_to(heartbeat.first);
+  skip_to(heartbeat.first, age);
   return true;
 }
 
@@ -124,8 +141,9 @@ void WriterProxy::start_at(SequenceNumber number) {
   next_ = std::max(next_, number);
 }
 
-void WriterProxy::skip_to(SequenceNumber number) {
+void WriterProxy::skip_to(SequenceNumber number, KeyAge age) {
   if (number <= next_) return;
+  if (age == KeyAge::newest) newest_next_ = std::max(newest_next_, number);
   for (; !early_.empty() && early_.first() < number; early_.erase_first()) {
     if (auto& change = early_.front(); change && !deliver(early_.first(), *change)) return;
     next_ = early_.first().next();
@@ -143,6 +161,7 @@ std::optional<std::size_t> WriterProxy::forget_refused() {
   for (std::size_t i = 0; i < kMaxForgotten && octets < kMaxForgottenOctets; ++i) {
     if (early_.empty()) break;
     if (const auto& change = early_.front()) octets += change->payload.size();
+    newest_next_ = std::min(newest_next_, early_.first());
     early_.erase_first();
   }
   return octets;
@@ -164,9 +183,10 @@ SequenceNumberSet WriterProxy::missing(SequenceNumber base, SequenceNumber last)
 void WriterProxy::forget_latest() {
   const auto early = early_.empty() ? SequenceNumber{0} : early_.last();
   if (!partial_.empty() && partial_.last() > early)
-    partial_.erase(partial_.last(), partial_.last());
-  else
-    early_.erase_last();
+    return partial_.erase(partial_.last(), partial_.last());
+  if (early_.empty()) return;
+  newest_next_ = std::min(newest_next_, early);
+  early_.erase_last();
 }
 
 void WriterProxy::attach(StatefulWriter& writer, SequenceNumber last) {

@@ -84,25 +84,31 @@ class WriterProxy {
   /// may start again with the changes that it holds.
   void resume(const PastWriters::Position& past, bool wants_history);
   PastWriters::Position position(const Sha256Digest& keys) const {
-    return {keys, next_, heartbeats_.last()};
+    return {keys, next_, heartbeats_.last(), std::min(newest_next_, next_),
+            heartbeats_.last_newest()};
   }
 
   /// True if the change was neither delivered nor given up, and is not held completely.
   bool lacks(SequenceNumber number) const { return number >= next_ && !early_.contains(number); }
   /// Takes a change with a number from next() on; an empty one means that the number is irrelevant.
-  /// Returns false if it is already known, or if there is no room to keep it.
-  bool accept(SequenceNumber number, std::optional<Change> change);
+  /// Returns false if it is already known, or if there is no room to keep it. `age` is that of the
+  /// keys that protect it, here and below.
+  bool accept(SequenceNumber number, std::optional<Change> change, KeyAge age = KeyAge::newest);
   /// Returns false if the HEARTBEAT was received before. `is_protected` means that keys of the
   /// writer's participant protect it.
-  bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected = true);
+  bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected = true,
+                    KeyAge age = KeyAge::newest);
+  /// To be called when keys of the writer have come that revise the former ones.
+  void note_revised();
   /// To be called when former keys of the writer have ended, with which others may have sent in its
   /// name: gives up what is held, and lets the next HEARTBEAT, or with best effort the next change,
-  /// decide again where the writer is.
+  /// decide again where the writer is. That is never before what came under the newest keys:
+  /// everything else under these may have been recorded, and is repeated.
   void distrust_former_keys();
   /// True while the next HEARTBEAT determines where the writer starts.
   bool waits_for_heartbeat() const { return waits_for_heartbeat_; }
   /// Delivers what is held below `number`, and gives up what is missing there.
-  void skip_to(SequenceNumber number);
+  void skip_to(SequenceNumber number, KeyAge age = KeyAge::newest);
   /// Forgets the next change if it was refused for now, and some that follow, so that they are
   /// requested again: the writer may have replaced them. Returns their octets, or nothing if there
   /// are none. Also returns nothing if, since the last call, the writer has announced nothing and
@@ -140,6 +146,7 @@ class WriterProxy {
   std::unique_ptr<Contradictions> contradictions;  ///< nullptr if they are not looked for
 
  private:
+  bool take(SequenceNumber number, std::optional<Change> change);
   void advance();
   /// Ends the wait for a HEARTBEAT: nothing below `number` is delivered.
   void start_at(SequenceNumber number);
@@ -159,6 +166,9 @@ class WriterProxy {
   SequenceNumber lost_until_;  ///< missing changes below were counted as lost
   SequenceNumber delivered_;   ///< the last change that was delivered; 0 if there is none
   bool is_doubted_ = false;    ///< true from distrust_former_keys() to the next HEARTBEAT
+  /// Follows the last change that came under the newest keys, or that they declared irrelevant.
+  SequenceNumber newest_next_{1};
+  SequenceNumber floor_{1};  ///< its value when the writer was doubted, or matched
   RecentMessages<Heartbeat> heartbeats_;
   SequenceNumber next_{1};
   SequenceNumber announced_;

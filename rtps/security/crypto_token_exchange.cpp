@@ -381,7 +381,7 @@ void CryptoTokenExchange::on_participant_tokens(Peer& peer, const GenericMessage
   const auto are_revised =
       core_.keyring.set_participant_tokens(peer.prefix(), message.data, protection);
   if (!are_revised) return core_.raise(are_revised.error(), peer, EventOrigin::its_keys);
-  if (*are_revised) note_revised(peer);
+  if (*are_revised) note_revised(peer, {}, {});
   // The peer can read the local messages now. Messages that it could not read before are offered
   // again at once.
   if (auto* association = peer.state.association(); association->volatile_writer)
@@ -429,9 +429,10 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   return true;
 }
 
-void CryptoTokenExchange::note_revised(Peer& peer) {
+void CryptoTokenExchange::note_revised(Peer& peer, const EntityId& local, const EntityId& remote) {
   constexpr auto kMargin = std::chrono::seconds(1);
   peer.state.association()->former_keys_end = core_.now + spi::kFormerKeyLife + kMargin;
+  core_.host.on_key_change(local, {peer.prefix(), remote}, KeyChange::revised);
 }
 
 bool CryptoTokenExchange::take_early(Peer& peer, const EntityId& local, const Guid& remote,
@@ -460,7 +461,8 @@ bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message
   if (keys == nullptr) return false;
   const auto former = keys->submessage_tokens_of(remote);
   const auto is_ready = core_.keyring.set_endpoint_tokens(local, remote, message.data, protection);
-  if (former && keys->submessage_tokens_of(remote) != former) note_revised(peer);
+  if (former && keys->submessage_tokens_of(remote) != former)
+    note_revised(peer, local, remote.entity);
   if (!is_ready) core_.raise(is_ready.error(), peer, EventOrigin::its_keys);
   return is_ready && *is_ready;
 }

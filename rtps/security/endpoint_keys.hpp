@@ -117,9 +117,14 @@ class EndpointKeys {
     Guid guid;
     ProtectionId protection;
     EntityId local;
+    spi::KeyRevision revision = 0;  ///< of the remote endpoint's newest keys
   };
   /// Returns nullptr for an unknown handle.
   const Endpoint* endpoint_of(std::int64_t handle) const;
+  /// Notes the revision of a remote endpoint's newest keys.
+  void note_revision(std::int64_t handle, spi::KeyRevision revision) {
+    endpoint_of_[handle].revision = revision;
+  }
 
  private:
   Status register_local(const EntityId& id, LocalKeys& local);

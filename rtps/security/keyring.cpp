@@ -189,6 +189,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
   else
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
   pair->second.keys = exchange().digest_of(tokens);
+  keys_.note_revision(peer, exchange().key_revision_of(tokens));
   const bool was_ready = std::exchange(pair->second.is_ready, true);
   local->list(id, remote, pair->second);
   phases_.endpoints().drop_keys(id, local->note_idle(remote, pair->second));

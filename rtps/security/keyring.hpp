@@ -4,6 +4,7 @@
 
 #include "base/event.hpp"
 #include "base/hash.hpp"
+#include "rtps/reliability/key_age.hpp"
 #include "rtps/reliability/send_protection.hpp"
 #include "rtps/security/endpoint_keys.hpp"
 #include "rtps/security/peer_event.hpp"
@@ -18,6 +19,15 @@ struct ReceivedProtection {
   bool message = false;         ///< it arrived inside a protected message of its sender
   Guid submessage = {};         ///< the endpoint whose key protected it; zero: none
   ProtectionId protection = 0;  ///< the one of the reader or writer that has the key
+  KeyAge message_key = KeyAge::newest;
+  KeyAge submessage_key = KeyAge::newest;
+
+  /// The newest keys must have protected every layer: others may have one of them.
+  KeyAge age() const {
+    const bool is_former = (message && message_key == KeyAge::former) ||
+                           (submessage != Guid{} && submessage_key == KeyAge::former);
+    return is_former ? KeyAge::former : KeyAge::newest;
+  }
 };
 
 /// True for the plain SEDP and liveliness endpoints. Cyclone DDS sends their data outside of
@@ -118,6 +128,7 @@ class Keyring final : public SendProtection {
   struct OpenMessage {
     BytesView plain;
     bool is_by_participant = false;  ///< protected by its sender's own key
+    KeyAge age = KeyAge::newest;     ///< of that key
   };
   /// Opens a whole message. An unprotected message is returned unchanged, if it need not be
   /// protected. Errors: those of the plugin, rtps_protection_missing (a pre-shared key is required
@@ -129,6 +140,7 @@ class Keyring final : public SendProtection {
     BytesView plain;
     Guid by;
     ProtectionId protection;  ///< see ReceivedProtection
+    KeyAge age;
   };
   Result<OpenSubmessage> open_submessage(const GuidPrefix& sender, BytesView group,
                                          MutableBytes scratch);

@@ -33,10 +33,10 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
   }
   const auto remote = remotes_.find(header.prefix);
   if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), header.prefix);
-  const auto size =
+  const auto opened =
       phases_.messages().open(remote->second.crypto, message, scratch, remote->second.says_next);
-  if (!size) return undecodable(size.error(), header.prefix);
-  return OpenMessage{scratch.first(*size), true};
+  if (!opened) return undecodable(opened.error(), header.prefix);
+  return OpenMessage{scratch.first(opened->size), true, opened->age};
 }
 
 Result<std::size_t> Keyring::protect_message(Wrap wrap, const GuidPrefix& receiver, BytesView plain,

@@ -1,6 +1,7 @@
 // The part of Keyring that protects and opens submessages and payloads.
 #include <algorithm>
 
+#include "plugins/spi/named_key_revision.hpp"
 #include "rtps/security/keyring.hpp"
 
 namespace ddssec::rtps {
@@ -71,7 +72,9 @@ Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sende
   // Others have the former key, too, and the new document may deny them the topic.
   if (phases_.is_former(by->local, by->guid, by->protection))
     return undecodable(Error(Code::message_from_before), sender);
-  return OpenSubmessage{scratch.first(*size), by->guid, by->protection};
+  const bool is_newest = spi::named_key_revision(group) == by->revision;
+  return OpenSubmessage{scratch.first(*size), by->guid, by->protection,
+                        is_newest ? KeyAge::newest : KeyAge::former};
 }
 
 // With two protections, the key of the submessage says which one counts for the payload. Where

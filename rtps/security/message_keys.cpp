@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "plugins/spi/named_key_revision.hpp"
+#include "wire/header.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -62,8 +65,11 @@ Result<spi::ParticipantCryptoHandle> MessageKeys::add_remote(const RemoteCrypto&
 }
 
 void MessageKeys::remove_remote(spi::ParticipantCryptoHandle remote) {
-  std::erase(first_.remotes, remote);
-  if (second_) std::erase(second_->remotes, remote);
+  for (auto* protection : {&first_, second_ ? &*second_ : nullptr}) {
+    if (protection == nullptr) continue;
+    std::erase(protection->remotes, remote);
+    protection->revisions.erase(remote.value);
+  }
 }
 
 // ---- two protections
@@ -104,8 +110,11 @@ Result<std::vector<spi::Token>> MessageKeys::tokens(spi::ParticipantCryptoHandle
 Status MessageKeys::set_tokens(spi::ParticipantCryptoHandle remote,
                                std::span<const spi::Token> tokens, ProtectionId of) {
   auto& exchange = own_.plugins().cryptography.key_exchange();
-  const auto set = [&](const Protection& protection) {
-    return exchange.set_remote_participant_crypto_tokens(protection.handle, remote, tokens);
+  const auto set = [&](Protection& protection) -> Status {
+    DDSSEC_RETURN_IF_ERROR(
+        exchange.set_remote_participant_crypto_tokens(protection.handle, remote, tokens));
+    protection.revisions[remote.value] = exchange.key_revision_of(tokens);
+    return {};
   };
   const bool fits_first = of == 0 || of == id();
   const bool fits_second = second_ && (of == 0 || of == id_of(second_->kind));
@@ -156,16 +165,28 @@ Result<std::size_t> MessageKeys::protect(const spi::ParticipantCryptoHandle* rec
                                                                      plain, out);
 }
 
-Result<std::size_t> MessageKeys::open(spi::ParticipantCryptoHandle sender, BytesView message,
-                                      MutableBytes scratch, bool says_next) {
-  auto& transform = own_.plugins().cryptography.transform();
+Result<MessageKeys::Opened> MessageKeys::open(const Protection& protection,
+                                              spi::ParticipantCryptoHandle sender,
+                                              BytesView message, MutableBytes scratch) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto size,
+                          own_.plugins().cryptography.transform().decode_rtps_message(
+                              protection.handle, sender, message, scratch));
+  const auto newest = protection.revisions.find(sender.value);
+  const bool is_newest = newest != protection.revisions.end() &&
+                         newest->second == spi::named_key_revision(message.subspan(kHeaderSize));
+  return Opened{size, is_newest ? KeyAge::newest : KeyAge::former};
+}
+
+Result<MessageKeys::Opened> MessageKeys::open(spi::ParticipantCryptoHandle sender,
+                                              BytesView message, MutableBytes scratch,
+                                              bool says_next) {
   const auto& expected = says_next ? next() : first_;
-  auto opened = transform.decode_rtps_message(expected.handle, sender, message, scratch);
+  auto opened = open(expected, sender, message, scratch);
   if (opened || !second_) [[likely]]
     return opened;
   if (!is_of_other_key(opened.error().code())) return opened;
   if (says_next) return fail(Code::message_from_before);
-  return transform.decode_rtps_message(second_->handle, sender, message, scratch);
+  return open(*second_, sender, message, scratch);
 }
 
 }  // namespace ddssec::rtps

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "rtps/reliability/key_age.hpp"
 #include "rtps/security/endpoint_keys.hpp"
 
 namespace ddssec::rtps {
@@ -70,16 +71,22 @@ class MessageKeys {
   /// `receiver`: nullptr: all remote participants.
   Result<std::size_t> protect(const spi::ParticipantCryptoHandle* receiver, BytesView plain,
                               MutableBytes out);
+  struct Opened {
+    std::size_t size;
+    KeyAge age;
+  };
   /// `says_next`: the sender no longer uses the former one of two protections. Error then:
   /// message_from_before.
-  Result<std::size_t> open(spi::ParticipantCryptoHandle sender, BytesView message,
-                           MutableBytes scratch, bool says_next);
+  Result<Opened> open(spi::ParticipantCryptoHandle sender, BytesView message, MutableBytes scratch,
+                      bool says_next);
 
  private:
   struct Protection {
     spi::ParticipantCryptoHandle handle;  ///< of the local participant
     ProtectionKind kind;
     std::vector<spi::ParticipantCryptoHandle> remotes = {};
+    /// The revisions of the newest keys of remote participants, by their handles.
+    std::map<std::int64_t, spi::KeyRevision> revisions = {};
     /// While its keys are being revised apart from those of the endpoints.
     std::optional<spi::KeyRevision> revision = {};
   };
@@ -87,6 +94,8 @@ class MessageKeys {
   Status revise(Protection& protection);
   Status activate(Protection& protection);
   void release(const Protection& protection);
+  Result<Opened> open(const Protection& protection, spi::ParticipantCryptoHandle sender,
+                      BytesView message, MutableBytes scratch);
   /// The protection that the document that takes the place of the other one demands.
   const Protection& next() const { return has_swapped_ || !second_ ? first_ : *second_; }
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }

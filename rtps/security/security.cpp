@@ -13,7 +13,7 @@ void end_former_keys(SecurityCore& core) {
     auto* association = peer.state.association();
     if (association == nullptr || core.now < association->former_keys_end) continue;
     association->former_keys_end = kNever;
-    core.host.on_former_keys_ended(prefix);
+    core.host.on_key_change({}, {prefix, {}}, KeyChange::former_ended);
   }
 }
 

@@ -29,9 +29,10 @@ class SecurityHost {
   virtual void on_replaced(const GuidPrefix& peer) = 0;
   /// Called when the keys of a registered pair have arrived.
   virtual void on_keys(const EntityId& local, const Guid& remote) = 0;
-  /// Called when former keys of the peer have ended, some time after it revised its keys. Others
-  /// may have sent in its name with them.
-  virtual void on_former_keys_ended(const GuidPrefix& peer) = 0;
+  /// Called when keys of the remote endpoint for the local one have come that revise the former
+  /// ones, and some time after that, when the former ones have ended. Without entities, the keys of
+  /// the peer for messages were revised, or all its former ones have ended.
+  virtual void on_key_change(const EntityId& local, const Guid& remote, KeyChange change) = 0;
   /// Called when keys of the remote endpoint arrived, and are kept, for a pair that is not
   /// registered.
   virtual void on_early_keys(const EntityId& local, const Guid& remote) = 0;

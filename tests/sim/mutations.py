@@ -82,8 +82,8 @@ FAULTS = [
      "  if (FAULT && data.sequence_number < proxy->next()) {\n"
      "    auto again = received_change(from, data, time, Payload::copy_of(data.payload));\n    return common_.deliver(again);\n  }\n  // DDS"),
     ("that old heartbeats are no news", "rtps/reliability/writer_proxy.cpp",
-     "if (!heartbeats_.accept(heartbeat, is_protected)) return false;",
-     "if (!heartbeats_.accept(heartbeat, is_protected)) return FAULT;"),
+     "if (!heartbeats_.accept(heartbeat, is_protected, age)) return false;",
+     "if (!heartbeats_.accept(heartbeat, is_protected, age)) return FAULT;"),
     ("the bound on participants", "rtps/participant/remote_participants.cpp",
      "return remotes_.size() >= kMaxParticipants ||", "return (remotes_.size() >= kMaxParticipants && !FAULT) ||"),
     ("patience with handshakes", "rtps/security/handshakes.cpp",

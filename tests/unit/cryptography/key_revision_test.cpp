@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/spi/named_key_revision.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 
 namespace ddssec::cryptography::testing {
@@ -158,6 +159,20 @@ TEST_P(RevisedKeys, RevisedKey_KeepsIdAlgorithmAndReceiverKeyOnly) {
   const auto writer_after = r.of_writer();
   ASSERT_EQ(writer_after.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) check(writer_before[i], writer_after[i]);
+}
+
+TEST(KeyRevision, EachRevision_IsNamedByTokensMessagesAndSubmessages) {
+  Revising test;
+  for (const KeyRevision expected : {0u, 1u, 2u}) {
+    if (expected != 0) test.revise();
+    const auto sent = test.send();
+    const auto& exchange = test.two.b.exchange();
+    EXPECT_EQ(exchange.key_revision_of(test.of_participant(KeyStage::in_use)), expected);
+    EXPECT_EQ(exchange.key_revision_of(test.of_writer(KeyStage::in_use)), expected);
+    EXPECT_EQ(spi::named_key_revision(BytesView(sent.message).subspan(20)), expected);
+    EXPECT_EQ(spi::named_key_revision(sent.submessage), expected);
+  }
+  EXPECT_EQ(spi::named_key_revision(Bytes(6)), 0u);
 }
 
 TEST(KeyRevision, BeforeActivation_ChangesNothing) {

@@ -148,6 +148,7 @@ class MockCryptography : public spi::Cryptography,
   MOCK_METHOD(Status, set_remote_datareader_crypto_tokens,
               (Datawriter, Datareader, std::span<const spi::Token>), (override));
   MOCK_METHOD(Sha256Digest, digest_of, (std::span<const spi::Token>), (const, override));
+  MOCK_METHOD(spi::KeyRevision, key_revision_of, (std::span<const spi::Token>), (const, override));
 
   using Size = Result<std::size_t>;
   MOCK_METHOD(Size, encode_serialized_payload, (Datawriter, BytesView, MutableBytes), (override));

@@ -71,5 +71,16 @@ TEST(RecentMessages, Resumed_ContinuesAtTheFormerCount) {
   EXPECT_TRUE(recent.accept({10}, true));
 }
 
+TEST(RecentMessages, FormerKeysEnd_CountUnderTheNewestStays) {
+  RecentMessages<Request> recent;
+  EXPECT_TRUE(recent.accept({5}, true));
+  recent.note_revised();
+  EXPECT_TRUE(recent.accept({kFarAhead}, true, KeyAge::former));
+  EXPECT_FALSE(recent.accept({7}, true)) << "what was forged is later";
+  recent.distrust_former_keys();
+  EXPECT_FALSE(recent.accept({7}, true)) << "it was repeated";
+  EXPECT_TRUE(recent.accept({8}, true));
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

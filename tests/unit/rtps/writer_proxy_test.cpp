@@ -29,10 +29,10 @@ struct WriterProxyTest : ::testing::Test {
   WriterProxy reliable{{.guid = kGuid, .is_reliable = true}, true, common};
   WriterProxy best_effort{{.guid = kGuid, .is_reliable = true}, false, common};
 
-  static bool add(WriterProxy& proxy, std::int64_t number) {
+  static bool add(WriterProxy& proxy, std::int64_t number, KeyAge age = KeyAge::newest) {
     Change change;
     change.sequence_number = {number};
-    return proxy.accept({number}, std::move(change));
+    return proxy.accept({number}, std::move(change), age);
   }
   static std::vector<std::int64_t> missing(const WriterProxy& proxy, std::int64_t last) {
     std::vector<std::int64_t> out;
@@ -238,12 +238,13 @@ struct FormerKeysTest : WriterProxyTest {
     for (const std::int64_t number : {1, 2, 3}) add(reliable, number), add(best_effort, number);
     reliable.on_heartbeat(heartbeat(kFar, kFar, 0xfffff));
     best_effort.skip_to({kFar});
+    reliable.note_revised(), best_effort.note_revised();
   }
 };
 
 TEST_F(FormerKeysTest, NextHeartbeat_DecidesWhereTheWriterIs) {
-  add(reliable, 4);
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 5, 2))) << "before, its count is an old one";
+  add(reliable, 4, KeyAge::former);
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 5, 1))) << "before, its count is an old one";
   delivered.clear();
   reliable.distrust_former_keys();
   EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
@@ -257,7 +258,7 @@ TEST_F(FormerKeysTest, NextHeartbeat_DecidesWhereTheWriterIs) {
 
 TEST_F(FormerKeysTest, AForgedChangeThatWasDelivered_HidesNoLaterOne) {
   refuses_from = kFar + 1;
-  add(reliable, kFar);
+  add(reliable, kFar, KeyAge::former);
   reliable.distrust_former_keys();
   EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
   EXPECT_EQ(reliable.next(), SequenceNumber{6}) << "what is before it may have been delivered";
@@ -279,6 +280,43 @@ TEST_F(FormerKeysTest, BestEffort_TakesTheNextChange) {
   add(best_effort, 4);
   EXPECT_THAT(delivered, ElementsAre(4));
   EXPECT_EQ(best_effort.next(), SequenceNumber{5});
+}
+
+// A writer that has revised its keys. Anyone may have recorded what it sends under the newest ones.
+struct NewestKeysTest : WriterProxyTest {
+  NewestKeysTest() {
+    for (auto* proxy : {&reliable, &best_effort}) {
+      for (const std::int64_t number : {1, 2}) add(*proxy, number);
+      proxy->note_revised();
+      for (const std::int64_t number : {3, 4, 5}) add(*proxy, number);
+      proxy->on_heartbeat(heartbeat(1, 5, 10));
+    }
+    delivered.clear();
+  }
+};
+
+TEST_F(NewestKeysTest, FormerKeysEnd_WhatCameUnderTheNewestStaysTaken) {
+  add(best_effort, 1000, KeyAge::former), add(reliable, 6, KeyAge::former);
+  reliable.distrust_former_keys(), best_effort.distrust_former_keys();
+  EXPECT_EQ(best_effort.next(), SequenceNumber{6});
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 3, 9))) << "it was repeated";
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 4, 11))) << "it is late";
+  EXPECT_GE(reliable.next(), SequenceNumber{6});
+}
+
+TEST_F(NewestKeysTest, HeldUnderTheNewest_IsRequestedAgain) {
+  add(reliable, 8);
+  reliable.distrust_former_keys();
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 8, 11)));
+  EXPECT_THAT(missing(reliable, 8), ElementsAre(6, 7, 8));
+}
+
+TEST_F(NewestKeysTest, LaterRevision_BeginsAnew) {
+  reliable.note_revised(), best_effort.note_revised();
+  reliable.distrust_former_keys(), best_effort.distrust_former_keys();
+  EXPECT_EQ(best_effort.next(), SequenceNumber{1});
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
+  EXPECT_EQ(reliable.next(), SequenceNumber{6});
 }
 
 }  // namespace

@@ -63,6 +63,9 @@ class KeyThief : public spi::Cryptography, protected spi::CryptoKeyExchange {
   Sha256Digest digest_of(Given tokens) const override {
     return engine_->key_exchange().digest_of(tokens);
   }
+  spi::KeyRevision key_revision_of(Given tokens) const override {
+    return engine_->key_exchange().key_revision_of(tokens);
+  }
 
  private:
   spi::CryptoKeyExchange& exchange() { return engine_->key_exchange(); }

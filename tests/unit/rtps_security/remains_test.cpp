@@ -70,6 +70,9 @@ class KeyWatch final : public spi::Cryptography, spi::CryptoKeyExchange {
   Sha256Digest digest_of(Given tokens) const override {
     return real_->key_exchange().digest_of(tokens);
   }
+  spi::KeyRevision key_revision_of(Given tokens) const override {
+    return real_->key_exchange().key_revision_of(tokens);
+  }
 
   spi::CryptoKeyExchange& exchange() { return real_->key_exchange(); }
   // Notes KeyMaterial_AES_GCM_GMAC (DDS-Security 1.2, clause 10.5.2.1.2) with keys of 256 bits. The

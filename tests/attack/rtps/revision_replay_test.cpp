@@ -1,0 +1,131 @@
+// After a key revision readers let a writer begin anew, because others may have forged messages
+// with its former keys. What was recorded under the new keys must not count twice because of that.
+#include "tests/attack/rtps/participant_access.hpp"
+#include "tests/unit/rtps_security/attacker.hpp"
+#include "tests/unit/rtps_security/trio.hpp"
+
+namespace ddssec::rtps {
+namespace {
+
+using namespace testing;
+
+constexpr auto kSign = ProtectionKind::sign;
+constexpr auto kEncrypt = ProtectionKind::encrypt;
+constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
+
+// Alice writes to bob, and revises her keys. A stranger records what she sends after that.
+struct Revised {
+  Revised(const Rules& rules, bool reliable) : pair(revising(rules)) {
+    auto of_writer = default_writer_qos();
+    of_writer.history.kind = HistoryKind::keep_all;
+    auto of_reader = default_reader_qos();
+    of_reader.history.kind = HistoryKind::keep_all;
+    if (reliable) of_reader.reliability.kind = ReliabilityKind::reliable;
+    auto& world = pair.world;
+    pair.writer = pair.a->create_writer(square(of_writer), pair.a.listener, world.now).value();
+    pair.reader = pair.b->create_reader(square(of_reader), pair.b.listener, world.now).value();
+  }
+  bool begin() {
+    auto& world = pair.world;
+    if (!world.run_until(
+            [&] { return pair.a.listener.matched == 1 && pair.b.listener.matched == 1; }))
+      return false;
+    write(3);
+    if (!pair.a->revise_keys() ||
+        !world.run_until([&] { return pair.a.events.has(Code::rtps_keys_revised); }, 300))
+      return false;
+    record();
+    write(5);
+    pair.world.filter = {};
+    return true;
+  }
+  void write(int count) {
+    for (int i = 0; i < count; ++i) {
+      pair.write();
+      pair.world.run(20);
+    }
+  }
+  // From now on, a stranger repeats what it has recorded, each time before the honest messages.
+  void replay() {
+    pair.world.attack = [this](World::Traffic& traffic) {
+      World::Traffic all;
+      for (const auto& datagram : recorded) all.emplace_back(pair.b.port, datagram);
+      all.insert(all.end(), traffic.begin(), traffic.end());
+      traffic = std::move(all);
+    };
+  }
+  void record() {
+    pair.world.filter = [this](const Node& from, Bytes datagram) {
+      if (&from == &pair.a) recorded.push_back(datagram);
+      return one(std::move(datagram));
+    };
+  }
+  std::vector<std::int64_t> numbers() {
+    std::vector<std::int64_t> out;
+    for (const auto& change : pair.b.listener.changes) out.push_back(change.sequence_number.value);
+    return out;
+  }
+
+  Pair pair;
+  std::vector<Bytes> recorded;
+};
+
+const std::vector<Rules>& governances() {
+  static const std::vector<Rules> all = {{.metadata = kSign},
+                                         {.metadata = kEncrypt, .data = kEncrypt},
+                                         {.rtps = kSign},
+                                         everything(kEncrypt),
+                                         everything(kEncryptOa)};
+  return all;
+}
+
+TEST(RecordedAfterARevision, BestEffortReader_TakesThemOnce) {
+  for (const auto& rules : governances()) {
+    Revised test(rules, false);
+    ASSERT_TRUE(test.begin());
+    test.pair.world.run(1300);  // until the former keys have ended
+    ASSERT_EQ(test.numbers(), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8}));
+    for (const auto& datagram : test.recorded)
+      test.pair.b->receive(datagram, test.pair.world.now, *Locator::parse("127.0.0.9", 0));
+    test.pair.world.run(20);
+    EXPECT_EQ(test.numbers(), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8}))
+        << "rtps " << to_string(rules.rtps) << ", metadata " << to_string(rules.metadata);
+  }
+}
+
+// The stranger repeats what it has recorded, each time before the honest messages.
+TEST(RecordedAfterARevision, ReliableReader_TakesThemOnce) {
+  for (const auto& rules : governances()) {
+    Revised test(rules, true);
+    ASSERT_TRUE(test.begin());
+    test.replay();
+    test.pair.world.run(1500);
+    EXPECT_EQ(test.numbers(), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8}))
+        << "rtps " << to_string(rules.rtps) << ", metadata " << to_string(rules.metadata);
+  }
+}
+
+// Alice revises her keys once more before the former ones have ended.
+TEST(RecordedAfterARevision, SecondRevision_TakesThemOnce) {
+  for (const bool reliable : {false, true})
+    for (const auto& rules : governances()) {
+      Revised test(rules, reliable);
+      ASSERT_TRUE(test.begin());
+      auto& world = test.pair.world;
+      world.run(500);
+      ASSERT_TRUE(test.pair.a->revise_keys());
+      ASSERT_TRUE(world.run_until(
+          [&] { return test.pair.a.events.count(Code::rtps_keys_revised) == 2; }, 300));
+      test.record();
+      test.write(2);
+      world.filter = {};
+      test.replay();
+      world.run(1500);
+      EXPECT_EQ(test.numbers(), (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10}))
+          << (reliable ? "reliable, " : "best effort, ") << "rtps " << to_string(rules.rtps)
+          << ", metadata " << to_string(rules.metadata);
+    }
+}
+
+}  // namespace
+}  // namespace ddssec::rtps
