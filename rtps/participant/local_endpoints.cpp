@@ -172,8 +172,10 @@ void LocalEndpoints::note_key_change(const EntityId& local, const Guid& remote, 
     if (local.is_zero() || writer.guid().entity == local) writer.note_key_change(remote, change);
   };
   const auto note_reader = [&](StatefulReader& reader) {
-    if (local.is_zero() || reader.guid().entity == local)
-      reader.note_key_change(remote, change, core_.now);
+    const auto& id = reader.guid().entity;
+    if (local.is_zero() || id == local)
+      reader.note_key_change(remote, change, core_.now,
+                             [&](const Guid& writer) { return core_.keys_of(id, writer); });
   };
   for (auto& [id, writer] : writers_) note_writer(*writer.protocol);
   for (auto& [id, reader] : readers_) note_reader(*reader.protocol);

@@ -66,7 +66,12 @@ void StatefulReader::readdress(const Guid& writer, const LocatorList& locators) 
   proxy->set_locators(locators);
 }
 
-void StatefulReader::note_key_change(const Guid& writer, KeyChange change, MonotonicTime now) {
+void StatefulReader::note_key_change(const Guid& writer, KeyChange change, MonotonicTime now,
+                                     const PastWriters::KeysOf& keys_of) {
+  if (change == KeyChange::revised)
+    past_.note_revised(writer, keys_of);
+  else
+    past_.distrust_former_keys(writer.prefix);
   for (auto& [guid, proxy] : writers_) {
     if (guid.prefix != writer.prefix || !(writer.entity.is_zero() || guid == writer)) continue;
     if (proxy.writer().is_in_process) continue;

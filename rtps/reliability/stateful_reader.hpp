@@ -76,9 +76,10 @@ class StatefulReader final : private Timed {
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
   /// To be called when the keys of the writer have changed; without an entity, those of all writers
-  /// of the participant. See WriterProxy. When former keys have ended, reliable writers are asked
-  /// for a HEARTBEAT.
-  void note_key_change(const Guid& writer, KeyChange change, MonotonicTime now);
+  /// of the participant. See WriterProxy and PastWriters. When former keys have ended, reliable
+  /// writers are asked for a HEARTBEAT.
+  void note_key_change(const Guid& writer, KeyChange change, MonotonicTime now,
+                       const PastWriters::KeysOf& keys_of);
   /// Sets the locators to which messages for a matched writer of another process are sent.
   void readdress(const Guid& writer, const LocatorList& locators);
 

@@ -16,12 +16,14 @@ WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& 
 
 void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) {
   heartbeats_.resume(past.last_heartbeat, past.newest_heartbeat);
+  if (past.is_doubted) heartbeats_.distrust_former_keys();
   newest_next_ = floor_ = past.newest_next;
-  former_ = past.next;
+  former_ = past.is_doubted ? floor_ : past.next;
   waits_for_heartbeat_ = is_reliable_ && wants_history;
   if (waits_for_heartbeat_) return;
-  next_ = past.next;
+  next_ = past.is_doubted && !is_reliable_ ? floor_ : past.next;
   delivered_ = next_.previous();
+  is_doubted_ = past.is_doubted && is_reliable_;
 }
 
 bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change, KeyAge age) {

@@ -84,8 +84,12 @@ class WriterProxy {
   /// may start again with the changes that it holds.
   void resume(const PastWriters::Position& past, bool wants_history);
   PastWriters::Position position(const Sha256Digest& keys) const {
-    return {keys, next_, heartbeats_.last(), std::min(newest_next_, next_),
-            heartbeats_.last_newest()};
+    return {keys,
+            next_,
+            heartbeats_.last(),
+            std::min(newest_next_, next_),
+            heartbeats_.last_newest(),
+            is_doubted_};
   }
 
   /// True if the change was neither delivered nor given up, and is not held completely.

@@ -163,10 +163,10 @@ Keyring::PairKeyState Keyring::keys_for(const EntityId& id, const Guid& remote) 
 std::optional<Sha256Digest> Keyring::keys_of(const EntityId& id, const Guid& remote) const {
   const auto* local = phases_.demanded(id, remote);
   const auto peer = remotes_.find(remote.prefix);
-  const bool known = local != nullptr && local->pairs.contains(remote) && peer != remotes_.end();
-  if (!known) return std::nullopt;
+  if (local == nullptr || peer == remotes_.end()) return std::nullopt;
   const bool by_message = phases_.must_protect_messages(remote.prefix);
   const bool by_submessage = local->attributes.is_submessage_protected();
+  if (by_submessage && !local->pairs.contains(remote)) return std::nullopt;
   if (!by_message && !by_submessage) return std::nullopt;
   const Sha256Digest none{};
   return sha256({by_message ? phases_.message_keys_of(remote.prefix) : none,

@@ -1,6 +1,7 @@
 // After a key revision readers let a writer begin anew, because others may have forged messages
 // with its former keys. What was recorded under the new keys must not count twice because of that.
 #include "tests/attack/rtps/participant_access.hpp"
+#include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
 
@@ -8,6 +9,7 @@ namespace ddssec::rtps {
 namespace {
 
 using namespace testing;
+using cryptography::testing::Insider;
 
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
@@ -125,6 +127,102 @@ TEST(RecordedAfterARevision, SecondRevision_TakesThemOnce) {
           << (reliable ? "reliable, " : "best effort, ") << "rtps " << to_string(rules.rtps)
           << ", metadata " << to_string(rules.metadata);
     }
+}
+
+// Bob's subscriber is in another partition while alice revises her keys. It comes back while the
+// former keys still count.
+TEST(RecordedUnderFormerKeys, ReaderThatWasAway_TakesNone) {
+  for (const bool reliable : {false, true})
+    for (auto rules : governances()) {
+      rules.partitions = "*";
+      Revised test(rules, reliable);
+      auto& pair = test.pair;
+      auto& world = pair.world;
+      ASSERT_TRUE(world.run_until(
+          [&] { return pair.a.listener.matched == 1 && pair.b.listener.matched == 1; }));
+      test.record();
+      test.write(5);
+      world.filter = {};
+      const auto move_to = [&](std::vector<std::string> partition) {
+        auto qos = pair.b->local_endpoints().find(pair.reader.entity)->qos;
+        qos.partition = std::move(partition);
+        ASSERT_TRUE(pair.b->change_qos(pair.reader, qos, world.now));
+        world.run(100);
+      };
+      move_to({"away"});
+      ASSERT_EQ(pair.b.listener.matched, 0);
+      ASSERT_TRUE(pair.a->revise_keys());
+      ASSERT_TRUE(world.run_until([&] { return pair.a.events.has(Code::rtps_keys_revised); }, 300));
+      test.replay();
+      move_to({});
+      ASSERT_EQ(pair.b.listener.matched, 1);
+      for (int second = 0; second < 15; ++second) {
+        world.run(100);
+        pair.b.clock.advance(1s);
+      }
+      EXPECT_EQ(test.numbers(), (std::vector<std::int64_t>{1, 2, 3, 4, 5}))
+          << (reliable ? "reliable, " : "best effort, ") << "rtps " << to_string(rules.rtps)
+          << ", metadata " << to_string(rules.metadata);
+    }
+}
+
+// ---- what a former reader forges with the former keys
+
+// Sends a submessage under each key that carol had, in alice's name. Bob opens it by the one key
+// that fits.
+template <class S>
+void forge(Trio& trio, const KeyThief::Tokens& keys, const S& submessage) {
+  const auto& prefix = trio.a->prefix();
+  const auto whole = forged(prefix, submessage);
+  const Bytes content(whole.begin() + kHeaderSize, whole.end());
+  for (const auto& token : keys) {
+    auto material = cryptography::read_crypto_token(token);
+    if (!material || material->is_none()) continue;
+    Insider insider(std::move(*material));
+    auto datagram = forged(prefix);
+    const auto group = insider.group(cryptography::kSubmessageFrame, content);
+    datagram.insert(datagram.end(), group.begin(), group.end());
+    trio.b->receive(datagram, trio.world.now, *Locator::parse("127.0.0.9", 0));
+  }
+}
+
+// Carol says with the former key of alice's writer that everything below 2^40 is gone. Before the
+// former keys end, bob's subscriber moves to another partition. It comes back later.
+TEST(ForgedWithFormerKeys, PositionOfAWriterThatReturns_EndsWithTheKeys) {
+  Rules rules{.discovery = kEncrypt, .metadata = kEncrypt};
+  rules.partitions = "*";
+  Trio trio(revising(rules));
+  ASSERT_TRUE(trio.match()) << trio.text();
+  trio.write();
+  ASSERT_TRUE(trio.bob_has_all());
+  const auto keys = trio.stolen.all;
+  trio.revoke_carol();
+  ASSERT_TRUE(trio.revised(1)) << trio.text();
+  trio.world.run(20);
+  const auto readers = trio.a->local_endpoints().matched(trio.writer);
+  const auto of_bob = std::ranges::find(readers, trio.b->prefix(), &Guid::prefix);
+  ASSERT_NE(of_bob, readers.end());
+  const Guid reader = *of_bob;
+  constexpr std::int64_t kFar = std::int64_t{1} << 40;
+  forge(trio, keys, Heartbeat{kEntityIdUnknown, trio.writer.entity, {kFar}, {kFar}, 0xfffff});
+  ASSERT_EQ(trio.b->local_endpoints().reader(reader)->writer(trio.writer)->next().value, kFar);
+  const auto move_to = [&](std::vector<std::string> partition) {
+    auto qos = trio.b->local_endpoints().find(reader.entity)->qos;
+    qos.partition = std::move(partition);
+    EXPECT_TRUE(trio.b->change_qos(reader, qos, trio.world.now));
+  };
+  move_to({"away"});
+  ASSERT_TRUE(trio.world.run_until([&] { return trio.b.listener.matched == 0; }, 300));
+  trio.world.run(1300);  // until the former keys have ended
+  move_to({});
+  ASSERT_TRUE(trio.world.run_until([&] { return trio.b.listener.matched == 1; }, 300));
+  trio.world.run(100);
+  for (int i = 0; i < 3; ++i) {
+    trio.write();
+    trio.world.run(100);
+  }
+  trio.world.run(12'000);  // two minutes
+  EXPECT_EQ(trio.b.listener.changes.size(), trio.written) << trio.a.events.text();
 }
 
 }  // namespace

@@ -36,5 +36,25 @@ TEST(PastWriters, ManyOfOneIdentity_DoNotDisplaceThoseOfOthers) {
   EXPECT_TRUE(past.take(writer(2, 2 * PastWriters::kMax + 10)));
 }
 
+TEST(PastWriters, RevisedWhileAway_ReturnWithTheNewKeys) {
+  PastWriters past;
+  const Sha256Digest next{1};
+  for (const std::uint32_t n : {1u, 2u}) {
+    auto at = position(5);
+    at.newest_next = {5};
+    past.add(writer(1, n), identity(1), at);
+  }
+  past.add(writer(2, 1), identity(2), position(5));
+  past.note_revised(writer(1, 1), [&](const Guid&) { return next; });
+  past.distrust_former_keys(identity(1));
+  const auto revised = past.take(writer(1, 1)), other = past.take(writer(1, 2));
+  EXPECT_EQ(revised->keys, next);
+  EXPECT_EQ(revised->newest_next, SequenceNumber{1});
+  EXPECT_EQ(other->keys, Sha256Digest{});
+  EXPECT_EQ(other->newest_next, SequenceNumber{5});
+  EXPECT_TRUE(revised->is_doubted && other->is_doubted);
+  EXPECT_FALSE(past.take(writer(2, 1))->is_doubted) << "of another participant";
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
