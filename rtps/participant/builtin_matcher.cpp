@@ -30,7 +30,7 @@ void BuiltinMatcher::match(const EntityId& local, RemoteParticipant& remote) {
 }
 
 void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remote,
-                           bool with_writer, bool again) {
+                           bool with_writer, bool again, const std::optional<Sha256Digest>& keys) {
   if (info.topic == BuiltinTopic::participants_secure && remote.data.vendor == kVendorFastDds &&
       !remote.heard_participants_secure)
     return;
@@ -47,9 +47,10 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
         {.guid = other,
          .is_reliable = true,
          .locators = remote.metatraffic,
+         .keys = keys,
          .begins_at_zero = again && remote.data.vendor == kVendorFastDds,
          .contradicted = core_.security && is_sedp(info, false) ? contradicted_ : nullptr},
-        core_.now);
+        core_.now, keys.has_value());
 }
 
 void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
@@ -61,20 +62,24 @@ void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
 }
 
 // The endpoints are unmatched first, because a new match begins with the first announcement that
-// the writer keeps.
-void BuiltinMatcher::read_again(const BuiltinTopicInfo& info, RemoteParticipant& remote) {
-  builtin_.find_reader(info.reader)->unmatch({remote.prefix(), info.writer});
-  match(info, remote, false, true);
+// the writer keeps. With its keys, that is the first one that a HEARTBEAT names that is new.
+void BuiltinMatcher::read_again(const BuiltinTopicInfo& info, RemoteParticipant& remote,
+                                bool drops_recorded) {
+  const Guid writer{remote.prefix(), info.writer};
+  const auto keys = drops_recorded ? core_.keys_of(info.reader, writer) : std::nullopt;
+  builtin_.find_reader(info.reader)->unmatch(writer, keys);
+  match(info, remote, false, true, keys);
 }
 
-void BuiltinMatcher::refresh_announcements(RemoteParticipant& remote, bool secure) {
+void BuiltinMatcher::refresh_announcements(RemoteParticipant& remote, bool secure,
+                                           bool drops_recorded) {
   for (const auto& info : kBuiltinTopics)
-    if (is_sedp(info, secure)) read_again(info, remote);
+    if (is_sedp(info, secure)) read_again(info, remote, drops_recorded);
 }
 
-void BuiltinMatcher::refresh_participant(RemoteParticipant& remote) {
+void BuiltinMatcher::refresh_participant(RemoteParticipant& remote, bool drops_recorded) {
   for (const auto& info : kBuiltinTopics)
-    if (info.topic == BuiltinTopic::participants_secure) read_again(info, remote);
+    if (info.topic == BuiltinTopic::participants_secure) read_again(info, remote, drops_recorded);
 }
 
 void BuiltinMatcher::offer_again(const RemoteParticipant& remote) {

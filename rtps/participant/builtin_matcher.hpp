@@ -24,9 +24,12 @@ class BuiltinMatcher {
   void match(const EntityId& local, RemoteParticipant& remote);
   void unmatch(const RemoteParticipant& remote);
   /// Requests all plain announcements of the participant's endpoints again, or all secure ones.
-  void refresh_announcements(RemoteParticipant& remote, bool secure = false);
+  /// With `drops_recorded`, keys of the participant must protect them, and what it no longer keeps
+  /// is not taken: anyone can repeat that.
+  void refresh_announcements(RemoteParticipant& remote, bool secure = false,
+                             bool drops_recorded = false);
   /// Requests again what the participant announces of itself by DCPSParticipantsSecure.
-  void refresh_participant(RemoteParticipant& remote);
+  void refresh_participant(RemoteParticipant& remote, bool drops_recorded = false);
   /// Tells the participant which announcements of ours there are: it requests those that it has not
   /// received, whatever was acknowledged in its name.
   void offer_again(const RemoteParticipant& remote);
@@ -41,8 +44,8 @@ class BuiltinMatcher {
 
  private:
   void match(const BuiltinTopicInfo& info, RemoteParticipant& remote, bool with_writer,
-             bool again = false);
-  void read_again(const BuiltinTopicInfo& info, RemoteParticipant& remote);
+             bool again = false, const std::optional<Sha256Digest>& keys = {});
+  void read_again(const BuiltinTopicInfo& info, RemoteParticipant& remote, bool drops_recorded);
 
   ParticipantCore& core_;
   BuiltinEndpoints& builtin_;

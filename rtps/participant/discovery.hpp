@@ -58,6 +58,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_early_keys(const EntityId& local, const Guid& remote) override;
   void on_key_change(const EntityId& local, const Guid& remote, KeyChange change) override {
     parts_.local.note_key_change(local, remote, change);
+    if (change == KeyChange::former_ended) proven_.read_again(remote.prefix);
   }
   bool on_rights_changed(const GuidPrefix& peer) override;
   void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }

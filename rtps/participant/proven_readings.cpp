@@ -22,11 +22,21 @@ void ProvenReadings::begin(const spi::ParticipantSecurityAttributes& former) {
   }
 }
 
-void ProvenReadings::begin(RemoteParticipant& remote, bool secure) {
+void ProvenReadings::read_again(const GuidPrefix& participant) {
+  auto* remote = remotes_.find(participant);
+  if (remote == nullptr || !core_.is_authenticated(participant)) return;
+  for (const bool secure : {false, true}) {
+    if (!are_proven(core_.attributes(), secure)) continue;
+    begin(*remote, secure, true);
+    next_ = core_.now + kPeriod;
+  }
+}
+
+void ProvenReadings::begin(RemoteParticipant& remote, bool secure, bool drops_recorded) {
   for (const auto& [id, endpoint] : remote.endpoints)
     if (endpoint.data.by_secure_discovery == secure) remote.unconfirmed.insert(id);
-  builtin_.refresh_announcements(remote, secure);
-  if (secure) builtin_.refresh_participant(remote);
+  builtin_.refresh_announcements(remote, secure, drops_recorded);
+  if (secure) builtin_.refresh_participant(remote, drops_recorded);
 }
 
 void ProvenReadings::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {

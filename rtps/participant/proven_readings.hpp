@@ -18,13 +18,16 @@ class ProvenReadings {
 
   /// Must be called once a second: begins when SecurityCore::former_domain says so.
   void tick();
+  /// Reads again what the participant announces under its keys: former ones have ended, with which
+  /// others may have announced in its name, or said that an endpoint has ended.
+  void read_again(const GuidPrefix& participant);
   /// The endpoint is announced. If it was known with other policies that a match keeps, its matches
   /// end first: those policies were forged.
   void note_announced(RemoteParticipant& remote, const EndpointData& endpoint);
 
  private:
   void begin(const spi::ParticipantSecurityAttributes& former);
-  void begin(RemoteParticipant& remote, bool secure);
+  void begin(RemoteParticipant& remote, bool secure, bool drops_recorded = false);
   bool has_read(const RemoteParticipant& remote) const;
 
   ParticipantCore& core_;

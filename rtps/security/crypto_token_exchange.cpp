@@ -430,8 +430,9 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
 }
 
 void CryptoTokenExchange::note_revised(Peer& peer, const EntityId& local, const EntityId& remote) {
-  constexpr auto kMargin = std::chrono::seconds(1);
-  peer.state.association()->former_keys_end = core_.now + spi::kFormerKeyLife + kMargin;
+  auto& association = *peer.state.association();
+  association.former_keys_end = core_.now + spi::kFormerKeyLife + std::chrono::seconds(1);
+  association.has_revised = true;
   core_.host.on_key_change(local, {peer.prefix(), remote}, KeyChange::revised);
 }
 
@@ -491,7 +492,8 @@ bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remot
   const bool any = take_early(*peer, local, remote, is_ready);
   // The remote endpoint may have sent its keys before this pair dropped them, so they are requested
   // again.
-  if (!any && !is_ready && core_.keyring.keys_for(local, remote).may_be_dropped)
+  if (!any && !is_ready &&
+      (association->has_revised || core_.keyring.keys_for(local, remote).may_be_dropped))
     request_tokens(local, remote);
   return is_ready;
 }

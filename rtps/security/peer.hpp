@@ -88,6 +88,9 @@ struct Association {
   Renewal renewal = {};  ///< see DocumentRenewal
   GovernanceOfPeer governance = {};
   MonotonicTime former_keys_end = kNever;  ///< of the keys that it has revised
+  /// It has revised its keys. Others may have said with the former ones that an endpoint had ended,
+  /// so that its keys were dropped. Keys that are missing are requested.
+  bool has_revised = false;
   EarlyTokens early = {};
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};

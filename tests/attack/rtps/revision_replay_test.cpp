@@ -186,6 +186,58 @@ void forge(Trio& trio, const KeyThief::Tokens& keys, const S& submessage) {
   }
 }
 
+// Carol says with the former key of alice's announcements that alice's writer has ended.
+TEST(ForgedWithFormerKeys, EndOfAnEndpoint_EndsWithTheKeys) {
+  Trio trio(revising({.discovery = kEncrypt, .metadata = kEncrypt}));
+  ASSERT_TRUE(trio.match()) << trio.text();
+  const auto keys = trio.stolen.all;
+  trio.revoke_carol();
+  ASSERT_TRUE(trio.revised(1)) << trio.text();
+  ASSERT_EQ(trio.b.listener.matched, 1);
+
+  const Guid announcer{trio.a->prefix(), kPublicationsSecureWriter};
+  auto& reader = *ParticipantAccess::local_endpoints(*trio.b.participant)
+                      .builtin()
+                      .find_reader(kPublicationsSecureReader);
+  ASSERT_NE(reader.writer(announcer), nullptr);
+  Data end{kPublicationsSecureReader, kPublicationsSecureWriter, reader.writer(announcer)->next()};
+  end.inline_qos.status = {.disposed = true, .unregistered = true};
+  KeyHash key{};
+  std::ranges::copy(trio.writer.prefix.octets, key.begin());
+  std::ranges::copy(trio.writer.entity.octets, key.begin() + 12);
+  end.inline_qos.key_hash = key;
+  forge(trio, keys, end);
+  ASSERT_EQ(trio.b.listener.matched, 0) << "what was forged had an effect";
+  trio.world.run(1300);  // until the former keys have ended
+  trio.write();
+  trio.world.run(60'000);  // ten minutes
+  EXPECT_EQ(trio.b.listener.matched, 1);
+  EXPECT_EQ(trio.b.listener.changes.size(), trio.written);
+}
+
+// When former keys end, bob reads alice's announcements again. One that was recorded under the new
+// keys, of a writer that has ended since, does not bring that writer back.
+TEST(RecordedAfterARevision, AnnouncementOfAWriterThatHasEnded_BringsNothingBack) {
+  const std::vector<Rules> all = {{.discovery = kEncrypt}, {.rtps = kSign}};
+  for (const auto& rules : all) {
+    Revised test(rules, true);
+    ASSERT_TRUE(test.begin());
+    auto& pair = test.pair;
+    auto& world = pair.world;
+    test.record();
+    const auto second =
+        pair.a->create_writer(square(default_writer_qos()), pair.a.listener, world.now).value();
+    ASSERT_TRUE(world.run_until([&] { return pair.b.listener.matched == 2; }));
+    world.run(50);
+    world.filter = {};
+    pair.a->remove(second, world.now);
+    ASSERT_TRUE(world.run_until([&] { return pair.b.listener.matched == 1; }));
+    test.replay();
+    world.run(1500);
+    EXPECT_EQ(pair.b.listener.matched, 1) << "rtps " << to_string(rules.rtps);
+  }
+}
+
 // Carol says with the former key of alice's writer that everything below 2^40 is gone. Before the
 // former keys end, bob's subscriber moves to another partition. It comes back later.
 TEST(ForgedWithFormerKeys, PositionOfAWriterThatReturns_EndsWithTheKeys) {
