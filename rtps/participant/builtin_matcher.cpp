@@ -17,10 +17,11 @@ bool is_sedp(const BuiltinTopicInfo& info, bool secure) {
 BuiltinMatcher::BuiltinMatcher(ParticipantCore& core, BuiltinEndpoints& builtin)
     : core_(core), builtin_(builtin) {}
 
-void BuiltinMatcher::match(RemoteParticipant& remote) {
+void BuiltinMatcher::match(RemoteParticipant& remote, bool returns) {
   builtin_.each([&](const auto& info, auto&, auto&) {
     match(info, remote, true);
-    match(info, remote, false);
+    match(info, remote, false,
+          returns && !proven_keys(info.reader, {remote.prefix(), info.writer}));
   });
 }
 
@@ -47,18 +48,28 @@ void BuiltinMatcher::match(const BuiltinTopicInfo& info, RemoteParticipant& remo
         {.guid = other,
          .is_reliable = true,
          .locators = remote.metatraffic,
-         .keys = keys,
+         .keys = keys ? keys : proven_keys(own, other),
          .begins_at_zero = again && remote.data.vendor == kVendorFastDds,
          .contradicted = core_.security && is_sedp(info, false) ? contradicted_ : nullptr},
         core_.now, keys.has_value());
 }
 
-void BuiltinMatcher::unmatch(const RemoteParticipant& remote) {
+void BuiltinMatcher::unmatch(const RemoteParticipant& remote, bool may_return) {
   const auto prefix = remote.prefix();
   builtin_.each([&](const auto& info, auto& writer, auto& reader) {
     writer.unmatch({prefix, info.reader});
-    reader.unmatch({prefix, info.writer});
+    const Guid other{prefix, info.writer};
+    reader.unmatch(other, may_return ? proven_keys(info.reader, other) : std::nullopt);
   });
+}
+
+// Returns the keys that protect everything that the writer sends; empty if anyone can send in its
+// name.
+std::optional<Sha256Digest> BuiltinMatcher::proven_keys(const EntityId& reader,
+                                                        const Guid& writer) const {
+  const bool is_proven =
+      core_.security && core_.security->core().origin(reader, writer) == EventOrigin::its_keys;
+  return is_proven ? core_.keys_of(reader, writer) : std::nullopt;
 }
 
 // The endpoints are unmatched first, because a new match begins with the first announcement that

@@ -17,12 +17,15 @@ class BuiltinMatcher {
   void on_contradiction(std::function<void(const Guid& writer)> contradicted) {
     contradicted_ = std::move(contradicted);
   }
-  /// Matches all builtin endpoints of the participant.
-  void match(RemoteParticipant& remote);
+  /// Matches all builtin endpoints of the participant. If it returns, announcements that anyone can
+  /// send in its name are requested again; the others go on where they ended.
+  void match(RemoteParticipant& remote, bool returns = false);
   /// Matches one local endpoint. Called when the keys for that participant and this endpoint have
   /// arrived.
   void match(const EntityId& local, RemoteParticipant& remote);
-  void unmatch(const RemoteParticipant& remote);
+  /// If the participant may return with the same keys, it is remembered what has arrived of the
+  /// announcements that only it can have sent.
+  void unmatch(const RemoteParticipant& remote, bool may_return = false);
   /// Requests all plain announcements of the participant's endpoints again, or all secure ones.
   /// With `drops_recorded`, keys of the participant must protect them, and what it no longer keeps
   /// is not taken: anyone can repeat that.
@@ -46,6 +49,7 @@ class BuiltinMatcher {
   void match(const BuiltinTopicInfo& info, RemoteParticipant& remote, bool with_writer,
              bool again = false, const std::optional<Sha256Digest>& keys = {});
   void read_again(const BuiltinTopicInfo& info, RemoteParticipant& remote, bool drops_recorded);
+  std::optional<Sha256Digest> proven_keys(const EntityId& reader, const Guid& writer) const;
 
   ParticipantCore& core_;
   BuiltinEndpoints& builtin_;

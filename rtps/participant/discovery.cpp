@@ -104,7 +104,8 @@ Discovery::Discovery(ParticipantCore& core, const Parts& parts)
       parts_(parts),
       builtin_(core, parts.local.builtin()),
       clear_(core, parts.local, parts.remotes, parts.matcher, builtin_),
-      proven_(core, parts.remotes, parts.matcher, builtin_) {}
+      proven_(core, parts.remotes, parts.matcher, builtin_),
+      resting_(core, parts.remotes, parts.matcher, builtin_) {}
 
 // ---- participants that are found
 
@@ -140,21 +141,15 @@ Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
 void Discovery::add(ParticipantData data, std::size_t octets) {
   auto& remotes = parts_.remotes;
   auto metatraffic = usable(core_, data.metatraffic_unicast);
-  const auto has_room = [&] {
-    while (remotes.is_full(octets)) {
-      const auto prefix = remotes.next_to_evict();
-      if (!prefix) return false;
-      ++core_.counters.refused_discovery;
-      remove(*prefix);
-    }
-    return true;
-  };
-  if (metatraffic.empty() || !has_room()) {
+  auto* security = core_.security.get();
+  // A stranger with the GUID of a dormant peer must not end the keys of the peer's endpoints.
+  const bool is_stranger = security != nullptr && security->is_dormant(data.guid.prefix) &&
+                           !security->may_authenticate(data);
+  if (metatraffic.empty() || is_stranger || !has_room(octets)) {
     ++core_.counters.refused_discovery;
     return;
   }
   auto user = usable(core_, data.default_unicast, metatraffic);
-  auto* security = core_.security.get();
   const auto decision = security != nullptr ? security->judge(data)
                                             : Security::AdmissionDecision::admit_unauthenticated;
   auto& remote = remotes.add(std::move(data), std::move(metatraffic), std::move(user), octets);
@@ -167,6 +162,16 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
                          {remote.metatraffic, remote.metatraffic_sources, core_.source}, core_.now);
   remotes.renew_lease(remote, remote.data);
   if (decision == Security::AdmissionDecision::admit_unauthenticated) accept(remote);
+}
+
+bool Discovery::has_room(std::size_t octets) {
+  while (parts_.remotes.is_full(octets)) {
+    const auto prefix = parts_.remotes.next_to_evict();
+    if (!prefix) return false;
+    ++core_.counters.refused_discovery;
+    remove(*prefix);
+  }
+  return true;
 }
 
 // An announcement changes nothing of an authenticated participant and does not renew its lease: an
@@ -208,9 +213,9 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
                             core_.now);
 }
 
-void Discovery::accept(RemoteParticipant& remote) {
+void Discovery::accept(RemoteParticipant& remote, bool returns) {
   parts_.remotes.accept(remote);
-  builtin_.match(remote);
+  builtin_.match(remote, returns);
 }
 
 // Any message shows that a participant is alive, as long as it is not authenticated. In the name of
@@ -220,6 +225,8 @@ void Discovery::accept(RemoteParticipant& remote) {
 // leaves unprotected, the participant answers when it is queried on the volatile secure channel
 // (tick).
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
+  if (core_.security && core_.security->is_dormant(source))
+    core_.security->note_heard(source, core_.now);
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
   note_credit(core_, source);
@@ -239,17 +246,14 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
 // ---- participants that leave
 
 // Only a participant itself can report that it leaves; once authenticated, only by the secure
-// topic. Fast DDS and Cyclone DDS do not report it there. So a report in the name of Fast DDS
-// counts if it does not answer a query now. Cyclone DDS would not come back if it was only out of
-// reach: it keeps its session. So its readers are doubted one by one, and it goes when its lease
-// ends.
+// topic. Fast DDS and Cyclone DDS do not report it there, and a peer that is only out of reach
+// keeps its session. So their readers are doubted one by one, and they go when their leases end.
 void Discovery::on_dispose(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
   const bool proven = core_.is_authenticated(prefix);
-  if (proven && remote->data.vendor == kVendorFastDds)
-    parts_.remotes.check_end(*remote);
-  else if (proven && remote->data.vendor == kVendorCyclone)
+  const auto& vendor = remote->data.vendor;
+  if (proven && (vendor == kVendorFastDds || vendor == kVendorCyclone))
     for (const auto& [id, endpoint] : remote->endpoints) parts_.matcher.check_end(*remote, id);
   else if (proven || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
@@ -262,12 +266,29 @@ void Discovery::tick() {
   if (core_.security)
     for (const auto& prefix : parts_.remotes.take_due_for_query())
       core_.security->ask_for_sign_of_life(prefix);
-  for (const auto& prefix : parts_.remotes.with_ended_leases()) gone_.push_back(prefix);
   remove_gone();
+  for (const auto& prefix : parts_.remotes.with_ended_leases()) {
+    auto& remote = *parts_.remotes.find(prefix);
+    if (resting_.takes(remote))
+      resting_.rest(remote);
+    else
+      remove(prefix);
+  }
 }
 
 void Discovery::remove_gone() {
   for (const auto& prefix : std::exchange(gone_, {})) remove(prefix);
+  if (!core_.security) return;
+  for (const auto& prefix : core_.security->take_answered()) wake(prefix);
+}
+
+// What was announced in its name meanwhile proves nothing.
+void Discovery::wake(const GuidPrefix& prefix) {
+  if (!core_.security->is_dormant(prefix)) return;
+  remove(prefix);
+  if (!has_room(0)) return;
+  auto* remote = resting_.wake(prefix);
+  if (remote != nullptr && core_.is_authenticated(prefix)) join(*remote, true);
 }
 
 void Discovery::remove(const GuidPrefix& prefix) {
@@ -404,20 +425,24 @@ void Discovery::on_early_keys(const EntityId& local, const Guid& remote) {
 }
 
 void Discovery::on_authenticated(const GuidPrefix& peer) {
-  auto* remote = parts_.remotes.find(peer);
-  if (remote == nullptr) return;
-  if (remote->signed_metatraffic.empty()) adopt_signed_addresses(core_, *remote, {}, {});
-  if (!has_proven_address(core_, *remote))
-    core_.sender.amplification_limit().begin(peer, remote->metatraffic,
-                                             remote->metatraffic_sources);
-  accept(*remote);
-  clear_.begin(*remote);
+  if (auto* remote = parts_.remotes.find(peer)) join(*remote, false);
+}
+
+void Discovery::join(RemoteParticipant& remote, bool returns) {
+  if (remote.signed_metatraffic.empty()) adopt_signed_addresses(core_, remote, {}, {});
+  if (!has_proven_address(core_, remote))
+    core_.sender.amplification_limit().begin(remote.prefix(), remote.metatraffic,
+                                             remote.metatraffic_sources);
+  accept(remote, returns);
+  if (returns) resting_.match_again(remote);
+  clear_.begin(remote);
 }
 
 // DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.
 void Discovery::on_unauthenticated(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
-  if (remote != nullptr && core_.security->admits_unauthenticated()) accept(*remote);
+  const bool may = core_.security->admits_unauthenticated() && !core_.security->is_dormant(peer);
+  if (remote != nullptr && may) accept(*remote);
 }
 
 LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {

@@ -7,6 +7,7 @@
 #include "rtps/participant/clear_announcements.hpp"
 #include "rtps/participant/endpoint_lookup.hpp"
 #include "rtps/participant/proven_readings.hpp"
+#include "rtps/participant/resting_participants.hpp"
 #include "rtps/participant/writer_liveliness.hpp"
 
 namespace ddssec::rtps {
@@ -33,7 +34,8 @@ class Discovery final : public MessageListener, public SecurityHost {
   /// participants may be nearest. With `all`, removes the participants, because none of them can
   /// reach this one any more.
   void on_addresses_changed(bool all);
-  /// Removes participants that left, when none of their data is being processed any more.
+  /// Removes participants that left, when none of their data is being processed any more. Brings
+  /// back dormant ones that have answered.
   void remove_gone();
   /// Also removes participants whose leases have ended, and queries those whose leases end soon.
   void tick();
@@ -70,7 +72,10 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_dispose(const GuidPrefix& prefix);
   /// Accepts a participant that authenticated, or is admitted without authentication. From now on
   /// its builtin endpoints may match.
-  void accept(RemoteParticipant& remote);
+  void accept(RemoteParticipant& remote, bool returns = false);
+  void join(RemoteParticipant& remote, bool returns);
+  void wake(const GuidPrefix& prefix);
+  bool has_room(std::size_t octets);
   void on_endpoint(BuiltinTopic topic, const Change& change);
   void on_secure_participant(const Change& change);
 
@@ -79,6 +84,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   BuiltinMatcher builtin_;
   ClearAnnouncements clear_;
   ProvenReadings proven_;
+  RestingParticipants resting_;
   std::vector<GuidPrefix> gone_;
 };
 

@@ -216,8 +216,9 @@ bool EndpointMatcher::match_all(RemoteParticipant& remote) {
   return any_lost;
 }
 
-void EndpointMatcher::remove_all(RemoteParticipant& remote) {
-  while (!remote.endpoints.empty()) remove(remote, remote.endpoints.begin()->first);
+void EndpointMatcher::remove_all(RemoteParticipant& remote, bool may_return) {
+  while (!remote.endpoints.empty())
+    remove(remote, EntityId(remote.endpoints.begin()->first), may_return);
 }
 
 void EndpointMatcher::readdress(RemoteParticipant& remote) {

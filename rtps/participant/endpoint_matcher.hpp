@@ -41,8 +41,8 @@ class EndpointMatcher {
   bool match_all(RemoteParticipant& remote);
   /// Must be called when the addresses that are used for the participant may have changed.
   void readdress(RemoteParticipant& remote);
-  /// Removes all endpoints of the participant.
-  void remove_all(RemoteParticipant& remote);
+  /// Removes all endpoints of the participant. If they may return, their keys are kept.
+  void remove_all(RemoteParticipant& remote, bool may_return = false);
   /// Removes all endpoints on the topic, which is ignored from now on.
   void remove_topic(const std::string& name);
   /// Returns any remote endpoint on the topic.

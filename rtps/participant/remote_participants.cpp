@@ -150,6 +150,28 @@ void RemoteParticipants::remove(const GuidPrefix& prefix) {
   remotes_.erase(at);
 }
 
+RemoteParticipant RemoteParticipants::take(const GuidPrefix& prefix) {
+  auto out = *find(prefix);
+  remove(prefix);
+  out.unproven.reset();
+  out.accepted = false;
+  out.account = out.prefix();
+  out.signals = {};
+  out.watches.clear();
+  out.announcement_refresh = {};
+  out.next_offer = kNever;
+  out.unconfirmed.clear();
+  return out;
+}
+
+RemoteParticipant& RemoteParticipants::restore(RemoteParticipant taken) {
+  const auto prefix = taken.prefix();
+  auto& remote = remotes_.insert_or_assign(prefix, std::move(taken)).first->second;
+  remote.since = core_.now;
+  renew_lease(remote, remote.data);
+  return remote;
+}
+
 // Without security a participant cannot prove anything. One host can announce many participants and
 // send messages in their names, but only from its own addresses.
 std::optional<GuidPrefix> RemoteParticipants::next_to_evict() {
@@ -204,14 +226,6 @@ MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int sha
   return lease == kNever ? kNever : core_.now + std::max<MonotonicTime>(lease / share, kMinPause);
 }
 
-void RemoteParticipants::check_end(RemoteParticipant& remote) {
-  if (core_.now < remote.doubted_until) return;
-  remote.doubted_until = core_.now + kDoubt;
-  remote.lease_end = std::min(remote.lease_end, remote.doubted_until);
-  next_end_ = std::min(next_end_, remote.lease_end);
-  remote.next_question = next_question_ = core_.now;
-}
-
 // As for the ends of leases, the noted time may be too early but never too late.
 std::vector<GuidPrefix> RemoteParticipants::take_due_for_query() {
   std::vector<GuidPrefix> out;
@@ -221,8 +235,7 @@ std::vector<GuidPrefix> RemoteParticipants::take_due_for_query() {
     if (remote.next_question <= core_.now) {
       const bool is_asked = core_.is_authenticated(prefix);
       if (is_asked) out.push_back(prefix);
-      auto next = next_time(remote.data, kQuestionsPerLease);
-      if (core_.now < remote.doubted_until) next = std::min(next, core_.now + kDoubtInterval);
+      const auto next = next_time(remote.data, kQuestionsPerLease);
       remote.next_question = is_asked ? next : std::max(next, core_.now + kPauseOfUnproven);
     }
     next_question_ = std::min(next_question_, remote.next_question);

@@ -33,7 +33,6 @@ struct RemoteParticipant {
   MonotonicTime lease_end{};
   MonotonicTime since{};
   MonotonicTime next_question = kNever;  ///< when it is next queried whether it is alive
-  MonotonicTime doubted_until{};
   std::map<EntityId, RemoteEndpoint> endpoints = {};
   /// The signals for its matched writers with a finite lease, of kind AUTOMATIC and
   /// MANUAL_BY_PARTICIPANT.
@@ -110,11 +109,6 @@ class RemoteParticipants {
   /// frequent that losing most queries and answers does not end the lease.
   static constexpr int kSilentPartOfLease = 3;
   static constexpr int kQuestionsPerLease = 15;
-  /// How long an authenticated peer that is said to leave (doubt) must be silent before it is
-  /// removed, and how often it is queried meanwhile. Longer than the time between two announcements
-  /// of Fast DDS.
-  static constexpr MonotonicTime kDoubt = std::chrono::seconds(4);
-  static constexpr MonotonicTime kDoubtInterval = std::chrono::milliseconds(500);
   /// The shortest time between two queries of a peer, however short a lease is announced.
   static constexpr MonotonicTime kMinPause = std::chrono::milliseconds(100);
   /// The pause before a participant that is not queried is checked again: it may have
@@ -147,6 +141,10 @@ class RemoteParticipants {
   bool grow(RemoteParticipant& remote, std::size_t octets);
   /// Removes a participant. Its endpoints must have been removed before.
   void remove(const GuidPrefix& prefix);
+  /// Removes a known participant in the same way, and returns what is known of itself.
+  RemoteParticipant take(const GuidPrefix& prefix);
+  /// Adds a participant that was taken, and is not known. Its lease begins now.
+  RemoteParticipant& restore(RemoteParticipant taken);
   /// Returns the participant to remove when there is no room. Candidates are not authenticated and
   /// came from the source that holds the most. First choice: the one that announced itself longest
   /// ago and sent no handshake message. Second choice: the one that has been authenticating for the
@@ -161,10 +159,6 @@ class RemoteParticipants {
   // Leases:
   /// Notes that the participant was heard now; `data` contains its lease duration.
   void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
-  /// Handles an unprotected message that says that the participant leaves. The participant is
-  /// queried at once, and its lease ends after kDoubt unless it is heard before. Until then,
-  /// further such messages do nothing.
-  void check_end(RemoteParticipant& remote);
   /// Returns the participants whose leases have ended.
   std::vector<GuidPrefix> with_ended_leases();
   /// Returns the authenticated participants that were silent for a third of their lease and must be

@@ -76,7 +76,11 @@ void CryptoTokenExchange::readdress(Peer& peer, const LocatorList& addresses) {
 StatefulWriter* CryptoTokenExchange::volatile_writer(const GuidPrefix& prefix) {
   auto* peer = core_.find(prefix);
   auto* association = peer == nullptr ? nullptr : peer->state.association();
-  return association == nullptr ? nullptr : association->volatile_writer.get();
+  if (association != nullptr) return association->volatile_writer.get();
+  const auto dormant = core_.dormant.find(prefix);
+  return dormant == core_.dormant.end()
+             ? nullptr
+             : dormant->second.peer.state.association()->volatile_writer.get();
 }
 
 StatefulReader* CryptoTokenExchange::volatile_reader(const GuidPrefix& prefix) {
@@ -113,6 +117,10 @@ void CryptoTokenExchange::send(Peer& peer, GenericMessage message) {
 // stored.
 void CryptoTokenExchange::probe(Peer& peer) {
   if (!is_up_to_date(peer)) return ask_for_sign_of_life(peer);
+  ask(peer);
+}
+
+void CryptoTokenExchange::ask(Peer& peer) {
   GenericMessage message;
   message.message_class = message_class::kQuestion;
   send(peer, std::move(message));

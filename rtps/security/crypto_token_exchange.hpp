@@ -28,7 +28,7 @@ class CryptoTokenExchange {
   /// Errors: those of creating its tokens.
   Status open(Peer& peer);
   /// Returns the peer's writer, as volatile_reader() returns its reader; nullptr before the peer
-  /// has authenticated.
+  /// has authenticated. A dormant peer has only a writer: nothing that it sends is taken.
   StatefulWriter* volatile_writer(const GuidPrefix& prefix);
   void readdress(Peer& peer, const LocatorList& addresses);
   StatefulReader* volatile_reader(const GuidPrefix& prefix);
@@ -36,6 +36,8 @@ class CryptoTokenExchange {
   void join(Peer& peer);
   /// Sends a message that only the peer itself can acknowledge.
   void probe(Peer& peer);
+  /// Sends a new message, whatever else the peer has not acknowledged.
+  void ask(Peer& peer);
   /// Sends a query that leaves nothing stored: a HEARTBEAT that every reader must answer.
   void ask_for_sign_of_life(Peer& peer);
 

@@ -5,12 +5,6 @@
 namespace ddssec::rtps {
 namespace {
 
-bool needs_no_tokens(const SecurityCore& core, const Peer& peer) {
-  const auto* awaiting = peer.state.awaiting_keys();
-  return awaiting != nullptr && awaiting->exchanges_keys &&
-         !core.own->attributes().is_rtps_protected();
-}
-
 // An attacker can announce addresses of other hosts. A peer that has sent nothing gets messages at
 // the addresses from which it announced itself, and at one of the other addresses in turn.
 LocatorList addresses_of(const Peer& peer) {
@@ -237,6 +231,8 @@ bool Handshakes::advance(Peer& peer) {
     return false;
   }
   if (!handshake.take_proof()) return false;
+  // The peer has begun another session, so it does not return to the one that is kept.
+  dormant_.drop(peer.prefix());
   const bool had_keys = peer.state.association() != nullptr;
   const bool was_admitted = peer.state.is_admitted();
   if (had_keys) core_.host.on_replaced(GuidPrefix(peer.prefix()));
@@ -268,15 +264,31 @@ Result<Association> Handshakes::associate(Peer& peer) {
   out.subject =
       core_.own->plugins().authentication.authenticated_subject(peer.state.handshake()->handle());
   DDSSEC_RETURN_IF_ERROR(register_keys(peer, out));
-  subjects_.claim(prefix);
-  out.place = Cleanup([this, prefix] { subjects_.release(prefix); });
+  take_place(out, prefix);
   return out;
+}
+
+bool Handshakes::wake(Peer peer) {
+  const auto prefix = peer.prefix();
+  if (!subjects_.has_place(prefix)) {
+    revision_.note_absent(peer);
+    return false;
+  }
+  take_place(*peer.state.association(), prefix);
+  peer.state.ask_again(core_.now);
+  schedule(core_.peers.emplace(prefix, std::move(peer)).first->second);
+  return true;
 }
 
 // ---- the share of each certificate
 
 bool Handshakes::has_place(const Peer& peer) const {
   return peer.state.association() != nullptr || subjects_.has_place(peer.prefix());
+}
+
+void Handshakes::take_place(Association& association, const GuidPrefix& prefix) {
+  subjects_.claim(prefix);
+  association.place = Cleanup([this, prefix] { subjects_.release(prefix); });
 }
 
 // The event is raised before the peer counts as failed, and so once for each peer.
@@ -367,134 +379,6 @@ void Handshakes::refuse(Peer& peer) {
 
 void Handshakes::note_key_exchange(Peer& peer) {
   if (peer.state.note_key_exchange()) schedule(peer);
-}
-
-// ---- time
-
-// A due peer may be removed here. In a flood of announcements, only few peers are due.
-void Handshakes::tick() {
-  if (core_.now < next_) return;
-  next_ = kNever;
-  for (auto at = core_.peers.begin(); at != core_.peers.end();) {
-    if (const auto due = next_of(at->second); core_.now < due) {
-      next_ = std::min(next_, due);
-      ++at;
-      continue;
-    }
-    const auto prefix = at->first;
-    if (core_.now >= at->second.again_at) try_again(at->second);
-    if (at->second.state.handshake() != nullptr) tick(at->second);
-    if (const auto* peer = core_.find(prefix)) schedule(*peer);
-    at = core_.peers.upper_bound(prefix);
-  }
-}
-
-void Handshakes::tick(Peer& peer) {
-  if (core_.now >= next_admission(peer)) admit_meanwhile(peer);
-  tick_association(peer);
-  auto& handshake = *peer.state.handshake();
-  if (core_.now < handshake.next_tick() || !may_tick(peer)) return;
-  PeerHandshake::Messages out;
-  handshake.tick(core_.now, out);
-  note_overdue(peer);
-  send(peer, out);
-  advance(peer);
-}
-
-// Announcements cost their sender nothing, and messages little, but keys cost local work.
-bool Handshakes::may_tick(Peer& peer) {
-  auto& handshake = *peer.state.handshake();
-  if (!handshake.started() && !has_place(peer)) {
-    handshake.start_at(core_.now + PeerHandshake::kResend);
-    return false;
-  }
-  const auto may_start = [&] {
-    return peer.has_spoken ? budgets_.may_begin_again(core_.now)
-                           : budgets_.may_begin(peer.source, core_.now);
-  };
-  if (!handshake.started() && !may_start()) {
-    handshake.start_at(core_.now + HandshakeBudgets::kStartPeriod);
-    return false;
-  }
-  if (std::exchange(peer.may_go_on, false)) return true;
-  const bool is_silent = handshake.started() && !peer.has_spoken;
-  // One announcement is not answered again and again, because its sender may not exist.
-  const bool was_heard =
-      !is_silent || handshake.repetitions() < kMessagesUnasked || peer.was_announced;
-  if (!was_heard || (is_silent && !budgets_.may_repeat_unasked(peer.source, core_.now))) {
-    handshake.start_at(core_.now + PeerHandshake::kResend);
-    return false;
-  }
-  peer.was_announced = false;
-  return true;
-}
-
-void Handshakes::tick_association(Peer& peer) {
-  const auto now = core_.now;
-  if (now < next_of_association(peer)) return;
-  if (peer.state.joined() != nullptr) return end_probe(peer);
-  const auto since = peer.state.awaiting_keys()->since;
-  if (needs_no_tokens(core_, peer) && now >= since + kTokenTimeout) return exchange_.join(peer);
-  if (now < since + kConfirmation) return;
-  peer.state.ask_again(now);
-  core_.host.on_unconfirmed(GuidPrefix(peer.prefix()));
-  peer.state.handshake()->begin_again(now);
-}
-
-MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
-  if (const auto* joined = peer.state.joined()) return joined->probe_deadline;
-  const auto* awaiting = peer.state.awaiting_keys();
-  if (awaiting == nullptr) return kNever;
-  return awaiting->since + (needs_no_tokens(core_, peer) ? kTokenTimeout : kConfirmation);
-}
-
-void Handshakes::end_probe(Peer& peer) {
-  peer.state.end_probe();
-  const bool answered =
-      CryptoTokenExchange::is_trusted(peer) && CryptoTokenExchange::is_up_to_date(peer);
-  if (!answered && budgets_.may_begin(peer.source, core_.now))
-    peer.state.handshake()->begin_again(core_.now);
-}
-
-// The handshake does not end here: an attacker can hold messages back, or forge them.
-void Handshakes::note_overdue(Peer& peer) {
-  if (!peer.state.handshake()->is_overdue() || !peer.state.time_out()) return;
-  note_failure(peer);
-  core_.raise(Error(Code::rtps_authentication_timeout,
-                    {.document = "the handshake with participant " + peer.name(),
-                     .expected = "an end within 100 s",
-                     .found = "no end",
-                     .note = "the handshake continues; this is reported only once"}),
-              peer, EventOrigin::anyone);
-}
-
-// DDS-Security 1.2, clause 9.8.3.1: a participant that could authenticate but fails to is matched
-// like one that cannot. No single message counts as failure, because it can be sent in the peer's
-// name. And a peer that does not accept the local certificate does not report it.
-MonotonicTime Handshakes::next_admission(const Peer& peer) const {
-  const auto* unproven = peer.state.unproven();
-  if (unproven == nullptr || unproven->is_admitted) return kNever;
-  const auto began = unproven->handshake->began();
-  return began && admission_.admits_unauthenticated() ? *began + kAdmissionTimeout : kNever;
-}
-
-void Handshakes::admit_meanwhile(Peer& peer) {
-  if (!peer.state.admit_unauthenticated()) return;
-  const bool was_refused = peer.state.handshake()->refusals() > 0;
-  core_.raise(Error(Code::rtps_admitted_unauthenticated,
-                    {.document = "participant " + peer.name(),
-                     .field = "allow_unauthenticated_participants",
-                     .expected = "a handshake that succeeds within 3 s",
-                     .found = was_refused ? "one whose messages were refused" : "none"}),
-              peer, EventOrigin::anyone);
-  core_.host.on_unauthenticated(GuidPrefix(peer.prefix()));
-}
-
-MonotonicTime Handshakes::next_of(const Peer& peer) const {
-  const auto again = peer.state.is<peer::Refused>() ? peer.again_at : kNever;
-  const auto* handshake = peer.state.handshake();
-  if (handshake == nullptr) return again;
-  return std::min({again, handshake->next_tick(), next_admission(peer), next_of_association(peer)});
 }
 
 }  // namespace ddssec::rtps

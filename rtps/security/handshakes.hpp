@@ -4,10 +4,10 @@
 
 #include "rtps/budget/subject_shares.hpp"
 #include "rtps/security/admission.hpp"
+#include "rtps/security/dormant_peers.hpp"
 #include "rtps/security/fragment_store.hpp"
 #include "rtps/security/handshake_budgets.hpp"
 #include "rtps/security/handshake_sender.hpp"
-#include "rtps/security/key_reviser.hpp"
 
 namespace ddssec::rtps {
 
@@ -52,8 +52,12 @@ class Handshakes {
   static constexpr MonotonicTime kMaxRefusedPause = std::chrono::seconds(60);
 
   Handshakes(SecurityCore& core, const Admission& admission, CryptoTokenExchange& exchange,
-             KeyReviser& revision)
-      : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {}
+             KeyReviser& revision, DormantPeers& dormant)
+      : core_(core),
+        admission_(admission),
+        exchange_(exchange),
+        revision_(revision),
+        dormant_(dormant) {}
 
   /// Adds a participant that can authenticate, and that announced itself for the first time.
   void add(const ParticipantData& data, const AnnouncedAddresses& addresses);
@@ -70,6 +74,9 @@ class Handshakes {
 
   void on_stateless(const GuidPrefix& source, BytesView payload);
   void on_stateless_frag(const GuidPrefix& source, const DataFrag& frag, const SourceAddress& from);
+  /// Adds a peer that was dormant. It must not be known. Returns false, and drops it, if there is
+  /// no place for its certificate.
+  bool wake(Peer peer);
   /// Notes that a message arrived on the volatile secure channel that only the peer can have
   /// protected.
   void note_key_exchange(Peer& peer);
@@ -96,6 +103,7 @@ class Handshakes {
   /// True if one more participant with its certificate may authenticate. Before authentication, the
   /// certificate that the peer claims to have is used; this costs other peers nothing.
   bool has_place(const Peer& peer) const;
+  void take_place(Association& association, const GuidPrefix& prefix);
   Error no_place_error(const Peer& peer);
   void try_later(Peer& peer);
   void refuse(Peer& peer);
@@ -124,6 +132,7 @@ class Handshakes {
   const Admission& admission_;
   CryptoTokenExchange& exchange_;
   KeyReviser& revision_;
+  DormantPeers& dormant_;
   HandshakeAccount account_;
   HandshakeSender messages_{core_.sender};
   FragmentStore fragments_;

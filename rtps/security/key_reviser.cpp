@@ -34,6 +34,9 @@ void KeyReviser::begin() {
   }
   due_by_.reset();
   absent_.clear();
+  // A dormant peer gets no new keys, so it cannot return. Each one flushes the messages that need
+  // its keys.
+  while (!core_.dormant.empty()) core_.dormant.erase(core_.dormant.begin());
   under_way_ = {*number, core_.now + kTimeout};
   exchange_.set_revising(true);
   for (auto& [prefix, peer] : core_.peers) exchange_.send_revised(peer);
@@ -74,6 +77,8 @@ void KeyReviser::note_absent(Peer& peer) {
 }
 
 std::shared_ptr<const PeerIdentity> KeyReviser::identity_of_absent(const GuidPrefix& prefix) const {
+  if (const auto dormant = core_.dormant.find(prefix); dormant != core_.dormant.end())
+    return dormant->second.peer.state.association()->handshake->identity();
   const auto at = std::ranges::find(absent_, prefix, &Absent::prefix);
   return at == absent_.end() ? nullptr : at->identity;
 }

@@ -41,7 +41,8 @@ class KeyReviser {
   // acceptable as long as they are trusted.
   /// Takes over the identity and the permissions of a peer that leaves.
   void note_absent(Peer& peer);
-  /// Returns nullptr if the peer did not leave, or is forgotten.
+  /// Returns the identity of a peer that left, or is dormant; nullptr if it did not leave, or is
+  /// forgotten.
   std::shared_ptr<const PeerIdentity> identity_of_absent(const GuidPrefix& prefix) const;
   /// Stops watching the participant. If it was watched, requests a revision that makes its keys
   /// useless. Pass right_lost if it has returned: it is watched like any other peer again, and the

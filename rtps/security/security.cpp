@@ -50,6 +50,7 @@ Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, Time
 // Peers are removed one after the other, because each one flushes the messages that need its keys.
 Security::~Security() {
   while (!core_.peers.empty()) core_.peers.erase(core_.peers.begin());
+  while (!core_.dormant.empty()) core_.dormant.erase(core_.dormant.begin());
 }
 
 Status Security::start() {
@@ -122,8 +123,24 @@ std::optional<Bytes> Security::lost(const GuidPrefix& prefix) {
   }
   handshakes_.remove(prefix);
   core_.peers.erase(prefix);
-  core_.keyring.remove_remote(prefix);  // removes pairs without keys
+  // Removes pairs without keys. What is lost here is not the dormant peer, which has keys.
+  if (!is_dormant(prefix)) core_.keyring.remove_remote(prefix);
   return reset;
+}
+
+void Security::rest(const GuidPrefix& prefix) {
+  handshakes_.remove(prefix);
+  dormant_.keep(prefix);
+}
+
+void Security::note_heard(const GuidPrefix& prefix, MonotonicTime now) {
+  core_.now = now;
+  dormant_.note_heard(prefix);
+}
+
+bool Security::wake(const GuidPrefix& prefix) {
+  auto peer = dormant_.take(prefix);
+  return peer && handshakes_.wake(*std::move(peer));
 }
 
 bool Security::is_authenticated(const GuidPrefix& prefix) const {
@@ -161,7 +178,11 @@ void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
 }
 
 void Security::note_keys_acknowledged(const GuidPrefix& prefix) {
-  if (auto* peer = core_.find(prefix)) exchange_.note_acknowledged(*peer);
+  auto* peer = core_.find(prefix);
+  if (peer != nullptr && peer->state.association() != nullptr)
+    exchange_.note_acknowledged(*peer);
+  else
+    dormant_.note_acknowledged(prefix);
 }
 
 void Security::note_key_exchange(const GuidPrefix& prefix) {
@@ -172,6 +193,7 @@ void Security::note_key_exchange(const GuidPrefix& prefix) {
 
 void Security::distrust(const GuidPrefix& prefix) {
   revision_.drop_absent(prefix, KeyReviser::RevisionReason::trust_lost);
+  dormant_.distrust(prefix);
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
   if (peer->state.association() != nullptr) revision_.request();
@@ -232,6 +254,8 @@ void Security::expire() {
       peers_if([&](auto identity, auto handle) { return all || ended(identity, handle); });
   if (!all)
     for (const auto& prefix : gone) distrust(prefix);
+  if (all) dormant_.drop_all();
+  dormant_.distrust_if(ended);
   revision_.check_absent(ended);
   revision_.check_key_life();
   if (auto* const keys = own.pre_shared_keys()) keys->refresh();
@@ -241,7 +265,9 @@ void Security::expire() {
     distrust(prefix);
     core_.host.on_ended(prefix);
   }
+  dormant_.tick();
   if (rights_changed) {
+    dormant_.drop_all();  // they may have keys of endpoints that they no longer match
     renewal_.on_own_rights_changed();
     handshakes_.try_all_again();
   }

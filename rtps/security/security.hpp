@@ -5,6 +5,7 @@
 //   MemoryExchange        shares memory with peers on the same machine
 //   GovernanceTransition  puts more protection into force while participants run
 //   Handshakes            authenticates the peers, and limits what that costs
+//   DormantPeers          keeps the keys of peers that were not heard and may hear us
 //   KeyReviser            creates new keys for all others when a peer loses its trust
 //   CryptoTokenExchange   exchanges key tokens through the volatile secure endpoints
 //   Admission             decides which participants may authenticate, and which endpoints match
@@ -85,6 +86,15 @@ class Security {
   /// Removes a participant and its keys. Returns a message to send to a participant that is no
   /// longer trusted and may keep the session: in Cyclone DDS, a renewal list may let it.
   std::optional<Bytes> lost(const GuidPrefix& prefix);
+  /// See DormantPeers. A peer that may_rest is removed by `rest` instead of `lost`.
+  bool may_rest(const GuidPrefix& prefix) const { return dormant_.takes(prefix); }
+  void rest(const GuidPrefix& prefix);
+  bool is_dormant(const GuidPrefix& prefix) const { return dormant_.contains(prefix); }
+  void note_heard(const GuidPrefix& prefix, MonotonicTime now);
+  std::vector<GuidPrefix> take_answered() { return dormant_.take_answered(); }
+  /// Adds a dormant peer that has answered. It must not be known. Returns false if that is not
+  /// possible any more.
+  bool wake(const GuidPrefix& prefix);
   bool is_authenticated(const GuidPrefix& prefix) const;
   /// True if the participant was discovered as one that authenticates, and was not removed since.
   bool knows(const GuidPrefix& prefix) const { return core_.peers.contains(prefix); }
@@ -137,7 +147,8 @@ class Security {
   Admission admission_{core_};
   CryptoTokenExchange exchange_{core_};
   KeyReviser revision_{core_, exchange_};
-  Handshakes handshakes_{core_, admission_, exchange_, revision_};
+  DormantPeers dormant_{core_, exchange_, revision_};
+  Handshakes handshakes_{core_, admission_, exchange_, revision_, dormant_};
   DocumentRenewal renewal_{core_, exchange_, revision_};
   GovernanceTransition change_{core_, admission_, exchange_, revision_};
   std::unique_ptr<MemoryExchange> memory_;  ///< nullptr: shared memory is off

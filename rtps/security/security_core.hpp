@@ -4,8 +4,8 @@
 
 #include <map>
 
+#include "rtps/security/dormant_peer.hpp"
 #include "rtps/security/keyring.hpp"
-#include "rtps/security/peer.hpp"
 #include "rtps/security/security_counters.hpp"
 
 namespace ddssec::rtps {
@@ -124,7 +124,10 @@ struct SecurityCore {
   SecurityHost& host;
   EventSink& events;
   Keyring keyring;
-  std::map<GuidPrefix, Peer> peers;  ///< destroyed before the keyring, which contains its keys
+  /// Both are destroyed before the keyring, which contains their keys. A peer that is dormant may
+  /// also be among the peers, as one that has not authenticated.
+  std::map<GuidPrefix, Peer> peers;
+  std::map<GuidPrefix, DormantPeer> dormant;
   AuthenticationCounters counters;
   /// c.pdata of the handshakes that begin from now on: a big-endian parameter list.
   std::shared_ptr<const Bytes> own_data;

@@ -1,0 +1,39 @@
+#include "rtps/participant/resting_participants.hpp"
+
+namespace ddssec::rtps {
+
+bool RestingParticipants::takes(const RemoteParticipant& remote) const {
+  return core_.security && core_.security->may_rest(remote.prefix()) &&
+         remote.announced[1].octets <= kMaxEndpointOctets;
+}
+
+// Endpoints that anyone can have announced are not kept: they are announced again when the
+// participant is asked.
+void RestingParticipants::rest(RemoteParticipant& remote) {
+  const auto prefix = remote.prefix();
+  std::vector<EndpointData> endpoints;
+  for (const auto& [id, endpoint] : remote.endpoints)
+    if (endpoint.is_proven) endpoints.push_back(endpoint.data);
+  matcher_.remove_all(remote, true);
+  builtin_.unmatch(remote, true);
+  core_.sender.flush_now();
+  core_.sender.amplification_limit().end(prefix);
+  core_.security->rest(prefix);
+  resting_.insert_or_assign(prefix, Resting{remotes_.take(prefix), std::move(endpoints)});
+  std::erase_if(resting_, [&](const auto& one) { return !core_.security->is_dormant(one.first); });
+}
+
+RemoteParticipant* RestingParticipants::wake(const GuidPrefix& prefix) {
+  const auto at = resting_.find(prefix);
+  if (at == resting_.end() || !core_.security->wake(prefix)) return nullptr;
+  core_.sender.amplification_limit().end(prefix);
+  return &remotes_.restore(at->second.remote);
+}
+
+void RestingParticipants::match_again(RemoteParticipant& remote) {
+  const auto kept = resting_.extract(remote.prefix());
+  if (kept.empty()) return;
+  for (auto& endpoint : kept.mapped().endpoints) matcher_.add(remote, std::move(endpoint));
+}
+
+}  // namespace ddssec::rtps

@@ -1,0 +1,18 @@
+// A peer whose lease ended while it may keep its session with us.
+#pragma once
+
+#include "rtps/security/peer.hpp"
+
+namespace ddssec::rtps {
+
+/// The peer as it was, with its keys. It takes no part in anything until it answers a question that
+/// was asked after the end of its lease (DormantPeers).
+struct DormantPeer {
+  Peer peer;
+  MonotonicTime since{};
+  bool is_asked = false;  ///< a question was written that it has not answered
+  /// The earliest time for the next question, and when messages to the peer stop without an answer.
+  MonotonicTime next_question{}, quiet_at = kNever;
+};
+
+}  // namespace ddssec::rtps
