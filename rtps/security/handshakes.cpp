@@ -83,6 +83,15 @@ void Handshakes::announced_again(const ParticipantData& data, const AnnouncedAdd
   try_again(*peer);
 }
 
+// Messages may have been held up for long, so that they have become rare.
+void Handshakes::note_announced(Peer& peer) {
+  peer.was_announced = true;
+  auto* handshake = peer.state.handshake();
+  if (handshake == nullptr) return;
+  handshake->note_sign(core_.now);
+  schedule(peer);
+}
+
 void Handshakes::try_again(Peer& peer) {
   if (!peer.state.is<peer::Refused>()) return;
   peer.again_at = core_.now + kRefusedPause;
@@ -156,6 +165,7 @@ void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   if (!ours) return;
   if (!handshake->started() && !has_place(*peer)) return;
   handshake->note_heard();
+  handshake->note_sign(core_.now);
   if (!std::exchange(peer->has_spoken, true) && !handshake->started())
     handshake->start_at(core_.now);
   if (message->message_class == message_class::kAuthRequest)

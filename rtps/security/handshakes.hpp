@@ -65,7 +65,7 @@ class Handshakes {
   /// genuine one.
   void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses);
   /// Notes that any announcement arrived: the peer may be able to receive messages.
-  void note_announced(Peer& peer) { peer.was_announced = true; }
+  void note_announced(Peer& peer);
   /// Notes that this many more octets may be sent to the peer (AmplificationLimit).
   void note_credit(Peer& peer, std::size_t octets);
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
@@ -113,6 +113,8 @@ class Handshakes {
   /// Gives a refused peer another try. Does nothing if too many handshakes begin.
   void try_again(Peer& peer);
 
+  /// Does what is due for the peers in [from, to).
+  void tick(const GuidPrefix& from, const std::optional<GuidPrefix>& to);
   void tick(Peer& peer);
   bool may_tick(Peer& peer);
   void tick_association(Peer& peer);
@@ -139,6 +141,7 @@ class Handshakes {
   SubjectShares subjects_{kMaxAuthenticated};
   HandshakeBudgets budgets_;
   MonotonicTime next_ = kNever;  ///< no peer has work before this time
+  GuidPrefix last_served_ = {};  ///< the peer for which a budget for strangers was last spent
 };
 
 }  // namespace ddssec::rtps

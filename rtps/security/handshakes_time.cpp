@@ -13,11 +13,21 @@ bool needs_no_tokens(const SecurityCore& core, const Peer& peer) {
 
 }  // namespace
 
-// A due peer may be removed here. In a flood of announcements, only few peers are due.
+// The peers share budgets, and take turns: first come those after the one that was served last.
+// Otherwise strangers could keep out a newcomer by GUIDs that come before its own.
 void Handshakes::tick() {
   if (core_.now < next_) return;
   next_ = kNever;
-  for (auto at = core_.peers.begin(); at != core_.peers.end();) {
+  const auto middle = core_.peers.upper_bound(last_served_);
+  const auto first = middle == core_.peers.end() ? std::nullopt : std::optional(middle->first);
+  if (first) tick(*first, std::nullopt);
+  tick({}, first);
+}
+
+// A due peer may be removed here. In a flood of announcements, only few peers are due.
+void Handshakes::tick(const GuidPrefix& from, const std::optional<GuidPrefix>& to) {
+  for (auto at = core_.peers.lower_bound(from);
+       at != core_.peers.end() && (!to || at->first < *to);) {
     if (const auto due = next_of(at->second); core_.now < due) {
       next_ = std::min(next_, due);
       ++at;
@@ -58,6 +68,7 @@ bool Handshakes::may_tick(Peer& peer) {
     handshake.start_at(core_.now + HandshakeBudgets::kStartPeriod);
     return false;
   }
+  if (!handshake.started()) last_served_ = peer.prefix();
   if (std::exchange(peer.may_go_on, false)) return true;
   const bool is_silent = handshake.started() && !peer.has_spoken;
   // One announcement is not answered again and again, because its sender may not exist.
@@ -67,6 +78,7 @@ bool Handshakes::may_tick(Peer& peer) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
     return false;
   }
+  if (is_silent) last_served_ = peer.prefix();
   peer.was_announced = false;
   return true;
 }

@@ -113,6 +113,7 @@ MonotonicTime PeerHandshake::pause() {
 
 void PeerHandshake::tick(MonotonicTime now, Messages& out) {
   if (now < next_) return;
+  last_sent_ = now;
   if (!is_started_) return start(now, out);
   if (!finished_ && now >= overdue_at_) become_overdue(now);
   answers_.expire(now);
@@ -144,6 +145,10 @@ void PeerHandshake::become_overdue(MonotonicTime now) {
 
 void PeerHandshake::repeat_by(MonotonicTime time) {
   if (is_started_ && !finished_ && !failure_) next_ = std::min(next_, time);
+}
+
+void PeerHandshake::note_sign(MonotonicTime now) {
+  repeat_by(std::max<MonotonicTime>(now, last_sent_ + kSignPause));
 }
 
 void PeerHandshake::shorten_delays(MonotonicTime now) {

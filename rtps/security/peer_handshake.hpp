@@ -102,6 +102,9 @@ class PeerHandshake {
   void repeat_by(MonotonicTime time);
   /// Notes that the peer sent something, so that repetitions need not become rare.
   void note_heard() { was_heard_ = true; }
+  /// Notes a sign that messages of the peer arrive, which anyone can send. Messages that wait for
+  /// an answer are repeated not later than kSignPause after the last time.
+  void note_sign(MonotonicTime now);
   /// Repeats messages that wait for an answer at once, if there was time for an answer, because a
   /// message of the peer had to be dropped.
   void shorten_delays(MonotonicTime now);
@@ -133,6 +136,7 @@ class PeerHandshake {
   static constexpr MonotonicTime kFirstResend = std::chrono::milliseconds(300);
   static constexpr MonotonicTime kResend = std::chrono::seconds(1);
   static constexpr MonotonicTime kSlow = std::chrono::seconds(32);
+  static constexpr MonotonicTime kSignPause = std::chrono::seconds(8);
   /// The handshake is overdue after this time, and the local request is created again; then again
   /// after the same time.
   static constexpr MonotonicTime kOverdue = std::chrono::seconds(100);
@@ -179,6 +183,7 @@ class PeerHandshake {
   MonotonicTime overdue_at_;
   MonotonicTime next_;
   MonotonicTime began_{};
+  MonotonicTime last_sent_{};      ///< or tried
   MonotonicTime refused_until_{};  ///< the plugin had no room for the peer
   std::shared_ptr<const PeerIdentity> identity_;
   std::optional<GenericMessage> auth_request_;

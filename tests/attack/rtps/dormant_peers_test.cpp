@@ -187,6 +187,37 @@ TEST_P(DormantPeer, GoneButRecorded_StaysGone) {
   EXPECT_EQ(deaf.a.listener.matched, 0);
 }
 
+// Its writers do not repeat what was acknowledged, so nothing but a recording says that the
+// endpoint is there.
+TEST_P(DormantPeer, ItsRecordedAnnouncements_BringNoFormerEndpointBack) {
+  Deaf deaf(GetParam());
+  const bool is_clear = !is_protected(deaf.rules.rtps) && !is_protected(deaf.rules.discovery);
+  if (is_clear) return;  // anyone can announce anything
+  ASSERT_TRUE(deaf.meet());
+  const auto former = deaf.create(deaf.b, true, "Triangle");
+  const auto is_known = [&] { return deaf.a->remote_participants().endpoint(former) != nullptr; };
+  ASSERT_TRUE(deaf.world.run_until(is_known, 500));
+  deaf.b->remove(former, deaf.world.now);
+  ASSERT_TRUE(deaf.world.run_until([&] { return !is_known(); }, 500));
+  deaf.world.run(100);
+  ASSERT_TRUE(deaf.lose_it());
+  const auto recorded = deaf.recorded;
+  deaf.world.attack = [&](World::Traffic& traffic) {
+    World::Traffic more;
+    for (const auto& datagram : recorded) more.emplace_back(deaf.a.port, datagram);
+    traffic.insert(traffic.begin(), more.begin(), more.end());
+  };
+  deaf.is_unheard = false;
+  bool came_back = false;
+  EXPECT_TRUE(deaf.world.run_until(
+      [&] {
+        came_back = came_back || is_known();
+        return deaf.are_matched();
+      },
+      1000));
+  EXPECT_FALSE(came_back);
+}
+
 // One answer came late: the peer was there when it was asked. It counts for one lease.
 TEST_P(DormantPeer, WokenByOneAnswer_StaysForOneLease) {
   Deaf deaf(GetParam());

@@ -34,6 +34,31 @@ TEST(Flood, AnHonestPeerAmongFakeParticipants_Joins) {
   EXPECT_LE(pair.a->remote_participants().size(), RemoteParticipants::kMaxParticipants);
 }
 
+// 500 participants that do not exist are announced in a second, to both and from the same host.
+// Their GUIDs lie among the honest ones.
+TEST(Flood, TwoAmongFakeParticipantsWithGuidsBeforeAndAfterTheirs_Meet) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    Pair pair({});
+    std::mt19937 random(seed);
+    const auto flood = [&] {
+      for (int i = 0; i < 5; ++i) {
+        auto prefix = fake_prefix(static_cast<std::uint32_t>(random()));
+        prefix.octets[0] = static_cast<std::uint8_t>(random());
+        const auto fake = announcement(secured_data(prefix));
+        for (auto* node : pair.world.nodes)
+          (*node)->receive(fake, pair.world.now, *Locator::parse("127.0.0.1", 0));
+      }
+      pair.world.run(1);
+    };
+    pair.world.filter = [](const Node&, const Bytes&) { return std::vector<Bytes>{}; };
+    for (int i = 0; i < 500; ++i) flood();
+    pair.world.filter = {};
+    const auto begin = pair.world.now;
+    while (!know_each_other(pair) && pair.world.now - begin < seconds(30)) flood();
+    EXPECT_TRUE(know_each_other(pair)) << seed;
+  }
+}
+
 spi::Token bogus_request(std::uint32_t i) {
   Bytes certificate(900, 0x41);
   certificate[i % 900] ^= static_cast<std::uint8_t>(i >> 10);
