@@ -177,7 +177,7 @@ bool ClearAnnouncements::request_keys(const Guid& endpoint, bool again) {
       core_.raise_about(Error(Code::rtps_keys_given_up), local, endpoint);
       return false;
     }
-    core_.security->request_tokens(local, endpoint);
+    core_.security->exchange().request_tokens(local, endpoint);
     any = true;
   }
   return any;

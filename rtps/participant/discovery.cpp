@@ -90,6 +90,26 @@ void note_heard(RemoteParticipants& remotes, BuiltinMatcher& builtin, const Guid
   if (auto* known = remotes.find(of.prefix)) builtin.note_participants_secure(*known);
 }
 
+// Accepts a participant that authenticated, or is admitted without authentication. From now on its
+// builtin endpoints may match.
+void accept(RemoteParticipants& remotes, BuiltinMatcher& builtin, RemoteParticipant& remote,
+            bool returns = false) {
+  remotes.accept(remote);
+  builtin.match(remote, returns);
+}
+
+// Returns false if there is no room for a participant whose announcement has this many octets.
+bool make_room(Discovery& discovery, ParticipantCore& core, RemoteParticipants& remotes,
+               std::size_t octets) {
+  while (remotes.is_full(octets)) {
+    const auto prefix = remotes.next_to_evict();
+    if (!prefix) return false;
+    ++core.counters.refused_discovery;
+    discovery.remove(*prefix);
+  }
+  return true;
+}
+
 // A datagram arrived in this participant's name. If sending to it is limited, more may now be
 // sent.
 void note_credit(ParticipantCore& core, const GuidPrefix& source) {
@@ -143,9 +163,9 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
   auto metatraffic = usable(core_, data.metatraffic_unicast);
   auto* security = core_.security.get();
   // A stranger with the GUID of a dormant peer must not end the keys of the peer's endpoints.
-  const bool is_stranger = security != nullptr && security->is_dormant(data.guid.prefix) &&
+  const bool is_stranger = security != nullptr && security->dormant().contains(data.guid.prefix) &&
                            !security->may_authenticate(data);
-  if (metatraffic.empty() || is_stranger || !has_room(octets)) {
+  if (metatraffic.empty() || is_stranger || !make_room(*this, core_, remotes, octets)) {
     ++core_.counters.refused_discovery;
     return;
   }
@@ -161,17 +181,8 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
     security->discovered(remote.data,
                          {remote.metatraffic, remote.metatraffic_sources, core_.source}, core_.now);
   remotes.renew_lease(remote, remote.data);
-  if (decision == Security::AdmissionDecision::admit_unauthenticated) accept(remote);
-}
-
-bool Discovery::has_room(std::size_t octets) {
-  while (parts_.remotes.is_full(octets)) {
-    const auto prefix = parts_.remotes.next_to_evict();
-    if (!prefix) return false;
-    ++core_.counters.refused_discovery;
-    remove(*prefix);
-  }
-  return true;
+  if (decision == Security::AdmissionDecision::admit_unauthenticated)
+    accept(remotes, builtin_, remote);
 }
 
 // An announcement changes nothing of an authenticated participant and does not renew its lease: an
@@ -213,11 +224,6 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
                             core_.now);
 }
 
-void Discovery::accept(RemoteParticipant& remote, bool returns) {
-  parts_.remotes.accept(remote);
-  builtin_.match(remote, returns);
-}
-
 // Any message shows that a participant is alive, as long as it is not authenticated. In the name of
 // an authenticated participant, an attacker can repeat old messages and invent new ones. So only a
 // message that is new and protected by the participant's own keys counts. For its writers, less is
@@ -225,8 +231,8 @@ void Discovery::accept(RemoteParticipant& remote, bool returns) {
 // leaves unprotected, the participant answers when it is queried on the volatile secure channel
 // (tick).
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
-  if (core_.security && core_.security->is_dormant(source))
-    core_.security->note_heard(source, core_.now);
+  if (core_.security && core_.security->dormant().contains(source))
+    core_.security->dormant().note_heard(source, core_.now);
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
   note_credit(core_, source);
@@ -279,16 +285,13 @@ void Discovery::tick() {
 void Discovery::remove_gone() {
   for (const auto& prefix : std::exchange(gone_, {})) remove(prefix);
   if (!core_.security) return;
-  for (const auto& prefix : core_.security->take_answered()) wake(prefix);
-}
-
-// What was announced in its name meanwhile proves nothing.
-void Discovery::wake(const GuidPrefix& prefix) {
-  if (!core_.security->is_dormant(prefix)) return;
-  remove(prefix);
-  if (!has_room(0)) return;
-  auto* remote = resting_.wake(prefix);
-  if (remote != nullptr && core_.is_authenticated(prefix)) join(*remote, true);
+  auto& dormant = core_.security->dormant();
+  for (const auto& prefix : dormant.take_answered()) {
+    if (!dormant.contains(prefix)) continue;
+    remove(prefix);  // what was announced in its name meanwhile proves nothing
+    auto* remote = make_room(*this, core_, parts_.remotes, 0) ? resting_.wake(prefix) : nullptr;
+    if (remote != nullptr && core_.is_authenticated(prefix)) join(*remote, true);
+  }
 }
 
 void Discovery::remove(const GuidPrefix& prefix) {
@@ -433,7 +436,7 @@ void Discovery::join(RemoteParticipant& remote, bool returns) {
   if (!has_proven_address(core_, remote))
     core_.sender.amplification_limit().begin(remote.prefix(), remote.metatraffic,
                                              remote.metatraffic_sources);
-  accept(remote, returns);
+  accept(parts_.remotes, builtin_, remote, returns);
   if (returns) resting_.match_again(remote);
   clear_.begin(remote);
 }
@@ -441,8 +444,9 @@ void Discovery::join(RemoteParticipant& remote, bool returns) {
 // DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.
 void Discovery::on_unauthenticated(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
-  const bool may = core_.security->admits_unauthenticated() && !core_.security->is_dormant(peer);
-  if (remote != nullptr && may) accept(*remote);
+  const bool may =
+      core_.security->admits_unauthenticated() && !core_.security->dormant().contains(peer);
+  if (remote != nullptr && may) accept(parts_.remotes, builtin_, *remote);
 }
 
 LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {

@@ -70,12 +70,8 @@ class Discovery final : public MessageListener, public SecurityHost {
   void add(ParticipantData data, std::size_t octets);
   void on_announced_again(RemoteParticipant& remote, ParticipantData data, std::size_t octets);
   void on_dispose(const GuidPrefix& prefix);
-  /// Accepts a participant that authenticated, or is admitted without authentication. From now on
-  /// its builtin endpoints may match.
-  void accept(RemoteParticipant& remote, bool returns = false);
+  /// Accepts a participant that authenticated. If it returns, what is known of it still counts.
   void join(RemoteParticipant& remote, bool returns);
-  void wake(const GuidPrefix& prefix);
-  bool has_room(std::size_t octets);
   void on_endpoint(BuiltinTopic topic, const Change& change);
   void on_secure_participant(const Change& change);
 

@@ -4,7 +4,8 @@ namespace ddssec::rtps {
 
 std::span<StatefulReader* const> EndpointDirectory::readers_of(const Guid& writer) {
   if (writer.entity == kVolatileMessageWriter) {
-    volatile_reader_ = core_.security ? core_.security->volatile_reader(writer.prefix) : nullptr;
+    volatile_reader_ =
+        core_.security ? core_.security->exchange().volatile_reader(writer.prefix) : nullptr;
     return {&volatile_reader_, volatile_reader_ == nullptr ? 0u : 1u};
   }
   if (is_builtin(writer.entity)) return local_.builtin().readers_of(writer.entity);
@@ -15,7 +16,7 @@ std::span<StatefulReader* const> EndpointDirectory::readers_of(const Guid& write
 
 StatefulWriter* EndpointDirectory::writer_for(const EntityId& writer, const GuidPrefix& reader) {
   if (writer == kVolatileMessageWriter)
-    return core_.security ? core_.security->volatile_writer(reader) : nullptr;
+    return core_.security ? core_.security->exchange().volatile_writer(reader) : nullptr;
   if (is_builtin(writer)) return local_.builtin().find_writer(writer);
   auto* local = local_.find_writer(writer);
   return local == nullptr ? nullptr : local->protocol.get();

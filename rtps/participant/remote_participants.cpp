@@ -150,23 +150,9 @@ void RemoteParticipants::remove(const GuidPrefix& prefix) {
   remotes_.erase(at);
 }
 
-RemoteParticipant RemoteParticipants::take(const GuidPrefix& prefix) {
-  auto out = *find(prefix);
-  remove(prefix);
-  out.unproven.reset();
-  out.accepted = false;
-  out.account = out.prefix();
-  out.signals = {};
-  out.watches.clear();
-  out.announcement_refresh = {};
-  out.next_offer = kNever;
-  out.unconfirmed.clear();
-  return out;
-}
-
-RemoteParticipant& RemoteParticipants::restore(RemoteParticipant taken) {
-  const auto prefix = taken.prefix();
-  auto& remote = remotes_.insert_or_assign(prefix, std::move(taken)).first->second;
+RemoteParticipant& RemoteParticipants::restore(RemoteParticipant known) {
+  const auto prefix = known.prefix();
+  auto& remote = remotes_.insert_or_assign(prefix, std::move(known)).first->second;
   remote.since = core_.now;
   renew_lease(remote, remote.data);
   return remote;

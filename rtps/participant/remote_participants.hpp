@@ -141,10 +141,9 @@ class RemoteParticipants {
   bool grow(RemoteParticipant& remote, std::size_t octets);
   /// Removes a participant. Its endpoints must have been removed before.
   void remove(const GuidPrefix& prefix);
-  /// Removes a known participant in the same way, and returns what is known of itself.
-  RemoteParticipant take(const GuidPrefix& prefix);
-  /// Adds a participant that was taken, and is not known. Its lease begins now.
-  RemoteParticipant& restore(RemoteParticipant taken);
+  /// Adds a participant as it was known before, but without endpoints, and not yet accepted. Its
+  /// lease begins now.
+  RemoteParticipant& restore(RemoteParticipant known);
   /// Returns the participant to remove when there is no room. Candidates are not authenticated and
   /// came from the source that holds the most. First choice: the one that announced itself longest
   /// ago and sent no handshake message. Second choice: the one that has been authenticating for the

@@ -1,9 +1,26 @@
 #include "rtps/participant/resting_participants.hpp"
 
 namespace ddssec::rtps {
+namespace {
+
+// Returns what is known of the participant itself.
+RemoteParticipant without_session(const RemoteParticipant& remote) {
+  auto out = remote;
+  out.unproven.reset();
+  out.accepted = false;
+  out.account = out.prefix();
+  out.signals = {};
+  out.watches.clear();
+  out.announcement_refresh = {};
+  out.next_offer = kNever;
+  out.unconfirmed.clear();
+  return out;
+}
+
+}  // namespace
 
 bool RestingParticipants::takes(const RemoteParticipant& remote) const {
-  return core_.security && core_.security->may_rest(remote.prefix()) &&
+  return core_.security && core_.security->dormant().takes(remote.prefix()) &&
          remote.announced[1].octets <= kMaxEndpointOctets;
 }
 
@@ -18,9 +35,11 @@ void RestingParticipants::rest(RemoteParticipant& remote) {
   builtin_.unmatch(remote, true);
   core_.sender.flush_now();
   core_.sender.amplification_limit().end(prefix);
-  core_.security->rest(prefix);
-  resting_.insert_or_assign(prefix, Resting{remotes_.take(prefix), std::move(endpoints)});
-  std::erase_if(resting_, [&](const auto& one) { return !core_.security->is_dormant(one.first); });
+  auto& dormant = core_.security->dormant();
+  dormant.keep(prefix);
+  resting_.insert_or_assign(prefix, Resting{without_session(remote), std::move(endpoints)});
+  remotes_.remove(prefix);
+  std::erase_if(resting_, [&](const auto& one) { return !dormant.contains(one.first); });
 }
 
 RemoteParticipant* RestingParticipants::wake(const GuidPrefix& prefix) {

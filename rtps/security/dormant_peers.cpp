@@ -48,7 +48,8 @@ void DormantPeers::send_to(DormantPeer& dormant, const LocatorList& addresses) {
 
 // The first question is a new message. The peer's acknowledgment of it cannot have been recorded
 // before. Everything else that arrives can be, or can be forged.
-void DormantPeers::note_heard(const GuidPrefix& prefix) {
+void DormantPeers::note_heard(const GuidPrefix& prefix, MonotonicTime now) {
+  core_.now = now;
   const auto at = core_.dormant.find(prefix);
   if (at == core_.dormant.end() || core_.now < at->second.next_question) return;
   auto& dormant = at->second;

@@ -27,7 +27,7 @@ class DormantPeers {
   void keep(const GuidPrefix& prefix);
   bool contains(const GuidPrefix& prefix) const { return core_.dormant.contains(prefix); }
   /// Notes that something arrived in its name. It is asked whether it is there.
-  void note_heard(const GuidPrefix& prefix);
+  void note_heard(const GuidPrefix& prefix, MonotonicTime now);
   /// Notes that it acknowledged messages of the key exchange.
   void note_acknowledged(const GuidPrefix& prefix);
   /// Returns the peers that have answered since the last call.

@@ -39,6 +39,12 @@ MonotonicTime pause_after_refusal(const Peer& peer) {
   return std::min<MonotonicTime>(pause, Handshakes::kMaxRefusedPause);
 }
 
+// Claims a place. It is released when the result is destroyed.
+Cleanup place_of(SubjectShares& subjects, const GuidPrefix& prefix) {
+  subjects.claim(prefix);
+  return Cleanup([&subjects, prefix] { subjects.release(prefix); });
+}
+
 }  // namespace
 
 std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData& data) {
@@ -213,7 +219,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   // A final message is sent once the keys are ready for what the peer sends next.
   const bool is_new = advance(peer);
   if (!peer.state.is<peer::Refused>()) send(peer, out);
-  if (is_new) open_channel(peer);
+  if (is_new && !exchange_.open(peer)) refuse(peer);
 }
 
 // Public-key work is limited before anything is proven. In a flood, peers that send little have a
@@ -274,7 +280,7 @@ Result<Association> Handshakes::associate(Peer& peer) {
   out.subject =
       core_.own->plugins().authentication.authenticated_subject(peer.state.handshake()->handle());
   DDSSEC_RETURN_IF_ERROR(register_keys(peer, out));
-  take_place(out, prefix);
+  out.place = place_of(subjects_, prefix);
   return out;
 }
 
@@ -284,7 +290,7 @@ bool Handshakes::wake(Peer peer) {
     revision_.note_absent(peer);
     return false;
   }
-  take_place(*peer.state.association(), prefix);
+  peer.state.association()->place = place_of(subjects_, prefix);
   peer.state.ask_again(core_.now);
   schedule(core_.peers.emplace(prefix, std::move(peer)).first->second);
   return true;
@@ -294,11 +300,6 @@ bool Handshakes::wake(Peer peer) {
 
 bool Handshakes::has_place(const Peer& peer) const {
   return peer.state.association() != nullptr || subjects_.has_place(peer.prefix());
-}
-
-void Handshakes::take_place(Association& association, const GuidPrefix& prefix) {
-  subjects_.claim(prefix);
-  association.place = Cleanup([this, prefix] { subjects_.release(prefix); });
 }
 
 // The event is raised before the peer counts as failed, and so once for each peer.
@@ -369,10 +370,6 @@ Status Handshakes::adopt_proven_data(Peer& peer) {
   if (auto proven_at = core_.host.on_proven(GuidPrefix(peer.prefix()), *proven); !proven_at.empty())
     peer.metatraffic = std::move(proven_at);
   return {};
-}
-
-void Handshakes::open_channel(Peer& peer) {
-  if (!exchange_.open(peer)) refuse(peer);
 }
 
 void Handshakes::refuse(Peer& peer) {

@@ -99,11 +99,9 @@ class Handshakes {
   Result<PeerPermissions> permissions_of(const Peer& peer);
   Status register_keys(const Peer& peer, Association& association);
   Status adopt_proven_data(Peer& peer);
-  void open_channel(Peer& peer);
   /// True if one more participant with its certificate may authenticate. Before authentication, the
   /// certificate that the peer claims to have is used; this costs other peers nothing.
   bool has_place(const Peer& peer) const;
-  void take_place(Association& association, const GuidPrefix& prefix);
   Error no_place_error(const Peer& peer);
   void try_later(Peer& peer);
   void refuse(Peer& peer);
@@ -113,8 +111,6 @@ class Handshakes {
   /// Gives a refused peer another try. Does nothing if too many handshakes begin.
   void try_again(Peer& peer);
 
-  /// Does what is due for the peers in [from, to).
-  void tick(const GuidPrefix& from, const std::optional<GuidPrefix>& to);
   void tick(Peer& peer);
   bool may_tick(Peer& peer);
   void tick_association(Peer& peer);

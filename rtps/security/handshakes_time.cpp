@@ -14,31 +14,30 @@ bool needs_no_tokens(const SecurityCore& core, const Peer& peer) {
 }  // namespace
 
 // The peers share budgets, and take turns: first come those after the one that was served last.
-// Otherwise strangers could keep out a newcomer by GUIDs that come before its own.
+// Otherwise strangers could keep out a newcomer by GUIDs that come before its own. A due peer may
+// be removed here. In a flood of announcements, only few peers are due.
 void Handshakes::tick() {
   if (core_.now < next_) return;
   next_ = kNever;
+  const auto tick_in = [this](const GuidPrefix& from, const std::optional<GuidPrefix>& to) {
+    for (auto at = core_.peers.lower_bound(from);
+         at != core_.peers.end() && (!to || at->first < *to);) {
+      if (const auto due = next_of(at->second); core_.now < due) {
+        next_ = std::min(next_, due);
+        ++at;
+        continue;
+      }
+      const auto prefix = at->first;
+      if (core_.now >= at->second.again_at) try_again(at->second);
+      if (at->second.state.handshake() != nullptr) tick(at->second);
+      if (const auto* peer = core_.find(prefix)) schedule(*peer);
+      at = core_.peers.upper_bound(prefix);
+    }
+  };
   const auto middle = core_.peers.upper_bound(last_served_);
   const auto first = middle == core_.peers.end() ? std::nullopt : std::optional(middle->first);
-  if (first) tick(*first, std::nullopt);
-  tick({}, first);
-}
-
-// A due peer may be removed here. In a flood of announcements, only few peers are due.
-void Handshakes::tick(const GuidPrefix& from, const std::optional<GuidPrefix>& to) {
-  for (auto at = core_.peers.lower_bound(from);
-       at != core_.peers.end() && (!to || at->first < *to);) {
-    if (const auto due = next_of(at->second); core_.now < due) {
-      next_ = std::min(next_, due);
-      ++at;
-      continue;
-    }
-    const auto prefix = at->first;
-    if (core_.now >= at->second.again_at) try_again(at->second);
-    if (at->second.state.handshake() != nullptr) tick(at->second);
-    if (const auto* peer = core_.find(prefix)) schedule(*peer);
-    at = core_.peers.upper_bound(prefix);
-  }
+  if (first) tick_in(*first, std::nullopt);
+  tick_in({}, first);
 }
 
 void Handshakes::tick(Peer& peer) {

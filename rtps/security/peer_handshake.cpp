@@ -56,11 +56,6 @@ GenericMessage PeerHandshake::message_of(std::string_view message_class, spi::To
   return message;
 }
 
-void PeerHandshake::fail_with(Error error) {
-  failure_ = std::move(error);
-  next_ = kNever;
-}
-
 // ---- time
 
 void PeerHandshake::start(MonotonicTime now, Messages& out) {
@@ -75,7 +70,11 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
   }
   is_started_ = true;
   began_ = now;
-  if (!peer) return fail_with(peer.error());
+  if (!peer) {
+    failure_ = peer.error();
+    next_ = kNever;
+    return;
+  }
   const auto& known = sides_.known_identity;
   identity_ = known && known->handle() == peer->handle
                   ? known
@@ -92,8 +91,10 @@ bool PeerHandshake::make_request(MonotonicTime until) {
   if (!step) {
     const bool passes = step.error().code() == Code::too_many_handshakes ||
                         spi::refusal_passes(step.error().code());
-    if (!finished_ && !passes) fail_with(step.error());
-    return false;  // tick tries again if the refusal may pass
+    if (finished_ || passes) return false;  // tick tries again if the refusal may pass
+    failure_ = step.error();
+    next_ = kNever;
+    return false;
   }
   request_ =
       Request{step->handle,

@@ -174,7 +174,6 @@ class PeerHandshake {
   MonotonicTime pause();
   GenericMessage message_of(std::string_view message_class, spi::Token token,
                             const MessageIdentity& related);
-  void fail_with(Error error);
 
   spi::Authentication& plugin_;
   const Sides sides_;

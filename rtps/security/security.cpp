@@ -124,18 +124,8 @@ std::optional<Bytes> Security::lost(const GuidPrefix& prefix) {
   handshakes_.remove(prefix);
   core_.peers.erase(prefix);
   // Removes pairs without keys. What is lost here is not the dormant peer, which has keys.
-  if (!is_dormant(prefix)) core_.keyring.remove_remote(prefix);
+  if (!dormant_.contains(prefix)) core_.keyring.remove_remote(prefix);
   return reset;
-}
-
-void Security::rest(const GuidPrefix& prefix) {
-  handshakes_.remove(prefix);
-  dormant_.keep(prefix);
-}
-
-void Security::note_heard(const GuidPrefix& prefix, MonotonicTime now) {
-  core_.now = now;
-  dormant_.note_heard(prefix);
 }
 
 bool Security::wake(const GuidPrefix& prefix) {

@@ -86,12 +86,9 @@ class Security {
   /// Removes a participant and its keys. Returns a message to send to a participant that is no
   /// longer trusted and may keep the session: in Cyclone DDS, a renewal list may let it.
   std::optional<Bytes> lost(const GuidPrefix& prefix);
-  /// See DormantPeers. A peer that may_rest is removed by `rest` instead of `lost`.
-  bool may_rest(const GuidPrefix& prefix) const { return dormant_.takes(prefix); }
-  void rest(const GuidPrefix& prefix);
-  bool is_dormant(const GuidPrefix& prefix) const { return dormant_.contains(prefix); }
-  void note_heard(const GuidPrefix& prefix, MonotonicTime now);
-  std::vector<GuidPrefix> take_answered() { return dormant_.take_answered(); }
+  /// Returns the peers whose keys are kept. Only DormantPeers::keep may be called instead of
+  /// `lost`.
+  DormantPeers& dormant() { return dormant_; }
   /// Adds a dormant peer that has answered. It must not be known. Returns false if that is not
   /// possible any more.
   bool wake(const GuidPrefix& prefix);
@@ -115,18 +112,10 @@ class Security {
   void readdress(const GuidPrefix& prefix, const LocatorList& addresses) {
     if (auto* peer = core_.find(prefix)) exchange_.readdress(*peer, addresses);
   }
+  CryptoTokenExchange& exchange() { return exchange_; }
   /// See CryptoTokenExchange.
-  StatefulWriter* volatile_writer(const GuidPrefix& prefix) {
-    return exchange_.volatile_writer(prefix);
-  }
-  StatefulReader* volatile_reader(const GuidPrefix& prefix) {
-    return exchange_.volatile_reader(prefix);
-  }
   bool register_pair(const EntityId& local, const Guid& remote, bool is_relay_only = false) {
     return exchange_.register_pair(local, remote, is_relay_only);
-  }
-  void request_tokens(const EntityId& local, const Guid& remote) {
-    exchange_.request_tokens(local, remote);
   }
 
   /// Notes that the application no longer trusts the participant. Must be called before `lost`.
