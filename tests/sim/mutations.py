@@ -177,7 +177,7 @@ ALSO = {
         "  auto out = FAULT ? announced : only_proven(core, remote, announced);\n"),
     # A newcomer that speaks first has another budget.
     "that sources with few requests have a budget": (
-        "rtps/security/handshakes.cpp", "return peer.has_spoken ? budgets_.may_begin_again(core_.now)",
+        "rtps/security/handshakes_time.cpp", "return peer.has_spoken ? budgets_.may_begin_again(core_.now)",
         "return peer.has_spoken && !FAULT ? budgets_.may_begin_again(core_.now)"),
 }
 
