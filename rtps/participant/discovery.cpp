@@ -229,14 +229,15 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
 // message that is new and protected by the participant's own keys counts. For its writers, less is
 // sufficient if the governance protects neither messages nor liveliness. Whatever the governance
 // leaves unprotected, the participant answers when it is queried on the volatile secure channel
-// (tick).
+// (tick). If it was dormant, only such an answer counts.
 void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   if (core_.security && core_.security->dormant().contains(source))
     core_.security->dormant().note_heard(source, core_.now);
   auto* remote = parts_.remotes.find(source);
   if (remote == nullptr) return;
   note_credit(core_, source);
-  if (signs.is_proof && prove_host(core_, *remote, core_.source_host))
+  const bool is_proof = remote->has_returned ? signs.is_lasting_proof : signs.is_proof;
+  if (is_proof && prove_host(core_, *remote, core_.source_host))
     readdress(core_, parts_.matcher, builtin_, *remote);
   if (signs.is_directed && remote->accepted && has_proven_address(core_, *remote))
     core_.sender.amplification_limit().end(source);
@@ -244,7 +245,7 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   const auto& attributes = core_.attributes();
   const bool may_be_clear =
       !attributes.is_rtps_protected() && !attributes.is_liveliness_protected();
-  if (anything_counts || signs.is_proof) parts_.remotes.renew_lease(*remote, remote->data);
+  if (anything_counts || is_proof) parts_.remotes.renew_lease(*remote, remote->data);
   if (anything_counts || signs.is_proof || (signs.is_news && may_be_clear))
     parts_.liveliness.note_alive(*remote, LivelinessKind::automatic);
 }
@@ -452,6 +453,7 @@ void Discovery::on_unauthenticated(const GuidPrefix& peer) {
 LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {
   auto* remote = parts_.remotes.find(peer);
   if (remote == nullptr) return usable(core_, proven.metatraffic_unicast);
+  remote->has_returned = false;
   adopt_names(remote->data, proven);
   remote->data.builtin_endpoints = proven.builtin_endpoints;
   remote->marks_ends = find_property(proven.properties, kMarksEndsProperty) != nullptr;

@@ -31,6 +31,8 @@ struct SignsOfLife {
   bool is_news = false;      ///< a local endpoint received something new
   bool is_directed = false;  ///< the message named the local participant as its receiver
   bool is_proof = false;     ///< the new part was protected by a key of the sender
+  /// It is also new by a count that is kept as long as the sender's keys are (DormantPeers).
+  bool is_lasting_proof = false;
 };
 
 /// Receives the parts of messages that are not for a matched reader or writer.

@@ -358,9 +358,11 @@ Status MessageReceiver::on_acknack(const SubmessageView& view, Context& context)
   auto* writer = addressed(acknack.writer, acknack.reader, context);
   if (writer == nullptr) return {};
   const bool is_protected = is_for(acknack.writer, acknack.reader, context);
-  context.note_received(writer->on_acknack(context.source, acknack, context.now, is_protected,
-                                           context.opened_by.age()),
-                        is_protected);
+  const bool is_new = writer->on_acknack(context.source, acknack, context.now, is_protected,
+                                         context.opened_by.age());
+  context.note_received(is_new, is_protected);
+  context.signs.is_lasting_proof |=
+      is_new && is_protected && acknack.writer == kVolatileMessageWriter;
   listener_.on_acknack(context.source, acknack, is_protected);
   return {};
 }

@@ -154,6 +154,7 @@ RemoteParticipant& RemoteParticipants::restore(RemoteParticipant known) {
   const auto prefix = known.prefix();
   auto& remote = remotes_.insert_or_assign(prefix, std::move(known)).first->second;
   remote.since = core_.now;
+  remote.has_returned = true;
   renew_lease(remote, remote.data);
   return remote;
 }

@@ -39,6 +39,9 @@ struct RemoteParticipant {
   std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
   /// The listeners of the local readers of its MANUAL_BY_TOPIC writers with a finite lease.
   std::map<EntityId, std::vector<EndpointListener*>> watches = {};
+  /// True if it was dormant in this session (DormantPeers). The counts of its endpoints began anew,
+  /// so recordings look new to all of them but its volatile secure writer and reader.
+  bool has_returned = false;
   bool accepted = false;              ///< authenticated, or admitted without authentication
   bool has_signed_addresses = false;  ///< its addresses come from its latest handshake
   /// The addresses that it has after a handshake, and its hosts that are proven.

@@ -52,20 +52,44 @@ TEST_P(DormantPeer, ItsRecordedAnnouncements_BringNoFormerEndpointBack) {
   EXPECT_FALSE(came_back);
 }
 
-TEST_P(DormantPeer, WokenByOneAnswer_StaysForOneLease) {
-  DeafPair deaf(GetParam());
+// Participant b is lost, answers once, and is gone.
+void wake_once(DeafPair& deaf) {
   ASSERT_TRUE(deaf.meet());
-  const auto lease = deaf.lease();
   ASSERT_TRUE(deaf.lose_it());
   deaf.is_unheard = false;
   ASSERT_TRUE(deaf.world.run_until([&] { return deaf.a.knows(deaf.b); }, 1000));
   deaf.world.nodes = {&deaf.a};
-  const auto since = deaf.world.now;
+}
+
+TEST_P(DormantPeer, WokenByOneAnswer_StaysForOneLease) {
+  DeafPair deaf(GetParam());
+  ASSERT_NO_FATAL_FAILURE(wake_once(deaf));
+  const auto lease = deaf.lease(), since = deaf.world.now;
   while (deaf.a.knows(deaf.b) && deaf.world.now - since < 2 * lease) {
     for (const auto& datagram : deaf.recorded) deaf.a->receive(datagram, deaf.world.now);
     deaf.world.run(50);
   }
   EXPECT_LE(deaf.world.now - since, lease + 1s);
+}
+
+// The attacker lets a recording through only when the lease has nearly ended, and no more than is
+// needed to renew it.
+TEST_P(DormantPeer, WokenByOneAnswer_IsNotKeptByOneRecordingAtATime) {
+  for (const bool from_the_last : {false, true}) {
+    DeafPair deaf(GetParam());
+    ASSERT_NO_FATAL_FAILURE(wake_once(deaf));
+    if (from_the_last) std::ranges::reverse(deaf.recorded);
+    const auto lease = deaf.lease(), since = deaf.world.now;
+    auto next = deaf.recorded.begin();
+    while (deaf.a.knows(deaf.b) && deaf.world.now - since < 2 * lease) {
+      const auto end = remotes_of(deaf.a).find(deaf.b->prefix())->lease_end;
+      while (deaf.world.now + 1s > end && next != deaf.recorded.end() && deaf.a.knows(deaf.b) &&
+             remotes_of(deaf.a).find(deaf.b->prefix())->lease_end == end)
+        deaf.a->receive(*next++, deaf.world.now);
+      deaf.world.run(50);
+    }
+    EXPECT_LE(deaf.world.now - since, lease + 1s) << from_the_last;
+  }
 }
 
 TEST_P(DormantPeer, Restarted_JoinsAnew) {
