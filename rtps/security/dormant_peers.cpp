@@ -16,7 +16,11 @@ bool DormantPeers::takes(const GuidPrefix& prefix) const {
 
 void DormantPeers::keep(const GuidPrefix& prefix) {
   auto node = core_.peers.extract(prefix);
-  DormantPeer dormant{.peer = std::move(node.mapped()), .since = core_.now};
+  // A peer chooses its lease. A pause even before the first question limits how often it comes and
+  // goes, which costs us more than the peer.
+  DormantPeer dormant{.peer = std::move(node.mapped()),
+                      .since = core_.now,
+                      .next_question = core_.now + kQuestionPeriod};
   dormant.peer.state.association()->place = {};
   send_to(dormant, {});
   core_.dormant.insert_or_assign(prefix, std::move(dormant));

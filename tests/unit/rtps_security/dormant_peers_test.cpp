@@ -16,6 +16,22 @@ TEST(Dormant, AnEmbeddedPeer_IsForgotten) {
   EXPECT_TRUE(core_of(pair.a).dormant.empty());
 }
 
+// The peer chooses its lease. Each time that it comes and goes, all of its endpoints match again.
+TEST(Dormant, WithATinyLease_ComesBackAtMostOnceASecond) {
+  DeafPair deaf(Rules{.data = ProtectionKind::encrypt});
+  ASSERT_TRUE(deaf.meet());
+  remotes_of(deaf.a).find(deaf.b->prefix())->data.lease_duration = Duration::from(1ms);
+  std::set<MonotonicTime> rests;
+  for (const auto end = deaf.world.now + 20s; deaf.world.now < end; deaf.world.run(1)) {
+    const auto& dormant = core_of(deaf.a).dormant;
+    if (const auto at = dormant.find(deaf.b->prefix()); at != dormant.end())
+      rests.insert(at->second.since);
+    deaf.write(deaf.b);
+  }
+  EXPECT_GT(rests.size(), 2u);
+  EXPECT_LE(rests.size(), 21u);
+}
+
 TEST(Dormant, AfterAKeyRevision_StaysAway) {
   auto rules = everything(ProtectionKind::encrypt);
   rules.revises_keys = true;
