@@ -1,5 +1,7 @@
 #include "rtps/participant/resting_participants.hpp"
 
+#include "rtps/participant/remote_addresses.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -19,9 +21,10 @@ RemoteParticipant without_session(const RemoteParticipant& remote) {
 
 }  // namespace
 
+// A dormant peer is sent any amount, so it must have proved one of its addresses.
 bool RestingParticipants::takes(const RemoteParticipant& remote) const {
   return core_.security && core_.security->dormant().takes(remote.prefix()) &&
-         remote.announced[1].octets <= kMaxEndpointOctets;
+         has_proven_address(core_, remote) && remote.announced[1].octets <= kMaxEndpointOctets;
 }
 
 // Endpoints that anyone can have announced are not kept: they are announced again when the

@@ -32,6 +32,16 @@ TEST(Dormant, WithATinyLease_ComesBackAtMostOnceASecond) {
   EXPECT_LE(rests.size(), 21u);
 }
 
+// It would be sent any amount at addresses where it may not be.
+TEST(Dormant, WithoutAProvenAddress_IsForgotten) {
+  DeafPair deaf(everything(ProtectionKind::encrypt));
+  ASSERT_TRUE(deaf.meet());
+  deaf.is_unheard = true;
+  remotes_of(deaf.a).find(deaf.b->prefix())->hosts = {};
+  ASSERT_TRUE(deaf.lose_it());
+  EXPECT_FALSE(deaf.is_dormant());
+}
+
 TEST(Dormant, AfterAKeyRevision_StaysAway) {
   auto rules = everything(ProtectionKind::encrypt);
   rules.revises_keys = true;
