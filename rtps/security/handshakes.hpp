@@ -2,6 +2,8 @@
 // endpoint, sends the messages of the handshakes, and limits their cost.
 #pragma once
 
+#include <random>
+
 #include "rtps/budget/subject_shares.hpp"
 #include "rtps/security/admission.hpp"
 #include "rtps/security/dormant_peers.hpp"
@@ -136,8 +138,8 @@ class Handshakes {
   FragmentStore fragments_;
   SubjectShares subjects_{kMaxAuthenticated};
   HandshakeBudgets budgets_;
-  MonotonicTime next_ = kNever;  ///< no peer has work before this time
-  GuidPrefix last_served_ = {};  ///< the peer for which a budget for strangers was last spent
+  MonotonicTime next_ = kNever;        ///< no peer has work before this time
+  std::optional<std::mt19937> turns_;  ///< chooses the peer that comes first
 };
 
 }  // namespace ddssec::rtps

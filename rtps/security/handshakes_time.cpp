@@ -11,11 +11,24 @@ bool needs_no_tokens(const SecurityCore& core, const Peer& peer) {
          !core.own->attributes().is_rtps_protected();
 }
 
+// Returns the peer that comes first now; empty if there is none. The seed is not known to others,
+// so they cannot predict the choice.
+std::optional<GuidPrefix> first_turn(const SecurityCore& core, std::optional<std::mt19937>& turns) {
+  if (core.peers.empty()) return std::nullopt;
+  if (!turns) {
+    const auto secret = core.sender.amplification_limit().challenge(core.own->guid().prefix, {});
+    std::seed_seq seed(secret.begin(), secret.end());
+    turns.emplace(seed);
+  }
+  std::uniform_int_distribution<std::size_t> index(0, core.peers.size() - 1);
+  return std::next(core.peers.begin(), static_cast<std::ptrdiff_t>(index(*turns)))->first;
+}
+
 }  // namespace
 
-// The peers share budgets, and take turns: first come those after the one that was served last.
-// Otherwise strangers could keep out a newcomer by GUIDs that come before its own. A due peer may
-// be removed here. In a flood of announcements, only few peers are due.
+// The peers share budgets, and the first of them is chosen at random. Otherwise strangers could
+// keep out a newcomer by GUIDs that come before its own. A due peer may be removed here. In a flood
+// of announcements, only few peers are due.
 void Handshakes::tick() {
   if (core_.now < next_) return;
   next_ = kNever;
@@ -34,8 +47,7 @@ void Handshakes::tick() {
       at = core_.peers.upper_bound(prefix);
     }
   };
-  const auto middle = core_.peers.upper_bound(last_served_);
-  const auto first = middle == core_.peers.end() ? std::nullopt : std::optional(middle->first);
+  const auto first = first_turn(core_, turns_);
   if (first) tick_in(*first, std::nullopt);
   tick_in({}, first);
 }
@@ -67,7 +79,6 @@ bool Handshakes::may_tick(Peer& peer) {
     handshake.start_at(core_.now + HandshakeBudgets::kStartPeriod);
     return false;
   }
-  if (!handshake.started()) last_served_ = peer.prefix();
   if (std::exchange(peer.may_go_on, false)) return true;
   const bool is_silent = handshake.started() && !peer.has_spoken;
   // One announcement is not answered again and again, because its sender may not exist.
@@ -77,7 +88,6 @@ bool Handshakes::may_tick(Peer& peer) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
     return false;
   }
-  if (is_silent) last_served_ = peer.prefix();
   peer.was_announced = false;
   return true;
 }

@@ -34,27 +34,57 @@ TEST(Flood, AnHonestPeerAmongFakeParticipants_Joins) {
   EXPECT_LE(pair.a->remote_participants().size(), RemoteParticipants::kMaxParticipants);
 }
 
+// Returns the name of the next participant that does not exist, for the participant that it is
+// announced to.
+using Names = std::function<GuidPrefix(const Node& to)>;
+
 // 500 participants that do not exist are announced in a second, to both and from the same host.
-// Their GUIDs lie among the honest ones.
+// Returns the time after which the two have met although the announcements go on.
+MonotonicTime time_to_meet(Pair& pair, const Names& next_name, MonotonicTime limit) {
+  const auto flood = [&] {
+    for (int i = 0; i < 5; ++i)
+      for (auto* node : pair.world.nodes)
+        (*node)->receive(announcement(secured_data(next_name(*node))), pair.world.now,
+                         *Locator::parse("127.0.0.1", 0));
+    pair.world.run(1);
+  };
+  pair.world.filter = [](const Node&, const Bytes&) { return std::vector<Bytes>{}; };
+  for (int i = 0; i < 500; ++i) flood();
+  pair.world.filter = {};
+  const auto begin = pair.world.now;
+  while (!know_each_other(pair) && pair.world.now - begin < limit) flood();
+  return pair.world.now - begin;
+}
+
 TEST(Flood, TwoAmongFakeParticipantsWithGuidsBeforeAndAfterTheirs_Meet) {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     Pair pair({});
     std::mt19937 random(seed);
-    const auto flood = [&] {
-      for (int i = 0; i < 5; ++i) {
-        auto prefix = fake_prefix(static_cast<std::uint32_t>(random()));
-        prefix.octets[0] = static_cast<std::uint8_t>(random());
-        const auto fake = announcement(secured_data(prefix));
-        for (auto* node : pair.world.nodes)
-          (*node)->receive(fake, pair.world.now, *Locator::parse("127.0.0.1", 0));
-      }
-      pair.world.run(1);
+    const auto next_name = [&](const Node&) {
+      auto prefix = fake_prefix(static_cast<std::uint32_t>(random()));
+      prefix.octets[0] = static_cast<std::uint8_t>(random());
+      return prefix;
     };
-    pair.world.filter = [](const Node&, const Bytes&) { return std::vector<Bytes>{}; };
-    for (int i = 0; i < 500; ++i) flood();
-    pair.world.filter = {};
-    const auto begin = pair.world.now;
-    while (!know_each_other(pair) && pair.world.now - begin < seconds(30)) flood();
+    EXPECT_LT(time_to_meet(pair, next_name, seconds(60)), seconds(60)) << seed;
+    EXPECT_TRUE(know_each_other(pair)) << seed;
+  }
+}
+
+// Each name comes after all the others, and before the honest one.
+TEST(Flood, TwoAmongFakeParticipantsWithGuidsJustBeforeTheirs_Meet) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    Pair pair({});
+    std::uint32_t fakes = seed << 20;
+    const auto next_name = [&](const Node& to) {
+      auto prefix = (&to == &pair.a ? pair.b : pair.a)->prefix();
+      std::uint64_t number = 0;
+      for (std::size_t i = 4; i < 12; ++i) number = number << 8 | prefix.octets[i];
+      number += fakes++ - (std::uint64_t{1} << 30);
+      for (std::size_t i = 12; i-- > 4; number >>= 8)
+        prefix.octets[i] = static_cast<std::uint8_t>(number);
+      return prefix;
+    };
+    EXPECT_LT(time_to_meet(pair, next_name, seconds(60)), seconds(60)) << seed;
     EXPECT_TRUE(know_each_other(pair)) << seed;
   }
 }
