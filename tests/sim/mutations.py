@@ -113,8 +113,8 @@ FAULTS = [
      "  const bool fixed = core_.is_authenticated(prefix);\n"
      "  if (FAULT) parts_.remotes.renew_lease(remote, data);"),
     ("that only protected news renews a lease", "rtps/participant/discovery.cpp",
-     "  if (anything_counts || signs.is_proof) parts_.remotes.renew_lease",
-     "  if (FAULT || anything_counts || signs.is_proof) parts_.remotes.renew_lease"),
+     "  if (anything_counts || is_proof) parts_.remotes.renew_lease",
+     "  if (FAULT || anything_counts || is_proof) parts_.remotes.renew_lease"),
     ("that a peer that asks again is probed first", "rtps/security/handshakes.cpp",
      "  if (peer.state.association() == nullptr) return request_resend(peer);\n",
      "  if (peer.state.association() == nullptr) return request_resend(peer);\n"
