@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rtps/security/token_messages.hpp"
+
 namespace ddssec::rtps {
 namespace {
 
@@ -9,24 +11,6 @@ Qos volatile_qos() {
   auto qos = default_writer_qos();
   qos.history.kind = HistoryKind::keep_all;
   return qos;
-}
-
-bool is_for_readers(const GenericMessage& message) {
-  return message.message_class == message_class::kDatawriterTokens ||
-         message.message_class == message_class::kDatawriterTokensOfOne;
-}
-
-bool is_for_writers(const GenericMessage& message) {
-  return message.message_class == message_class::kDatareaderTokens ||
-         message.message_class == message_class::kDatareaderTokensOfOne;
-}
-
-// Returns the protection that the keys of an endpoint are for; 0 if the message names none.
-ProtectionId protection_in(const GenericMessage& message) {
-  const bool names_one = message.message_class == message_class::kDatawriterTokensOfOne ||
-                         message.message_class == message_class::kDatareaderTokensOfOne ||
-                         message.message_class == message_class::kParticipantTokensOfOne;
-  return names_one ? static_cast<ProtectionId>(message.related.sequence_number) : 0;
 }
 
 // True if the pair exists under that protection, suspended or not.
@@ -39,6 +23,15 @@ bool has_pair(SecondProtections& of, const EntityId& local, const Guid& remote,
 bool may_send(const Association& association) {
   constexpr auto kMax = CryptoTokenExchange::kMaxUnacknowledgedOctets;
   return association.volatile_writer && association.volatile_writer->history().octets() < kMax;
+}
+
+// Notes that the peer has revised keys, so that its former ones end. No endpoint is named if they
+// are those of messages.
+void note_revised(SecurityCore& core, Peer& peer, const EntityId& local, const EntityId& remote) {
+  auto& association = *peer.state.association();
+  association.former_keys_end = core.now + spi::kFormerKeyLife + std::chrono::seconds(1);
+  association.has_revised = true;
+  core.host.on_key_change(local, {peer.prefix(), remote}, KeyChange::revised);
 }
 
 }  // namespace
@@ -389,7 +382,7 @@ void CryptoTokenExchange::on_participant_tokens(Peer& peer, const GenericMessage
   const auto are_revised =
       core_.keyring.set_participant_tokens(peer.prefix(), message.data, protection);
   if (!are_revised) return core_.raise(are_revised.error(), peer, EventOrigin::its_keys);
-  if (*are_revised) note_revised(peer, {}, {});
+  if (*are_revised) note_revised(core_, peer, {}, {});
   // The peer can read the local messages now. Messages that it could not read before are offered
   // again at once.
   if (auto* association = peer.state.association(); association->volatile_writer)
@@ -437,13 +430,6 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   return true;
 }
 
-void CryptoTokenExchange::note_revised(Peer& peer, const EntityId& local, const EntityId& remote) {
-  auto& association = *peer.state.association();
-  association.former_keys_end = core_.now + spi::kFormerKeyLife + std::chrono::seconds(1);
-  association.has_revised = true;
-  core_.host.on_key_change(local, {peer.prefix(), remote}, KeyChange::revised);
-}
-
 bool CryptoTokenExchange::take_early(Peer& peer, const EntityId& local, const Guid& remote,
                                      bool& is_ready) {
   auto& early = peer.state.association()->early;
@@ -471,7 +457,7 @@ bool CryptoTokenExchange::apply_tokens(Peer& peer, const GenericMessage& message
   const auto former = keys->submessage_tokens_of(remote);
   const auto is_ready = core_.keyring.set_endpoint_tokens(local, remote, message.data, protection);
   if (former && keys->submessage_tokens_of(remote) != former)
-    note_revised(peer, local, remote.entity);
+    note_revised(core_, peer, local, remote.entity);
   if (!is_ready) core_.raise(is_ready.error(), peer, EventOrigin::its_keys);
   return is_ready && *is_ready;
 }

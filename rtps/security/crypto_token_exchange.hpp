@@ -108,8 +108,6 @@ class CryptoTokenExchange {
   void on_participant_tokens(Peer& peer, const GenericMessage& message);
   void on_tokens_wanted(Peer& peer, const GenericMessage& message);
   bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
-  /// Notes that the peer has revised keys, so that its former ones end.
-  void note_revised(Peer& peer, const EntityId& local, const EntityId& remote);
   /// Applies the tokens of the pair that arrived before it was registered. Returns true if there
   /// were any. `is_ready` becomes true if the pair has become ready.
   bool take_early(Peer& peer, const EntityId& local, const Guid& remote, bool& is_ready);
