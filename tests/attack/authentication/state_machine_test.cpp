@@ -287,7 +287,7 @@ TEST(Replay, RecordedHandshake_LeadsNowhere) {
 }
 
 // A participant's own messages are sent back to it.
-TEST(Reflection, OwnMessagesSentBack_LeadNowhere) {
+TEST(HandshakeReflection, OwnMessagesSentBack_LeadNowhere) {
   Pairing pairing;
   auto& two = pairing.two;
   const auto req = two.request();

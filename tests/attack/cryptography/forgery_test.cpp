@@ -349,7 +349,7 @@ TEST(MessageLengths, BodyLengthsAtExtremes_AreRefused) {
 
 // Token octets of a hostile authenticated peer, with any size and any lengths (Fast DDS issue
 // 6345).
-TEST(Tokens, TokensOfAnySizeAndContent_AreRefused) {
+TEST(ForgedTokens, TokensOfAnySizeAndContent_AreRefused) {
   TwoSides two(kEncrypt);
   SeededRandom random(27);
   for (std::size_t size = 0; size <= 300; ++size)

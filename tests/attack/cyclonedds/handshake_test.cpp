@@ -146,7 +146,7 @@ class Node {
 class HostForgedAuthRequest : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(T31, HostForgedAuthRequest, testing::Bool());
 
-TEST_P(HostForgedAuthRequest, ForgedRequests_LockNobodyOut) {
+TEST_P(HostForgedAuthRequest, ForgedRequests_LockNoPeerOut) {
   constexpr auto kClass = "DDS:Auth:PKI-DH:1.0+AuthReq";
   const auto with_challenge = [&](std::size_t size) {
     return Message{.class_id = kClass,

@@ -7,9 +7,9 @@
 namespace ddssec::access_control {
 namespace {
 
-using Handles = AccessControlTest;
+using PermissionsHandles = AccessControlTest;
 
-TEST_F(Handles, UnknownHandle_IsRefusedEverywhere) {
+TEST_F(PermissionsHandles, UnknownHandle_IsRefusedEverywhere) {
   const spi::PermissionsHandle unknown{42};
   EXPECT_REFUSED(plugin->check_create_participant(unknown, 0), unknown_permissions_handle);
   EXPECT_REFUSED(plugin->check_remote_datawriter({}, 0, {}), unknown_permissions_handle);
@@ -18,7 +18,7 @@ TEST_F(Handles, UnknownHandle_IsRefusedEverywhere) {
   EXPECT_CODE(plugin->return_permissions_handle(unknown), unknown_permissions_handle);
 }
 
-TEST_F(Handles, SecondReturn_IsRefused) {
+TEST_F(PermissionsHandles, SecondReturn_IsRefused) {
   const auto handle = local(open_permissions(kTalker));
   ASSERT_TRUE(handle);
   EXPECT_TRUE(plugin->return_permissions_handle(*handle));
@@ -26,7 +26,7 @@ TEST_F(Handles, SecondReturn_IsRefused) {
   EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
 }
 
-TEST_F(Handles, TooManyHandles_AreRefused) {
+TEST_F(PermissionsHandles, TooManyHandles_AreRefused) {
   make({.max_handles = 2});
   ASSERT_TRUE(local(open_permissions(kTalker)));
   const auto document = open_permissions(kListener);
@@ -37,13 +37,13 @@ TEST_F(Handles, TooManyHandles_AreRefused) {
   EXPECT_TRUE(remote(document));
 }
 
-TEST_F(Handles, HandleInAnotherDomain_IsRefused) {
+TEST_F(PermissionsHandles, HandleInAnotherDomain_IsRefused) {
   const auto handle = local(open_permissions(kTalker));
   ASSERT_TRUE(handle);
   EXPECT_REFUSED(plugin->check_create_participant(*handle, 1), other_domain);
 }
 
-TEST_F(Handles, HandleOfAPeer_OutlivesTheLocalOne) {
+TEST_F(PermissionsHandles, HandleOfAPeer_OutlivesTheLocalOne) {
   const auto handle = local(open_permissions(kTalker));
   const auto peer = remote(open_permissions(kListener));
   ASSERT_TRUE(handle && peer);

@@ -39,7 +39,7 @@ TEST_F(Decisions, WritersAndReaders_AreJudgedApart) {
   EXPECT_REFUSED(plugin->check_create_topic(handle, 0, "closed_other"), topic_not_allowed);
 }
 
-TEST_F(Decisions, WithoutAccessControl_EveryParticipantMayDoAll) {
+TEST_F(Decisions, TopicsWithoutAccessControl_AreOpenToEveryParticipant) {
   const auto handle = with({rule(true)});
   EXPECT_TRUE(plugin->check_create_datawriter(handle, 0, {.topic_name = "open"}));
   EXPECT_TRUE(plugin->check_create_datareader(handle, 0, {.topic_name = "open"}));

@@ -28,7 +28,7 @@ std::vector<Text> list(std::initializer_list<const char*> names) {
 }
 
 // Participants whose certificates and CAs have keys of any kind.
-class Algorithms : public AccessControlTest {
+class ListedAlgorithms : public AccessControlTest {
  protected:
   struct Party {
     explicit Party(KeySpec key, KeySpec ca_key, const char* subject = kTalker)
@@ -68,7 +68,7 @@ class Algorithms : public AccessControlTest {
   bool join = true;
 };
 
-TEST_F(Algorithms, OwnKey_MustBeListed) {
+TEST_F(ListedAlgorithms, OwnKey_MustBeListed) {
   EXPECT_TRUE(local_of(Party(kP256, kP256)));
   EXPECT_TRUE(local_of(Party(kRsa2048, kP256)));
   EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
@@ -88,7 +88,7 @@ TEST_F(Algorithms, OwnKey_MustBeListed) {
   EXPECT_TRUE(local_of(Party(kRsa3072, kP256)));
 }
 
-TEST_F(Algorithms, NamesOfVersion11_CountToo) {
+TEST_F(ListedAlgorithms, NamesOfVersion11_CountToo) {
   allowed.digital_signature = list({"RSASSA-PSS-SHA256"});
   allowed.digital_signature_identity_trust_chain = list({"EC-prime256v1"});
   EXPECT_TRUE(local_of(Party(kRsa2048, kP256)));
@@ -97,7 +97,7 @@ TEST_F(Algorithms, NamesOfVersion11_CountToo) {
   EXPECT_TRUE(local_of(Party(kP256, kP256)));
 }
 
-TEST_F(Algorithms, OwnAuthority_MustBeListed) {
+TEST_F(ListedAlgorithms, OwnAuthority_MustBeListed) {
   const Party under_p384(kP256, kP384), under_rsa(kP256, kRsa3072), plain(kP256, kP256);
   EXPECT_REFUSED(local_of(under_p384), trust_chain_algorithm_not_allowed);
   EXPECT_REFUSED(local_of(under_rsa), trust_chain_algorithm_not_allowed);
@@ -112,7 +112,7 @@ TEST_F(Algorithms, OwnAuthority_MustBeListed) {
   EXPECT_TRUE(local_of(under_rsa));
 }
 
-TEST_F(Algorithms, EveryAuthorityAboveTheCertificate_Counts) {
+TEST_F(ListedAlgorithms, EveryAuthorityAboveTheCertificate_Counts) {
   const auto root =
       pki::Authority::create_root("CN=Root,O=Example", kP384, pki::kYear, test_random()).value();
   const auto middle =
@@ -126,7 +126,7 @@ TEST_F(Algorithms, EveryAuthorityAboveTheCertificate_Counts) {
   EXPECT_TRUE(check_identity(allowed, leaf.certificate, both));
 }
 
-TEST_F(Algorithms, APeersKeyAndAuthority_MustBeListed) {
+TEST_F(ListedAlgorithms, APeersKeyAndAuthority_MustBeListed) {
   const Party own(kP256, kP256);
   ASSERT_TRUE(local_of(own));
   const auto of = [&](KeySpec key) { return pki::make_leaf(own.ca, kListener, key).certificate; };
@@ -140,7 +140,7 @@ TEST_F(Algorithms, APeersKeyAndAuthority_MustBeListed) {
   EXPECT_REFUSED(remote_of(other.own.certificate), trust_chain_algorithm_not_allowed);
 }
 
-TEST_F(Algorithms, FreeJoining_KeepsTheDomainsAlgorithms) {
+TEST_F(ListedAlgorithms, FreeJoining_KeepsTheDomainsAlgorithms) {
   join = false;
   const Party own(kP256, kP256);
   ASSERT_TRUE(local_of(own));
@@ -149,7 +149,7 @@ TEST_F(Algorithms, FreeJoining_KeepsTheDomainsAlgorithms) {
   EXPECT_REFUSED(remote_of(own.own.certificate, kEcdhe384), key_establishment_not_allowed);
 }
 
-TEST_F(Algorithms, ThePeersHandshake_MustBeListed) {
+TEST_F(ListedAlgorithms, ThePeersHandshake_MustBeListed) {
   const Party own(kP256, kP256);
   const auto peer = pki::make_leaf(own.ca, kListener).certificate;
   ASSERT_TRUE(local_of(own));
@@ -170,13 +170,13 @@ TEST_F(Algorithms, ThePeersHandshake_MustBeListed) {
   EXPECT_TRUE(remote_of(peer, kEcdhe384));
 }
 
-TEST_F(Algorithms, WhatOurHandshakesBeginWith_MustBeListed) {
+TEST_F(ListedAlgorithms, WhatOurHandshakesBeginWith_MustBeListed) {
   allowed.key_establishment = list({kEcdhe384, kDhe});
   EXPECT_REFUSED(local_of(Party(kP256, kP256)), governance_not_enforceable);
 }
 
 // DDS-Security 1.2, clause 10.4.1.2.5.9: "may use any of the algorithms defined in clause 8.2".
-TEST_F(Algorithms, AnAbsentList_AllowsWhatTheStandardNames) {
+TEST_F(ListedAlgorithms, AnAbsentList_AllowsWhatTheStandardNames) {
   allowed = {};
   const Party own(kP256, kP256);
   EXPECT_TRUE(local_of(Party(kP384, kRsa2048)));
@@ -191,7 +191,7 @@ TEST_F(Algorithms, AnAbsentList_AllowsWhatTheStandardNames) {
   EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
 }
 
-TEST_F(Algorithms, NoAlgorithmElement_AllowsAll) {
+TEST_F(ListedAlgorithms, NoAlgorithmElement_AllowsAll) {
   auto content = protected_governance();
   const Party own(kP384, kRsa3072);
   auto all = properties(signed_document(governance::to_xml(content)), open_permissions(kTalker));
@@ -200,7 +200,7 @@ TEST_F(Algorithms, NoAlgorithmElement_AllowsAll) {
 }
 
 // The identity CAs are in a file, which a test replaces.
-class AlgorithmsOfLaterCas : public Algorithms {
+class AlgorithmsOfLaterCas : public ListedAlgorithms {
  protected:
   Result<spi::PermissionsHandle> local_with_file() {
     auto content = protected_governance();

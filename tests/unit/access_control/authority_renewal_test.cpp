@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 // The talker has files that the first CA signed. The second CA has the same name.
-class AuthorityRenewal : public AccessControlTest {
+class PermissionsCaRenewal : public AccessControlTest {
  protected:
   void SetUp() override {
     ASSERT_TRUE(own_) << own_.error().to_sentence();
@@ -103,7 +103,7 @@ class AuthorityRenewal : public AccessControlTest {
 
 // The properties have relative paths, and the process has changed its working directory after it
 // read them.
-class RelativePaths : public AuthorityRenewal {
+class RelativePermissionsPaths : public PermissionsCaRenewal {
  protected:
   void SetUp() override {
     auto all = properties("", "");
@@ -115,7 +115,7 @@ class RelativePaths : public AuthorityRenewal {
     const test::WorkingFolder at(folder_.path());
     ASSERT_TRUE(plugin->return_permissions_handle(*own_));
     own_ = plugin->validate_local_permissions(kLocalIdentity, 0, all);
-    AuthorityRenewal::SetUp();
+    PermissionsCaRenewal::SetUp();
   }
   void put_into(const test::TemporaryFolder& where) {
     where.replace("permissions_ca.pem", bundle({&first(), &second()}));
@@ -127,13 +127,13 @@ class RelativePaths : public AuthorityRenewal {
   const test::WorkingFolder there_{elsewhere_.path()};
 };
 
-TEST_F(RelativePaths, FilesInTheNextWorkingDirectory_AreNotTaken) {
+TEST_F(RelativePermissionsPaths, FilesInTheNextWorkingDirectory_AreNotTaken) {
   put_into(elsewhere_);
   EXPECT_THAT(codes_after_looking(), IsEmpty());
   EXPECT_FALSE(accepts(second()));
 }
 
-TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
+TEST_F(RelativePermissionsPaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
   put_into(folder_);
   EXPECT_THAT(codes_after_looking(),
               ElementsAre(Code::permissions_ca_renewed, Code::governance_renewed,
@@ -144,7 +144,7 @@ TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
 
 // ---- overlap
 
-TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {
+TEST_F(PermissionsCaRenewal, SecondCa_IsAcceptedBesideTheFirst) {
   EXPECT_TRUE(accepts(first()));
   EXPECT_FALSE(accepts(second()));
   put({&first(), &second()});
@@ -157,7 +157,7 @@ TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {
   EXPECT_THAT(codes_after_looking(), IsEmpty()) << "the order says nothing";
 }
 
-TEST_F(AuthorityRenewal, DocumentsOfTheSecondCa_AreTakenDuringTheOverlap) {
+TEST_F(PermissionsCaRenewal, DocumentsOfTheSecondCa_AreTakenDuringTheOverlap) {
   put({&first(), &second()});
   codes_after_looking();
   sign_all(second());
@@ -168,7 +168,7 @@ TEST_F(AuthorityRenewal, DocumentsOfTheSecondCa_AreTakenDuringTheOverlap) {
 
 // ---- the first CA leaves
 
-TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
+TEST_F(PermissionsCaRenewal, CaThatLeaves_EndsItsPeers) {
   put({&first(), &second()});
   codes_after_looking();
   sign_all(second());
@@ -190,7 +190,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   EXPECT_FALSE(accepts(first()));
 }
 
-TEST_F(AuthorityRenewal, CaThatLeaves_KeepsAPeerWhosePermissionsTheNextOneListed) {
+TEST_F(PermissionsCaRenewal, CaThatLeaves_KeepsAPeerWhosePermissionsTheNextOneListed) {
   const auto next = permissions(second(), kListener);
   const pki::RenewalList list{.permissions = {to_bytes(as_bytes(next))}};
   folder_.replace("renewed.pem", list.text().value());
@@ -209,7 +209,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_KeepsAPeerWhosePermissionsTheNextOneListed
   EXPECT_TRUE(plugin->check_remote_participant(*former, 0));
 }
 
-TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurDocuments) {
+TEST_F(PermissionsCaRenewal, CaWithoutOverlap_IsTakenTogetherWithOurDocuments) {
   put({&second()});
   sign_all(second());
   EXPECT_THAT(codes_after_looking(),
@@ -219,7 +219,7 @@ TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurDocuments) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(AuthorityRenewal, GovernanceThatComesWithAnotherCa_IsAnEvent) {
+TEST_F(PermissionsCaRenewal, GovernanceThatComesWithAnotherCa_IsAnEvent) {
   topic_rules().insert(topic_rules().begin(), open_rule());
   sign_all(second());
   put({&second()});
@@ -229,13 +229,13 @@ TEST_F(AuthorityRenewal, GovernanceThatComesWithAnotherCa_IsAnEvent) {
 }
 
 // A host whose endpoints can get another protection.
-class ChangingHost : public AuthorityRenewal {
+class ChangingHost : public PermissionsCaRenewal {
  protected:
   void SetUp() override {
     make({.host_changes_protection = true});
     protect(ProtectionKind::none);
     own_ = from_files();
-    AuthorityRenewal::SetUp();
+    PermissionsCaRenewal::SetUp();
     EXPECT_EQ(data_of("t"), ProtectionKind::none);
   }
   void protect(ProtectionKind kind) {
@@ -260,7 +260,7 @@ TEST_F(ChangingHost, CaLeavesWhileItsDocumentWaits_TheDocumentIsDropped) {
   EXPECT_EQ(data_of("t"), ProtectionKind::none);
 }
 
-TEST_F(AuthorityRenewal, DocumentsThatComeOneLookLater_AreNoRefusal) {
+TEST_F(PermissionsCaRenewal, DocumentsThatComeOneLookLater_AreNoRefusal) {
   put({&second()});
   poll();
   sign_all(second());
@@ -270,13 +270,13 @@ TEST_F(AuthorityRenewal, DocumentsThatComeOneLookLater_AreNoRefusal) {
 
 // ---- what is refused
 
-TEST_F(AuthorityRenewal, FileWithoutTheCaOfOurDocuments_IsRefused) {
+TEST_F(PermissionsCaRenewal, FileWithoutTheCaOfOurDocuments_IsRefused) {
   put({&second()});
   expect_refused(Code::permissions_ca_renewal_refused, path_, "not one of the configured");
   EXPECT_TRUE(accepts(first()));
 }
 
-TEST_F(AuthorityRenewal, OlderPermissionsOfTheNewCa_AreRefusedAsARollBack) {
+TEST_F(PermissionsCaRenewal, OlderPermissionsOfTheNewCa_AreRefusedAsARollBack) {
   put({&second()});
   folder_.replace("governance.p7s", governance(second()));
   folder_.replace("permissions.p7s", permissions(second(), kTalker, -25h));
@@ -288,7 +288,7 @@ TEST_F(AuthorityRenewal, OlderPermissionsOfTheNewCa_AreRefusedAsARollBack) {
   EXPECT_FALSE(accepts(second()));
 }
 
-TEST_F(AuthorityRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
+TEST_F(PermissionsCaRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
   put({&second()});
   sign_all(second());
   codes_after_looking();
@@ -297,7 +297,7 @@ TEST_F(AuthorityRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
   EXPECT_FALSE(accepts(first()));
 }
 
-TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
+TEST_F(PermissionsCaRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
   for (const auto& text :
        {std::string(), std::string("nonsense"), first().certificate().pem().substr(0, 200),
         std::string(2'000'000, 'x')}) {
@@ -324,7 +324,7 @@ TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
 }
 
 // The writer stops after the first of two certificates.
-TEST_F(AuthorityRenewal, FileCutBetweenItsCertificates_LosesNoCa) {
+TEST_F(PermissionsCaRenewal, FileCutBetweenItsCertificates_LosesNoCa) {
   put({&first(), &second()});
   codes_after_looking();
   folder_.write("permissions_ca.pem", bundle({&first()}));
@@ -335,7 +335,7 @@ TEST_F(AuthorityRenewal, FileCutBetweenItsCertificates_LosesNoCa) {
   EXPECT_TRUE(accepts(second()));
 }
 
-TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
+TEST_F(PermissionsCaRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
   for (int i = 0; i < 50; ++i) {
     folder_.replace("permissions_ca.pem", "nonsense " + std::to_string(i));
     clock.advance(100ms);
@@ -346,12 +346,12 @@ TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
 
 // ---- governance
 
-TEST_F(AuthorityRenewal, GovernanceThatIsOnlySignedAnew_IsNoEvent) {
+TEST_F(PermissionsCaRenewal, GovernanceThatIsOnlySignedAnew_IsNoEvent) {
   folder_.replace("governance.p7s", governance(first()));
   EXPECT_THAT(codes_after_looking(), IsEmpty());
 }
 
-TEST_F(AuthorityRenewal, RuleForATopicThatNoOneUses_IsTaken) {
+TEST_F(PermissionsCaRenewal, RuleForATopicThatNoOneUses_IsTaken) {
   EXPECT_EQ(data_of("t"), ProtectionKind::encrypt);
   topic_rules().insert(topic_rules().begin(), open_rule());
   folder_.replace("governance.p7s", governance(first()));
@@ -362,7 +362,7 @@ TEST_F(AuthorityRenewal, RuleForATopicThatNoOneUses_IsTaken) {
   EXPECT_EQ(data_of("t"), ProtectionKind::encrypt);
 }
 
-TEST_F(AuthorityRenewal, RuleForATopicInUse_IsRefused) {
+TEST_F(PermissionsCaRenewal, RuleForATopicInUse_IsRefused) {
   EXPECT_EQ(data_of("open"), ProtectionKind::encrypt);
   topic_rules().insert(topic_rules().begin(), open_rule());
   folder_.replace("governance.p7s", governance(first()));
@@ -372,7 +372,7 @@ TEST_F(AuthorityRenewal, RuleForATopicInUse_IsRefused) {
 }
 
 // The host has closed the unprotected discovery by which endpoints of the topic would be announced.
-TEST_F(AuthorityRenewal, RuleThatOpensDiscovery_IsRefused) {
+TEST_F(PermissionsCaRenewal, RuleThatOpensDiscovery_IsRefused) {
   auto open = open_rule();
   open.enable_discovery_protection = false;
   topic_rules().push_back(open);
@@ -381,7 +381,7 @@ TEST_F(AuthorityRenewal, RuleThatOpensDiscovery_IsRefused) {
                  "participants that run hear no unprotected discovery");
 }
 
-TEST_F(AuthorityRenewal, RuleThatLeftTheGovernance_IsRefusedAsARollBack) {
+TEST_F(PermissionsCaRenewal, RuleThatLeftTheGovernance_IsRefusedAsARollBack) {
   const auto former = governance(first());
   topic_rules().insert(topic_rules().begin(), open_rule());
   folder_.replace("governance.p7s", governance(first()));
@@ -392,7 +392,7 @@ TEST_F(AuthorityRenewal, RuleThatLeftTheGovernance_IsRefusedAsARollBack) {
   EXPECT_EQ(data_of("open"), ProtectionKind::none);
 }
 
-TEST_F(AuthorityRenewal, OtherProtectionKind_IsRefusedWithBothValues) {
+TEST_F(PermissionsCaRenewal, OtherProtectionKind_IsRefusedWithBothValues) {
   governance_document.domain_rules.front().rtps_protection_kind = ProtectionKind::sign;
   folder_.replace("governance.p7s", governance(first()));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
@@ -403,13 +403,13 @@ TEST_F(AuthorityRenewal, OtherProtectionKind_IsRefusedWithBothValues) {
   EXPECT_EQ(details.found, "SIGN");
 }
 
-TEST_F(AuthorityRenewal, GovernanceOfAnotherCa_IsRefused) {
+TEST_F(PermissionsCaRenewal, GovernanceOfAnotherCa_IsRefused) {
   folder_.replace("governance.p7s", governance(second()));
   expect_refused(Code::governance_renewal_refused, folder_.path() + "/governance.p7s",
                  "not one of the configured");
 }
 
-TEST_F(AuthorityRenewal, MoreTopicsThanAreRemembered_LeaveOnlyRulesAtTheEnd) {
+TEST_F(PermissionsCaRenewal, MoreTopicsThanAreRemembered_LeaveOnlyRulesAtTheEnd) {
   for (std::size_t i = 0; i <= LocalParticipant::kMaxTopicsInUse; ++i)
     data_of("t" + std::to_string(i));
   const auto all = topic_rules();
@@ -425,7 +425,7 @@ TEST_F(AuthorityRenewal, MoreTopicsThanAreRemembered_LeaveOnlyRulesAtTheEnd) {
 
 // ---- a host that presents the permissions that it began with
 
-class PresentedOnce : public AuthorityRenewal {
+class PresentedOnce : public PermissionsCaRenewal {
  protected:
   PresentedOnce() {
     make({.presents_renewed_permissions = [] { return false; }});
@@ -472,7 +472,7 @@ TEST_F(PresentedOnce, FurtherTopicRules_AreTaken) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
 }
 
-TEST_F(AuthorityRenewal, Record_FollowsTheCasAndTheGovernance) {
+TEST_F(PermissionsCaRenewal, Record_FollowsTheCasAndTheGovernance) {
   const auto cas = [&] { return test::recorded_document(documents, "permissions CA"); };
   const auto rules = [&] { return test::recorded_document(documents, "governance"); };
   EXPECT_EQ(cas()["file"], path_);

@@ -32,7 +32,7 @@ TEST_F(ListedPeers, TheSameRights_KeepThePeer) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 12h);
 }
 
-TEST_F(ListedPeers, WithoutAList_ThePeerEndsInTime) {
+TEST_F(ListedPeers, PeerWithoutAList_EndsInTime) {
   EXPECT_THAT(poll(19s), IsEmpty());
   EXPECT_THAT(poll(1s), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::grant_expired));
@@ -224,7 +224,7 @@ TEST_F(OwnListedPermissions, RenewedPermissionsWithMoreRights_KeepTheSession) {
   EXPECT_THAT(codes(), IsEmpty());
 }
 
-TEST_F(OwnListedPermissions, WithoutAList_TheSessionEnds) {
+TEST_F(OwnListedPermissions, SessionWithoutAList_Ends) {
   begin(true);
   EXPECT_THAT(pass_the_end(), ElementsAre(peer_));
   EXPECT_THAT(codes(), ElementsAre(Code::session_outlived_documents));

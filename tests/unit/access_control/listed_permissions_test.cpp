@@ -217,7 +217,7 @@ TEST_F(ListedPeers, ARuleForAnotherDomain_IsNoOtherRight) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(ListedPeers, WithAnExpression_ChangeNothing) {
+TEST_F(ListedPeers, ListedGrantWithAnExpression_ChangesNothing) {
   auto out = grant("CN=*,O=Example", {publish_rule(true, {"t"})});
   out.subject_is_expression = true;
   out.validity = {kNow, kNow + 24h};

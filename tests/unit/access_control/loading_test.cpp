@@ -179,7 +179,7 @@ TEST_F(RemotePermissions, TextAndBinaryCredentials_AreAccepted) {
   EXPECT_TRUE(log.all.empty());
 }
 
-TEST_F(RemotePermissions, WithoutALocalParticipant_AreRefused) {
+TEST_F(RemotePermissions, PermissionsWithoutALocalParticipant_AreRefused) {
   EXPECT_REFUSED(remote(open_permissions(kListener)), unknown_local_identity);
 }
 

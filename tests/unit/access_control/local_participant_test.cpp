@@ -130,7 +130,7 @@ TEST_F(GovernancePhases, SameContentSignedAnew_IsNoEvent) {
   EXPECT_EQ(revision(), 2u);
 }
 
-TEST_F(GovernancePhases, WithoutARevision_MoreProtectionIsRefused) {
+TEST_F(GovernancePhases, DocumentWithoutARevision_CannotRaiseTheProtection) {
   put(5);  // so that the document in force is known
   codes_after_looking();
   raise();

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-class Renewal : public AccessControlTest {
+class OwnDocumentsRenewal : public AccessControlTest {
  protected:
   void SetUp() override {
     ASSERT_TRUE(own_) << own_.error().to_sentence();
@@ -70,7 +70,7 @@ class Renewal : public AccessControlTest {
   Result<spi::PermissionsHandle> own_ = from_file();
 };
 
-TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
+TEST_F(OwnDocumentsRenewal, LaterDocument_IsInForceAndPresented) {
   EXPECT_FALSE(may_publish("u"));
   const auto next = document({"t", "u"}, 0s, 48h);
   folder_.replace("permissions.p7s", next);
@@ -88,21 +88,21 @@ TEST_F(Renewal, LaterDocument_IsInForceAndPresented) {
 }
 
 // A restart with this document would fail, and so would a renewal that begins with it.
-TEST_F(Renewal, UnsignedDocument_ComesWithTheRemedyOfItsReason) {
+TEST_F(OwnDocumentsRenewal, UnsignedDocument_ComesWithTheRemedyOfItsReason) {
   folder_.replace("permissions.p7s", "garbage");
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
   ASSERT_FALSE(log.all.empty());
   EXPECT_EQ(log.all.front().error.hint(), info(Code::smime_not_multipart).hint);
 }
 
-TEST_F(Renewal, DocumentThatBeginsEarlier_IsToBeWrittenAnew) {
+TEST_F(OwnDocumentsRenewal, DocumentThatBeginsEarlier_IsToBeWrittenAnew) {
   folder_.replace("permissions.p7s", document({"t"}, -48h, 48h));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
   ASSERT_FALSE(log.all.empty());
   EXPECT_THAT(log.all.front().error.hint(), HasSubstr("ddssec permissions new"));
 }
 
-TEST_F(Renewal, SecondRenewal_IsTakenToo) {
+TEST_F(OwnDocumentsRenewal, SecondRenewal_IsTakenToo) {
   folder_.replace("permissions.p7s", document({"t"}, 0s, 48h));
   codes_after_looking();
   folder_.replace("permissions.p7s", document({"t"}, 10s, 72h));
@@ -110,7 +110,7 @@ TEST_F(Renewal, SecondRenewal_IsTakenToo) {
   EXPECT_EQ(plugin->renewals(*own_), 2u);
 }
 
-TEST_F(Renewal, DocumentThatGivesLess_CountsForNewEndpointsAndNewMatches) {
+TEST_F(OwnDocumentsRenewal, DocumentThatGivesLess_CountsForNewEndpointsAndNewMatches) {
   const auto peer = remote(open_permissions(kListener));
   ASSERT_TRUE(peer);
   const spi::AccessControl::Match match{
@@ -128,13 +128,13 @@ TEST_F(Renewal, DocumentThatGivesLess_CountsForNewEndpointsAndNewMatches) {
   EXPECT_TRUE(plugin->check_remote_match(*peer, allowed));
 }
 
-TEST_F(Renewal, EarlierEnd_IsTaken) {
+TEST_F(OwnDocumentsRenewal, EarlierEnd_IsTaken) {
   folder_.replace("permissions.p7s", document({"t"}, 0s, 1h));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
   EXPECT_EQ(plugin->next_expiry(), kNow + 1h);
 }
 
-TEST_F(Renewal, DocumentPutBetweenTheLastLookAndTheEnd_IsTakenByAllWithTheFile) {
+TEST_F(OwnDocumentsRenewal, DocumentPutBetweenTheLastLookAndTheEnd_IsTakenByAllWithTheFile) {
   const auto second = from_file();
   ASSERT_TRUE(second);
   clock.advance(24h - 3s);
@@ -146,13 +146,13 @@ TEST_F(Renewal, DocumentPutBetweenTheLastLookAndTheEnd_IsTakenByAllWithTheFile) 
   EXPECT_EQ(plugin->renewals(*second), 1u);
 }
 
-TEST_F(Renewal, EarlierBegin_IsRefusedAsARollBack) {
+TEST_F(OwnDocumentsRenewal, EarlierBegin_IsRefusedAsARollBack) {
   expect_refused(document({"t", "u"}, -25h, 48h), to_string(kNow - 24h) + " or later");
 }
 
 // Documents that ddssec writes for one certificate begin at the same time, so the time of signing
 // decides.
-TEST_F(Renewal, DocumentThatWasSignedEarlier_IsRefusedAsARollBack) {
+TEST_F(OwnDocumentsRenewal, DocumentThatWasSignedEarlier_IsRefusedAsARollBack) {
   const auto wide = document({"t", "u"});
   signing_time = kNow + 10s;
   const auto narrow = document({"u"});
@@ -171,7 +171,7 @@ TEST_F(Renewal, DocumentThatWasSignedEarlier_IsRefusedAsARollBack) {
   EXPECT_FALSE(may_publish("t"));
 }
 
-TEST_F(Renewal, TheSameText_IsTakenOnceItIsSignedAgain) {
+TEST_F(OwnDocumentsRenewal, TheSameText_IsTakenOnceItIsSignedAgain) {
   for (const auto& names : {std::vector<std::string>{"u"}, {"t"}, {"u"}}) {
     signing_time += 1s;
     folder_.replace("permissions.p7s", document(names));
@@ -181,7 +181,7 @@ TEST_F(Renewal, TheSameText_IsTakenOnceItIsSignedAgain) {
   EXPECT_EQ(plugin->renewals(*own_), 3u);
 }
 
-TEST_F(Renewal, TwoDocumentsOfOneSecond_AreTakenInTheOrderInWhichTheyCome) {
+TEST_F(OwnDocumentsRenewal, TwoDocumentsOfOneSecond_AreTakenInTheOrderInWhichTheyCome) {
   folder_.replace("permissions.p7s", document({"u"}));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
   folder_.replace("permissions.p7s", document({"t"}));
@@ -189,7 +189,7 @@ TEST_F(Renewal, TwoDocumentsOfOneSecond_AreTakenInTheOrderInWhichTheyCome) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(Renewal, DocumentWithoutASigningTime_FollowsOnlyOneWithoutIt) {
+TEST_F(OwnDocumentsRenewal, DocumentWithoutASigningTime_FollowsOnlyOneWithoutIt) {
   const auto& ca = authorities().permissions_ca;
   const auto untimed = pki::without_signing_time(document({"t"}), {ca.certificate(), ca.key()});
   folder_.replace("permissions.p7s", untimed);
@@ -209,7 +209,7 @@ TEST_F(Renewal, DocumentWithoutASigningTime_FollowsOnlyOneWithoutIt) {
 
 // Both hosts limit the rate of events. Both documents have the same end, but the second event must
 // not be lost.
-TEST_F(Renewal, TwoChangesWithinTheRateLimit_AreTwoEvents) {
+TEST_F(OwnDocumentsRenewal, TwoChangesWithinTheRateLimit_AreTwoEvents) {
   test::RecordedEvents passed;
   RateLimitedSink limited(passed, clock);
   for (const auto* topic : {"u", "v"}) {
@@ -222,16 +222,16 @@ TEST_F(Renewal, TwoChangesWithinTheRateLimit_AreTwoEvents) {
   EXPECT_EQ(passed.all.size(), 2u);
 }
 
-TEST_F(Renewal, AnotherCa_IsRefused) {
+TEST_F(OwnDocumentsRenewal, AnotherCa_IsRefused) {
   const auto xml = governance::to_xml(governance::Permissions{.grants = {grant(kTalker, {})}});
   expect_refused(signed_by(authorities().other_ca, xml), "the permissions read before stay");
 }
 
-TEST_F(Renewal, AnotherSubject_IsRefused) {
+TEST_F(OwnDocumentsRenewal, AnotherSubject_IsRefused) {
   expect_refused(document({"t"}, 0s, 48h, kListener), kTalker);
 }
 
-TEST_F(Renewal, GrantThatIsNotValidYet_IsTakenWhenItIs) {
+TEST_F(OwnDocumentsRenewal, GrantThatIsNotValidYet_IsTakenWhenItIs) {
   folder_.replace("permissions.p7s", document({"t"}, 60s, 48h));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewal_refused));
   EXPECT_THAT(codes_after_looking(), IsEmpty());
@@ -239,7 +239,7 @@ TEST_F(Renewal, GrantThatIsNotValidYet_IsTakenWhenItIs) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
 }
 
-TEST_F(Renewal, WhatIsNoDocument_IsReportedOnceAndNothingIsLost) {
+TEST_F(OwnDocumentsRenewal, WhatIsNoDocument_IsReportedOnceAndNothingIsLost) {
   for (const auto& text : {std::string(), std::string("nonsense"), document({"t"}).substr(0, 500),
                            std::string(2'000'000, 'x')}) {
     folder_.replace("permissions.p7s", text);
@@ -253,7 +253,7 @@ TEST_F(Renewal, WhatIsNoDocument_IsReportedOnceAndNothingIsLost) {
   EXPECT_TRUE(may_publish("t"));
 }
 
-TEST_F(Renewal, FileThatIsJustBeingWritten_IsNoEvent) {
+TEST_F(OwnDocumentsRenewal, FileThatIsJustBeingWritten_IsNoEvent) {
   const auto next = document({"t"}, 0s, 48h);
   folder_.write("permissions.p7s", next.substr(0, 500));
   poll();
@@ -261,12 +261,12 @@ TEST_F(Renewal, FileThatIsJustBeingWritten_IsNoEvent) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
 }
 
-TEST_F(Renewal, SameDocument_IsNoEvent) {
+TEST_F(OwnDocumentsRenewal, SameDocument_IsNoEvent) {
   folder_.replace("permissions.p7s", presented());
   EXPECT_THAT(codes_after_looking(), IsEmpty());
 }
 
-TEST_F(Renewal, DocumentThatComesTooLate_IsNotTaken) {
+TEST_F(OwnDocumentsRenewal, DocumentThatComesTooLate_IsNotTaken) {
   clock.advance(24h);
   EXPECT_THAT(poll(), ElementsAre(*own_));
   folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
@@ -274,7 +274,7 @@ TEST_F(Renewal, DocumentThatComesTooLate_IsNotTaken) {
   EXPECT_FALSE(may_publish("t"));
 }
 
-TEST_F(Renewal, DocumentOfTheLastSecond_IsTaken) {
+TEST_F(OwnDocumentsRenewal, DocumentOfTheLastSecond_IsTaken) {
   folder_.replace("permissions.p7s", document({"t"}, 0s, 72h));
   clock.advance(24h);
   EXPECT_THAT(poll(), IsEmpty());
@@ -282,7 +282,7 @@ TEST_F(Renewal, DocumentOfTheLastSecond_IsTaken) {
 }
 
 // A peer whose own permissions end long after those of the local participant.
-class RenewalWithPeers : public Renewal {
+class RenewalWithPeers : public OwnDocumentsRenewal {
  protected:
   spi::PermissionsHandle peer(const spi::SessionFacts& facts = {}) {
     auto long_lived = grant(kListener, {rule(true)});
@@ -314,7 +314,7 @@ TEST_F(RenewalWithPeers, HandshakeThatPresentedTheFormerDocument_EndsWithIt) {
   EXPECT_THAT(poll(), testing::Contains(later)) << "with our own end";
 }
 
-TEST_F(RenewalWithPeers, AfterManyRenewals_TheFormerDocumentIsStillKnown) {
+TEST_F(RenewalWithPeers, FormerDocumentAfterManyRenewals_IsStillKnown) {
   renew(second_);
   std::string former;
   for (int i = 0; i < 20; ++i) {
@@ -330,7 +330,7 @@ TEST_F(RenewalWithPeers, AfterManyRenewals_TheFormerDocumentIsStillKnown) {
   EXPECT_THAT(poll(), ElementsAre(of_former)) << now.value;
 }
 
-TEST_F(RenewalWithPeers, WithAnotherVendorsAuthentication_TheFirstDocumentIsPresented) {
+TEST_F(RenewalWithPeers, AnotherVendorsAuthentication_PresentsTheFirstDocument) {
   renew(second_);
   const auto later = peer();
   clock.advance(24h);
@@ -400,7 +400,7 @@ TEST_F(RenewalWithPeers, FormerGrantThatEnded_CountsBesideOneThatHasNotBegun) {
   EXPECT_EQ(log.all.front().error.details().field, "<not_after>");
 }
 
-TEST_F(Renewal, Warnings_FollowTheNewEnd) {
+TEST_F(OwnDocumentsRenewal, Warnings_FollowTheNewEnd) {
   folder_.replace("permissions.p7s", document({"t"}, 0s, 24h * 10));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_renewed));
   clock.advance(24h * 9 + 12h);
@@ -411,7 +411,7 @@ TEST_F(Renewal, Warnings_FollowTheNewEnd) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::permissions_end_soon));
 }
 
-TEST_F(Renewal, Record_FollowsThePermissionsInForceAndWhatIsRefused) {
+TEST_F(OwnDocumentsRenewal, Record_FollowsThePermissionsInForceAndWhatIsRefused) {
   const auto recorded = [&] { return test::recorded_document(documents, "permissions"); };
   EXPECT_EQ(recorded()["file"], path_);
   EXPECT_EQ(recorded()["in_force"][0]["subject"], kTalker);

@@ -264,7 +264,7 @@ TEST_F(PermissionsExpiry, EndOfAPeer_IsToldToEachHostThatKnowsIt) {
   EXPECT_EQ(plugin->expire(two.second), std::vector{two.at_second});
 }
 
-TEST_F(PermissionsExpiry, WithoutParticipants_HasNoNextEnd) {
+TEST_F(PermissionsExpiry, PluginWithoutParticipants_HasNoNextEnd) {
   EXPECT_EQ(plugin->next_expiry(), std::nullopt);
 }
 

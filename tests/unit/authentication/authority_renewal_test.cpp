@@ -51,9 +51,9 @@ Identity bob_of(const pki::Authority& ca) {
 
 // Alice has files and a certificate of the old CA. Bob, whose certificate is of the old CA too,
 // trusts both CAs.
-class AuthorityRenewal : public testing::Test {
+class IdentityCaRenewal : public testing::Test {
  protected:
-  AuthorityRenewal() : pairing_(alice(), bob_of(old_ca())) {}
+  IdentityCaRenewal() : pairing_(alice(), bob_of(old_ca())) {}
 
   Identity alice() {
     auto identity = alice_of(old_ca());
@@ -104,7 +104,7 @@ class AuthorityRenewal : public testing::Test {
 
 // ---- overlap
 
-TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {
+TEST_F(IdentityCaRenewal, SecondCa_IsAcceptedBesideTheFirst) {
   EXPECT_TRUE(meets(old_ca()));
   EXPECT_FALSE(meets(new_ca()));
   put({&old_ca(), &new_ca()});
@@ -119,21 +119,21 @@ TEST_F(AuthorityRenewal, SecondCa_IsAcceptedBesideTheFirst) {
   EXPECT_FALSE(meets(third_ca()));
 }
 
-TEST_F(AuthorityRenewal, OtherOrder_IsNoEvent) {
+TEST_F(IdentityCaRenewal, OtherOrder_IsNoEvent) {
   put({&new_ca(), &old_ca()});
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
   put({&old_ca(), &new_ca()});
   EXPECT_THAT(codes_after_looking(), IsEmpty());
 }
 
-TEST_F(AuthorityRenewal, SecondCa_LeavesSessionsAlone) {
+TEST_F(IdentityCaRenewal, SecondCa_LeavesSessionsAlone) {
   pairing_.expect_success();
   put({&new_ca(), &old_ca()});
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
   EXPECT_THAT(engine().ended, IsEmpty());
 }
 
-TEST_F(AuthorityRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
+TEST_F(IdentityCaRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
   put({&new_ca(), &old_ca()});
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
   EXPECT_THAT(codes_after_looking(),
@@ -145,8 +145,8 @@ TEST_F(AuthorityRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
 
 // Alice's properties have relative paths, and the process has changed its working directory after
 // it read them.
-struct RelativePaths : testing::Test {
-  RelativePaths() {
+struct RelativeIdentityPaths : testing::Test {
+  RelativeIdentityPaths() {
     write_all(folder, {&old_ca()}, alice.certificate);
     set(alice.properties, property::kIdentityCa, "file:identity_ca.pem");
     set(alice.properties, property::kIdentityCertificate, "file:cert.pem");
@@ -180,14 +180,14 @@ struct RelativePaths : testing::Test {
   const test::WorkingFolder there{elsewhere.path()};
 };
 
-TEST_F(RelativePaths, FilesInTheNextWorkingDirectory_AreNotTaken) {
+TEST_F(RelativeIdentityPaths, FilesInTheNextWorkingDirectory_AreNotTaken) {
   told();
   write_all(elsewhere, {&old_ca(), &third_ca()}, renewed);
   elsewhere.replace("crl.pem", pem({9, {alice.certificate}}, old_ca()));
   EXPECT_THAT(told(), IsEmpty());
 }
 
-TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
+TEST_F(RelativeIdentityPaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
   told();
   write_all(folder, {&old_ca(), &new_ca()}, renewed);
   const auto in = [&](const std::string& name) { return folder.path() + "/" + name; };
@@ -201,7 +201,7 @@ TEST_F(RelativePaths, FilesWhereTheyWereAtTheStart_AreFollowed) {
 
 // ---- the old CA leaves
 
-TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
+TEST_F(IdentityCaRenewal, CaThatLeaves_EndsItsPeers) {
   pairing_.expect_success();
   put({&new_ca(), &old_ca()});
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
@@ -222,7 +222,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_EndsItsPeers) {
   EXPECT_TRUE(meets(new_ca()));
 }
 
-TEST_F(AuthorityRenewal, CaThatLeaves_LeavesPeersOfTheOtherAlone) {
+TEST_F(IdentityCaRenewal, CaThatLeaves_LeavesPeersOfTheOtherAlone) {
   Engine other{7};
   Participant carol(other,
                     trusting_all(make_identity(new_ca(), "CN=carol,O=Example", {}, kYear, 2)), 30);
@@ -241,7 +241,7 @@ TEST_F(AuthorityRenewal, CaThatLeaves_LeavesPeersOfTheOtherAlone) {
   EXPECT_THAT(engine().ended, IsEmpty());
 }
 
-TEST_F(AuthorityRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew) {
+TEST_F(IdentityCaRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew) {
   put({&new_ca(), &old_ca()});
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
   codes_after_looking();
@@ -261,7 +261,7 @@ TEST_F(AuthorityRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew) 
   EXPECT_CODE(pairing_.two.at_high(reply->handle, *fin->message), issuer_unknown);
 }
 
-TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurCertificate) {
+TEST_F(IdentityCaRenewal, CaWithoutOverlap_IsTakenTogetherWithOurCertificate) {
   pairing_.expect_success();
   put({&new_ca()});
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
@@ -271,7 +271,7 @@ TEST_F(AuthorityRenewal, CaWithoutOverlap_IsTakenTogetherWithOurCertificate) {
   EXPECT_TRUE(meets(new_ca()));
 }
 
-TEST_F(AuthorityRenewal, CertificateThatComesOneLookLater_IsNoRefusal) {
+TEST_F(IdentityCaRenewal, CertificateThatComesOneLookLater_IsNoRefusal) {
   put({&new_ca()});
   poll();
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
@@ -281,7 +281,7 @@ TEST_F(AuthorityRenewal, CertificateThatComesOneLookLater_IsNoRefusal) {
 
 // ---- with revocation lists
 
-TEST_F(AuthorityRenewal, RevocationList_IsTakenTogetherWithItsCa) {
+TEST_F(IdentityCaRenewal, RevocationList_IsTakenTogetherWithItsCa) {
   auto identity = alice();
   folder_.write("crl.pem", pem({.number = 4}, old_ca()));
   Engine other{3};
@@ -303,7 +303,7 @@ TEST_F(AuthorityRenewal, RevocationList_IsTakenTogetherWithItsCa) {
   EXPECT_THAT(other->expire(), ElementsAre(alone.handle)) << "later lists do not count";
 }
 
-TEST_F(AuthorityRenewal, ListsOfBothCas_CountDuringTheOverlap) {
+TEST_F(IdentityCaRenewal, ListsOfBothCas_CountDuringTheOverlap) {
   auto identity = alice();
   folder_.write("crl.pem", pem({.number = 4}, old_ca()));
   Engine other{3};
@@ -321,19 +321,19 @@ TEST_F(AuthorityRenewal, ListsOfBothCas_CountDuringTheOverlap) {
 
 // ---- what is refused
 
-TEST_F(AuthorityRenewal, FileWithoutOurCa_IsRefused) {
+TEST_F(IdentityCaRenewal, FileWithoutOurCa_IsRefused) {
   put({&new_ca()});
   expect_refused("no configured CA issued the certificate");
   EXPECT_TRUE(meets(old_ca()));
   EXPECT_FALSE(meets(new_ca()));
 }
 
-TEST_F(AuthorityRenewal, CertificateThatIsNoCa_IsRefused) {
+TEST_F(IdentityCaRenewal, CertificateThatIsNoCa_IsRefused) {
   folder_.replace("identity_ca.pem", bundle({&old_ca()}) + alice_of(old_ca()).certificate.pem());
   expect_refused("used as a CA");
 }
 
-TEST_F(AuthorityRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
+TEST_F(IdentityCaRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
   put({&new_ca(), &old_ca()});
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
   codes_after_looking();
@@ -346,7 +346,7 @@ TEST_F(AuthorityRenewal, CaThatWasWithdrawn_IsRefusedAsARollBack) {
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
 }
 
-TEST_F(AuthorityRenewal, CertificateOfTheWithdrawnCa_IsRefusedAsARollBack) {
+TEST_F(IdentityCaRenewal, CertificateOfTheWithdrawnCa_IsRefusedAsARollBack) {
   const auto former = alice_of(old_ca(), {kNow, kYear.not_after});
   put({&new_ca()});
   folder_.replace("cert.pem", alice_of(new_ca(), {kNow, kYear.not_after}).certificate.pem());
@@ -359,7 +359,7 @@ TEST_F(AuthorityRenewal, CertificateOfTheWithdrawnCa_IsRefusedAsARollBack) {
   EXPECT_FALSE(meets(old_ca()));
 }
 
-TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
+TEST_F(IdentityCaRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
   for (const auto& text : {std::string(), std::string("nonsense"),
                            bundle({&old_ca()}).substr(0, 200), std::string(2'000'000, 'x')}) {
     folder_.replace("identity_ca.pem", text);
@@ -374,7 +374,7 @@ TEST_F(AuthorityRenewal, WhatIsNoFileOfCas_IsReportedOnceAndNothingIsLost) {
   pairing_.expect_success();
 }
 
-TEST_F(AuthorityRenewal, FileThatIsJustBeingWritten_IsNoEvent) {
+TEST_F(IdentityCaRenewal, FileThatIsJustBeingWritten_IsNoEvent) {
   const auto both = bundle({&old_ca(), &new_ca()});
   folder_.write("identity_ca.pem", both.substr(0, both.size() - 200));
   poll();
@@ -383,7 +383,7 @@ TEST_F(AuthorityRenewal, FileThatIsJustBeingWritten_IsNoEvent) {
 }
 
 // The writer stops after the first of two certificates.
-TEST_F(AuthorityRenewal, FileCutBetweenItsCertificates_LosesNoCa) {
+TEST_F(IdentityCaRenewal, FileCutBetweenItsCertificates_LosesNoCa) {
   put({&old_ca(), &new_ca()});
   codes_after_looking();
   folder_.write("identity_ca.pem", bundle({&old_ca()}));
@@ -394,7 +394,7 @@ TEST_F(AuthorityRenewal, FileCutBetweenItsCertificates_LosesNoCa) {
   EXPECT_TRUE(meets(new_ca()));
 }
 
-TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
+TEST_F(IdentityCaRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
   events().clear();
   for (int i = 0; i < 50; ++i) {
     folder_.replace("identity_ca.pem", "nonsense " + std::to_string(i));
@@ -404,7 +404,7 @@ TEST_F(AuthorityRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
   EXPECT_THAT(events(), testing::SizeIs(testing::AllOf(testing::Ge(2u), testing::Le(5u))));
 }
 
-TEST_F(AuthorityRenewal, CasThatComeAndGo_AreBounded) {
+TEST_F(IdentityCaRenewal, CasThatComeAndGo_AreBounded) {
   const auto ca = [](int i) { return make_ca("CN=" + std::to_string(i), {}, kDecade); };
   int taken = 0;
   for (int i = 0; i < 300; ++i) {
@@ -419,14 +419,14 @@ TEST_F(AuthorityRenewal, CasThatComeAndGo_AreBounded) {
   EXPECT_TRUE(meets(old_ca()));
 }
 
-TEST_F(AuthorityRenewal, CaThatIsNotValidYet_DoesNotDisturbOurs) {
+TEST_F(IdentityCaRenewal, CaThatIsNotValidYet_DoesNotDisturbOurs) {
   const auto later = make_ca(kName, {}, {kNow + days(1), kNow + days(900)});
   put({&later, &old_ca()});
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
   EXPECT_TRUE(meets(old_ca()));
 }
 
-TEST_F(AuthorityRenewal, ClockThatGoesBackAndForth_ChangesNothing) {
+TEST_F(IdentityCaRenewal, ClockThatGoesBackAndForth_ChangesNothing) {
   put({&old_ca(), &new_ca()});
   codes_after_looking();
   engine().clock.advance(days(-300));
@@ -436,7 +436,7 @@ TEST_F(AuthorityRenewal, ClockThatGoesBackAndForth_ChangesNothing) {
   EXPECT_TRUE(meets(new_ca()));
 }
 
-TEST_F(AuthorityRenewal, IntervalOfZero_MeansNever) {
+TEST_F(IdentityCaRenewal, IntervalOfZero_MeansNever) {
   auto identity = alice();
   set(identity.properties, property::kFilesPollInterval, "0");
   Engine other{3};
@@ -448,7 +448,7 @@ TEST_F(AuthorityRenewal, IntervalOfZero_MeansNever) {
   EXPECT_THAT(other.events.all, IsEmpty());
 }
 
-TEST_F(AuthorityRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
+TEST_F(IdentityCaRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
   auto identity = alice();
   const test::TemporaryFolder trusted;
   trusted.write("old.pem", bundle({&old_ca()}));

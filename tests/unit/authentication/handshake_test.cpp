@@ -33,7 +33,7 @@ TEST_P(KeysOfBoth, EachPairOfKeys_Authenticates) {
   EXPECT_TRUE(pairing.second_engine.events.all.empty());
 }
 
-TEST(Handshake, Request_HasTheStandardsFieldsInOrderWithoutNuls) {
+TEST(HandshakeTokens, Request_HasTheStandardsFieldsInOrderWithoutNuls) {
   Pairing pairing;
   const auto request = pairing.two.request();
   ASSERT_OK(request);
@@ -179,7 +179,7 @@ TEST_P(ReplierStyle, ReplyInEachStyle_GetsItsFinal) {
 
 // In one of 256 handshakes the result of Diffie-Hellman begins with a zero octet. Both sides must
 // get the same secret from it.
-TEST(Handshake, ModpSecrets_AgreeManyTimes) {
+TEST(HandshakeTokens, ModpSecrets_AgreeManyTimes) {
   Engine engine;
   Participant us(engine, ours(), 1);
   const Identity identity = theirs(true);
@@ -198,7 +198,7 @@ TEST(Handshake, ModpSecrets_AgreeManyTimes) {
   }
 }
 
-TEST(Handshake, SameSeed_GivesTheSameChallenges) {
+TEST(HandshakeTokens, SameSeed_GivesTheSameChallenges) {
   const auto challenge = [] {
     Pairing pairing;
     return field(*pairing.two.request()->message, "challenge1");

@@ -4,7 +4,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(Handles, UnknownOrReturnedHandles_AreRefused) {
+TEST(IdentityHandles, UnknownOrReturnedHandles_AreRefused) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
@@ -25,7 +25,7 @@ TEST(Handles, UnknownOrReturnedHandles_AreRefused) {
               unknown_identity);
 }
 
-TEST(Handles, ReturningTheRemote_DropsItsHandshakes) {
+TEST(IdentityHandles, ReturningTheRemote_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
@@ -37,7 +37,7 @@ TEST(Handles, ReturningTheRemote_DropsItsHandshakes) {
   EXPECT_CODE(two.request(), unknown_identity);
 }
 
-TEST(Handles, ReturningTheLocal_DropsItsHandshakes) {
+TEST(IdentityHandles, ReturningTheLocal_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
@@ -48,7 +48,7 @@ TEST(Handles, ReturningTheLocal_DropsItsHandshakes) {
   EXPECT_FALSE(engine->next_expiry());
 }
 
-TEST(Handles, ARemoteThatWasNotValidatedForThisLocal_IsUnknown) {
+TEST(IdentityHandles, ARemoteThatWasNotValidatedForThisLocal_IsUnknown) {
   Pairing pairing;
   Participant second(*pairing.two.low.engine, make_identity(test_ca(), "CN=second"), 5);
   EXPECT_CODE((*pairing.two.low.engine)

@@ -6,7 +6,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(Handshake, Permissions_TravelBothWays) {
+TEST(JudgedPeer, Permissions_TravelBothWays) {
   Pairing pairing;
   const Token credential{"DDS:Access:PermissionsCredential",
                          {{"dds.perm.cert", std::string("MIME text\0", 10)}}};
@@ -49,7 +49,7 @@ std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced
   return {at(plain), at(able)};
 }
 
-TEST(Handshake, Ciphers_AreToldToEachSide) {
+TEST(JudgedPeer, Ciphers_AreToldToEachSide) {
   const std::pair right{spi::kAllCiphers, spi::kStandardCiphers};
   EXPECT_EQ(ciphers_after(nullptr), right);
   // Discovery is not proven, so what it brought neither takes ciphers away nor adds any.

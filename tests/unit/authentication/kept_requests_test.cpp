@@ -39,7 +39,7 @@ TEST_F(KeptRequest, RepeatedRequest_IsTheSameAndItsAnswerCounts) {
   pairing.expect_finish(*again, *reply);
 }
 
-TEST_F(KeptRequest, AfterAnHour_IsForgotten) {
+TEST_F(KeptRequest, RequestAfterAnHour_IsForgotten) {
   const auto first = request();
   meet_again();
   EXPECT_EQ(request(), first);

@@ -49,7 +49,7 @@ TEST_F(Listed, ASecondRenewal_KeepsThePeerAgain) {
   EXPECT_EQ(engine()->next_expiry(), kNow + 24h);
 }
 
-TEST_F(Listed, AListOfTheLastSecond_Counts) {
+TEST_F(Listed, ListThatArrivesInTheLastSecond_KeepsThePeer) {
   poll(19s);
   put(list_of({renewed_bob()}));
   EXPECT_THAT(poll(1s), IsEmpty());
@@ -58,7 +58,7 @@ TEST_F(Listed, AListOfTheLastSecond_Counts) {
 
 // ---- what does not keep it
 
-TEST_F(Listed, WithoutAList_ThePeerEndsInTime) {
+TEST_F(Listed, PeerWithoutAList_EndsInTime) {
   EXPECT_THAT(poll(19s), IsEmpty());
   EXPECT_THAT(poll(1s), ElementsAre(bob_at_alice()));
   EXPECT_THAT(codes(), ElementsAre(Code::identity_ended));

@@ -50,12 +50,12 @@ struct Scene {
   Pairing pairing;
 };
 
-class OutOfMemory : public testing::TestWithParam<std::tuple<Source, Extent>> {};
-INSTANTIATE_TEST_SUITE_P(All, OutOfMemory,
+class AuthenticationOutOfMemory : public testing::TestWithParam<std::tuple<Source, Extent>> {};
+INSTANTIATE_TEST_SUITE_P(All, AuthenticationOutOfMemory,
                          testing::Combine(testing::ValuesIn(failing_memory::sources()),
                                           testing::Values(Extent::once, Extent::from_then_on)));
 
-TEST_P(OutOfMemory, FailingAllocation_DelaysARevocationAndLosesNone) {
+TEST_P(AuthenticationOutOfMemory, FailingAllocation_DelaysARevocationAndLosesNone) {
   const auto [source, extent] = GetParam();
   long number = 0;
   for (bool failed = true; failed;) {

@@ -41,7 +41,7 @@ struct Meeting {
 
 // ---- the policies
 
-struct Policies : testing::TestWithParam<bool> {
+struct OcspPolicies : testing::TestWithParam<bool> {
   // Only one side demands a response: that of the request or that of the reply.
   Status meet(const std::string& policy,
               std::optional<Bytes> (*response)(const pki::Certificate&)) {
@@ -53,7 +53,7 @@ struct Policies : testing::TestWithParam<bool> {
   }
   int unused = 0;
 };
-INSTANTIATE_TEST_SUITE_P(OfEitherSide, Policies, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(OfEitherSide, OcspPolicies, testing::Bool());
 
 using Response = std::optional<Bytes>;
 Response good(const pki::Certificate& of) { return response_about(of); }
@@ -72,7 +72,7 @@ Response garbage(const pki::Certificate&) { return Bytes(100, 0x41); }
 Response empty(const pki::Certificate&) { return Bytes(); }
 Response too_long(const pki::Certificate&) { return Bytes(pki::kMaxOcspOctets + 1, 0x30); }
 
-TEST_P(Policies, Hard_WantsAGoodResponse) {
+TEST_P(OcspPolicies, Hard_WantsAGoodResponse) {
   EXPECT_TRUE(meet("hard", good));
   EXPECT_CODE(meet("hard", none), ocsp_status_missing);
   EXPECT_CODE(meet("hard", revoked), ocsp_revoked);
@@ -86,7 +86,7 @@ TEST_P(Policies, Hard_WantsAGoodResponse) {
 
 // DDS-Security 1.2, Table 59: "revoked" and "good" count, and everything else is treated as a
 // missing response.
-TEST_P(Policies, Soft_RefusesARevokedPeerOnly) {
+TEST_P(OcspPolicies, Soft_RefusesARevokedPeerOnly) {
   EXPECT_TRUE(meet("soft", good));
   EXPECT_EQ(unused, 0);
   EXPECT_TRUE(meet("soft", none));
@@ -98,7 +98,7 @@ TEST_P(Policies, Soft_RefusesARevokedPeerOnly) {
   }
 }
 
-TEST_P(Policies, Ignore_LooksAtNothing) {
+TEST_P(OcspPolicies, Ignore_LooksAtNothing) {
   EXPECT_TRUE(meet("ignore", revoked));
   EXPECT_TRUE(meet("ignore", garbage));
   EXPECT_TRUE(meet("ignore", too_long));
@@ -176,7 +176,7 @@ TEST(OcspStatus, GoodResponse_DoesNotHelpACertificateOnAList) {
 }
 
 // A renewal list contains no OCSP responses.
-TEST(RenewalList, WhereAResponseIsDemanded_KeepsNoPeer) {
+TEST(RenewalListUnderOcsp, ListWithoutTheDemandedResponse_KeepsNoPeer) {
   for (const auto* const policy : {"hard", "soft"}) {
     const test::TemporaryFolder folder;
     const auto short_lived =

@@ -5,7 +5,7 @@
 namespace ddssec::authentication {
 namespace {
 
-TEST(Handshake, TheCredential_IsDroppedOnceItWasGivenOut) {
+TEST(PkiDhSessions, TheCredential_IsDroppedOnceItWasGivenOut) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);
@@ -25,7 +25,7 @@ TEST(Handshake, TheCredential_IsDroppedOnceItWasGivenOut) {
   EXPECT_TRUE(low->authenticated_peer_credential_token(again->handle));
 }
 
-TEST(Handshake, Secret_OutlivesTheHandle) {
+TEST(PkiDhSessions, Secret_OutlivesTheHandle) {
   Pairing pairing;
   const auto req = pairing.two.request();
   const auto rep = pairing.two.reply(*req->message);

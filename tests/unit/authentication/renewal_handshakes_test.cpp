@@ -82,7 +82,7 @@ TEST_F(Renewal, PermissionsAndCertificate_AreNeverMixed) {
   pairing_.expect_finish(*request, *reply);
 }
 
-TEST_F(Renewal, Credential_SaysWhatWasPresentedToWhom) {
+TEST_F(Renewal, Credential_NamesWhatEachPeerWasPresented) {
   for (const auto& [vendor, keeps] : {std::pair(kCycloneDds, false), {kFastDds, true}}) {
     Pairing pairing;
     ASSERT_OK((*pairing.two.low.engine)

@@ -142,7 +142,7 @@ TEST_F(RenewalWithBob, Session_EndsWithTheCertificateThatThePeerHasSeen) {
   EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
 }
 
-TEST_F(RenewalWithBob, WithoutRenewal_EndIsOurs) {
+TEST_F(RenewalWithBob, OwnCertificateWithoutRenewal_EndsItsSessions) {
   engine().clock.advance(days(31));
   events().clear();
   EXPECT_THAT(poll(), ElementsAre(pairing_.a.handle, bob_at_alice()));

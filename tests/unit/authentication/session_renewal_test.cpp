@@ -95,7 +95,7 @@ class SessionRenewal : public testing::Test {
   HandshakeHandle at_alice_, at_bob_;
 };
 
-TEST_F(SessionRenewal, WithoutAnythingNew_NothingIsOffered) { EXPECT_FALSE(offer()); }
+TEST_F(SessionRenewal, UnchangedCertificate_IsNotOffered) { EXPECT_FALSE(offer()); }
 
 TEST_F(SessionRenewal, TakenByThePeer_TheSessionOutlivesTheFormerCertificateOnBothSides) {
   put(renewed(3));

@@ -55,7 +55,7 @@ TEST(SeededRandom, SameSeed_GivesTheSameStreamAndNoRepetition) {
   EXPECT_NE(a, next);
 }
 
-TEST(SystemRandom, TwoCalls_GiveDifferentOctets) {
+TEST(SystemRandomOctets, TwoCalls_GiveDifferentOctets) {
   Bytes a(32), b(32);
   SystemRandom system;
   ASSERT_TRUE(system.fill(a));

@@ -45,7 +45,7 @@ TEST_F(EventLogTest, EachEvent_IsALineWithItsTime) {
   EXPECT_TRUE(written[1].contains("time"));
 }
 
-TEST_F(EventLogTest, WithoutAPath_NothingIsWrittenAndNothingIsWrong) {
+TEST_F(EventLogTest, LogWithoutAPath_WritesNothingAndReportsNoError) {
   for (const char* path : {static_cast<const char*>(nullptr), ""}) {
     EventLog log(path);
     EXPECT_FALSE(log.write_failure());

@@ -112,7 +112,7 @@ TEST(AbsoluteUri, NoWorkingFolder_NamesNothing) {
 
 // If two changes fall within one tick of the file system's clock, only the first one may be
 // visible.
-TEST(FileWatch, AfterAChange_LooksOnceMore) {
+TEST(FileWatch, ChangedFile_IsLookedAtOnceMore) {
   const test::TemporaryFolder folder;
   FileWatch watch("file:" + folder.write("list", "one"), 5s);
   EXPECT_TRUE(watch.may_have_changed(5s));
@@ -143,7 +143,7 @@ TEST(FileWatch, UnusableFile_IsLookedAtAgain) {
   EXPECT_FALSE(watch.may_have_changed(4s));
 }
 
-TEST(FileWatch, WithoutAFileOrAnInterval_IsQuiet) {
+TEST(FileWatch, WatchWithoutAFileOrAnInterval_ReportsNothing) {
   const test::TemporaryFolder folder;
   const auto path = folder.write("list", "one");
   FileWatch off("file:" + path, 0s), text("data:,one", 5s), none("", 5s), wrong("http://x", 5s);

@@ -20,7 +20,7 @@ TEST(Rule, EveryRow_IsAtItsPlaceWithATitleAndAHint) {
 
 TEST(Rule, EachRule_HasItsIdAsName) { EXPECT_EQ(info(Rule::GOV012).id, "GOV012"); }
 
-TEST(Finding, WithoutASeverityOfItsOwn_HasThatOfItsRule) {
+TEST(Finding, FindingWithoutASeverityOfItsOwn_HasThatOfItsRule) {
   const Finding usual{.rule = Rule::PERM012, .message = "x"};
   EXPECT_EQ(usual.severity, info(Rule::PERM012).severity);
   const Finding other{.rule = Rule::PERM012, .message = "x", .severity = Severity::error};

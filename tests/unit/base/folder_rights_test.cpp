@@ -28,7 +28,7 @@ class FolderRights : public testing::Test {
   const fs::path inner_ = outer_ / "inner";
 };
 
-TEST_F(FolderRights, WhereOnlyTheOwnerWrites_NoFolderIsOpen) {
+TEST_F(FolderRights, FolderThatOnlyItsOwnerWrites_IsNotOpen) {
   for (const unsigned mode : {0700u, 0755u, 0500u}) EXPECT_FALSE(with_mode(inner_, mode)) << mode;
 }
 

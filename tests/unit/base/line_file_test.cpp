@@ -57,7 +57,7 @@ TEST_F(LineFileTest, WhatIsNoOutput_IsNotOpenedAndSaysWhy) {
   EXPECT_EQ(fifo.why_not(), "a FIFO without a reader");
 }
 
-TEST_F(LineFileTest, SlowReaderOfAFifo_LosesLinesAndBlocksNobody) {
+TEST_F(LineFileTest, SlowReaderOfAFifo_LosesLinesAndDelaysNoCaller) {
   ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
   const FileDescriptor reader(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   LineFile file(path_.c_str());

@@ -19,7 +19,7 @@ class Service : public Server {
   test::RecordedEvents log_;
 };
 
-TEST_F(Service, WithoutTheVariable_NoSocketIsOpened) {
+TEST_F(Service, UnsetOrEmptyVariable_OpensNoSocket) {
   ::unsetenv("DDSSEC_STATUS_DIR");
   EXPECT_EQ(shared_status_record(&log_), nullptr);
   ::setenv("DDSSEC_STATUS_DIR", "", 1);

@@ -144,7 +144,7 @@ TEST(FileUri, RelativePath_BecomesAbsolute) {
     EXPECT_EQ(absolute_uri(same), same);
 }
 
-TEST(FileUri, WithoutAWorkingFolder_NamesNothing) {
+TEST(FileUri, RelativeUriWithoutAWorkingFolder_NamesNothing) {
   const test::TemporaryFolder folder;
   const auto gone = folder.path() + "/gone";
   std::filesystem::create_directory(gone);

@@ -59,7 +59,7 @@ TEST_F(AcknowledgedEndpoints, UnderKeysOfTheirWriters_CountOnce) {
   EXPECT_TRUE(two->b.events.codes().empty()) << two->b.events.last();
 }
 
-TEST_F(AcknowledgedEndpoints, InProtectedMessages_CountOnce) {
+TEST_F(AcknowledgedEndpoints, EndpointsInProtectedMessages_CountOnce) {
   constexpr EntityId kClear{{0, 0, 3, 0xc2}};
   meet(ProtectionKind::encrypt);
   for (std::uint32_t number = 1; number <= kTimes; ++number) {

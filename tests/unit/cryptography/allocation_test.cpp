@@ -15,13 +15,13 @@ constexpr std::array kKinds = {kSign, kEncrypt, ProtectionKind::sign_with_origin
 
 using counted_memory::allocations_of;
 
-TEST(Allocations, NewOfAnyKind_IsCounted) {
+TEST(CryptographyAllocations, NewOfAnyKind_IsCounted) {
   EXPECT_EQ(allocations_of([] { ::operator delete(::operator new(1)); }), 1);
   constexpr std::align_val_t kAligned{64};
   EXPECT_EQ(allocations_of([] { ::operator delete(::operator new(1, kAligned), kAligned); }), 1);
 }
 
-TEST(Allocations, MessagePath_AllocatesNothing) {
+TEST(CryptographyAllocations, MessagePath_AllocatesNothing) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     const auto e = two.endpoints(endpoint_attributes(kind, is_encrypted(kind) ? kEncrypt : kSign));
@@ -57,7 +57,7 @@ TEST(Allocations, MessagePath_AllocatesNothing) {
 
 // A sender that changes its session often costs its receiver no allocation either, once the memory
 // of its sessions is full. (Fast DDS changes it every 32 messages.)
-TEST(Allocations, NewSessionsOfASender_AllocateNothing) {
+TEST(CryptographyAllocations, NewSessionsOfASender_AllocateNothing) {
   TwoSides two(ProtectionKind::none, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(ProtectionKind::none, kEncrypt));
   std::vector<Bytes> encoded;
@@ -75,7 +75,7 @@ TEST(Allocations, NewSessionsOfASender_AllocateNothing) {
 }
 
 // A forged message costs no allocation except that of the session that it names.
-TEST(Allocations, Forgeries_AllocateLittle) {
+TEST(CryptographyAllocations, Forgeries_AllocateLittle) {
   TwoSides two(kEncrypt);
   const auto good = encode_message(two, rtps_message({data_submessage(40)})).value();
   Bytes out(good.size());

@@ -159,7 +159,7 @@ TEST_F(AnnouncedEndpointsTest, NumberThatTheHostMayHaveSkipped_EndsNothing) {
   }
 }
 
-TEST_F(AnnouncedEndpointsTest, OtherNumbersSkipped_EndAllTheSame) {
+TEST_F(AnnouncedEndpointsTest, OtherNumbersSkipped_DoNotPreventTheEnd) {
   ASSERT_EQ(announce_under(1, 1), Code{});
   tell(of_writer(0x08, kPublications, {0, 2, 0, 5, 0}));
   ASSERT_EQ(dispose_under(5, 1, kDisposed), Code{});
@@ -232,7 +232,7 @@ TEST_F(AnnouncedEndpointsTest, RepeatedByAStranger_TakeNoRoomFromNewOnes) {
   EXPECT_EQ(announce_under(2 * kMany + 1, 1), Code{});
 }
 
-TEST_F(AnnouncedEndpointsTest, InFragments_CountFromTheFirstOn) {
+TEST_F(AnnouncedEndpointsTest, AnnouncementInFragments_CountsFromTheFirstOn) {
   const auto sample = announcement(1, kUserData);
   EXPECT_EQ(fragment(1, sample, 1, 1344), Code{});
   EXPECT_EQ(held(), cost(kUserData));
@@ -247,7 +247,7 @@ TEST_F(AnnouncedEndpointsTest, InFragments_CountFromTheFirstOn) {
 
 // Without the bound the host would hold any number of announcements for one endpoint, 128 of them
 // with 23 MB each.
-TEST_F(AnnouncedEndpointsTest, InFragments_AreBoundedWhileOneBeforeThemIsMissing) {
+TEST_F(AnnouncedEndpointsTest, AnnouncementsInFragments_AreBoundedWhileOneBeforeThemIsMissing) {
   const auto large = announcement(1, 65'000);
   std::uint32_t number = 2;
   while (fragments(number, large) == Code{}) {

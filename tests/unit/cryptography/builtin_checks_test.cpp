@@ -237,7 +237,7 @@ Bytes info_source(const GuidPrefix& prefix) {
   return out;
 }
 
-TEST(BuiltinSource, InAProtectedMessage_IsThatOfTheLastInfoSource) {
+TEST(BuiltinSource, SourceInAProtectedMessage_IsThatOfTheLastInfoSource) {
   OneOwner walks;
   constexpr GuidPrefix kSibling{{0x81, 2, 3, 4, 5, 6, 70, 80, 90, 100, 110, 120}};
   const auto own = DataMessage{.writer = kLivelinessWriters[0], .payload = liveliness(kPeer, 1)};

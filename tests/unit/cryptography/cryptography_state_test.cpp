@@ -31,7 +31,7 @@ TEST_F(SubjectOfPair, ProvenPrefix_CountsWithItsFirstSixOctets) {
 
 // The highest bit is never set in a number made of six octets, so no prefix leads to the places of
 // such a peer.
-TEST_F(SubjectOfPair, WithoutAProvenPrefix_TheIdentityCounts) {
+TEST_F(SubjectOfPair, PairWithoutAProvenPrefix_CountsForItsIdentity) {
   EXPECT_EQ(subject(5, std::nullopt), std::uint64_t{1} << 63 | 5);
   EXPECT_NE(subject(6, std::nullopt), subject(5, std::nullopt));
 }

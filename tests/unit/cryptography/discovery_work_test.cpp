@@ -273,7 +273,7 @@ TEST(DiscoveryWork, ApplicationThatMakesWritersAgainAndAgain_DelaysNoPeer) {
 }
 
 // A listener makes writers in the thread that later matches what peers announce.
-TEST(DiscoveryWork, AtAnOldWriterOfTheMatchingThread_IsCharged) {
+TEST(DiscoveryWork, WorkAtAnOldWriterOfTheMatchingThread_IsCharged) {
   Host host;
   const auto writer = host.own_writer();
   host.two.b.clock.advance(10s);

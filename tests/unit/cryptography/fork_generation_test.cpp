@@ -132,7 +132,7 @@ struct Speaker {
   std::set<Bytes> headers;
 };
 
-TEST(Fork, ParentAndChild_NeverUseOneIvTwice) {
+TEST(ForkedSender, ParentAndChild_NeverUseOneIvTwice) {
   Speaker speaker;
   speaker.judge(speaker.speech());
   Bytes of_parent;
@@ -143,7 +143,7 @@ TEST(Fork, ParentAndChild_NeverUseOneIvTwice) {
   speaker.judge(speaker.speech());
 }
 
-TEST(Fork, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
+TEST(ForkedSender, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
   Speaker speaker;
   speaker.judge(speaker.speech());
   for (int child = 0; child < 2; ++child)
@@ -162,7 +162,7 @@ TEST(Fork, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
 }
 
 // The first session of the key begins with its first message, which both processes may send.
-TEST(Fork, KeyWithoutMessagesBefore_BeginsElsewhereInTheChild) {
+TEST(ForkedSender, KeyWithoutMessagesBefore_BeginsElsewhereInTheChild) {
   Speaker speaker;
   Bytes of_parent;
   const auto of_child =
@@ -171,7 +171,7 @@ TEST(Fork, KeyWithoutMessagesBefore_BeginsElsewhereInTheChild) {
   speaker.judge(of_child);
 }
 
-TEST(Fork, AChild_KnowsWhatItsParentSaidFromThePeersWords) {
+TEST(ForkedSender, AChild_KnowsWhatItsParentSaidFromThePeersWords) {
   Speaker speaker;
   const auto before = speaker.say(2).value();
   const auto codes = from_child([&] {
@@ -201,7 +201,7 @@ struct BreakableRandom final : Random {
   bool is_broken = false;
 };
 
-TEST(Fork, AChildWithoutRandomOctets_SendsNothing) {
+TEST(ForkedSender, AChildWithoutRandomOctets_SendsNothing) {
   BreakableRandom random;
   RetiredObjects retired_objects;
   const KeyServices services{*aead_backend(AeadChoice::automatic), retired_objects, 1000, 1000,
@@ -251,7 +251,7 @@ TEST_P(ForkBy, EveryProcessOfALine_HasAGenerationOfItsOwn) {
   EXPECT_EQ(now(), own);
 }
 
-TEST(Fork, ChallengesAndKeysDrawnByParentAndChild_Differ) {
+TEST(ForkedSender, ChallengesAndKeysDrawnByParentAndChild_Differ) {
   SystemRandom random;
   const auto draw = [&] {
     Bytes out(32);

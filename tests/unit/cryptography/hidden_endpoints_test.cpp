@@ -79,7 +79,7 @@ TEST_F(HiddenEndpointsTest, RepeatedAfterAcknowledgement_Counts) {
   EXPECT_TRUE(announced().hides_writers());
 }
 
-TEST_F(HiddenEndpointsTest, InFragments_IsFound) {
+TEST_F(HiddenEndpointsTest, WriterHiddenInFragments_IsFound) {
   EXPECT_EQ(fragments(1, with_info(announcement(1, 6'000), kValid)), Code{});
   EXPECT_FALSE(announced().hides_writers());
   EXPECT_EQ(fragments(2, announcement(2, 6'000)), Code{});

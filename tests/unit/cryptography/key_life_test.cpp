@@ -19,7 +19,7 @@ constexpr auto kMax = std::numeric_limits<std::uint64_t>::max();
 
 // ---- at which part of the limits a life ends
 
-TEST(KeyLife, WithoutLimits_NeverEnds) {
+TEST(KeyLife, KeyWithoutLimits_NeverEnds) {
   KeyLife life;
   EXPECT_FALSE(life.is_limited());
   life.begin(5s, kMax);
@@ -98,7 +98,7 @@ struct Limited {
   TwoSides two;
 };
 
-TEST(KeyLimits, GovernanceWithoutRevision_RefusesLimits) {
+TEST(LimitedKeys, GovernanceWithoutRevision_RefusesLimits) {
   for (const auto& properties : {lifetime("3600"), most_blocks("1")}) {
     Side side;
     const auto refused = side.factory().register_local_participant(
@@ -114,7 +114,7 @@ TEST(KeyLimits, GovernanceWithoutRevision_RefusesLimits) {
   }
 }
 
-TEST(KeyLimits, MalformedLimits_MakeNoParticipant) {
+TEST(LimitedKeys, MalformedLimits_MakeNoParticipant) {
   for (const auto& properties : {lifetime("soon"), lifetime("19"), most_blocks("-1")}) {
     Side side;
     for (const bool revises : {false, true}) {
@@ -126,7 +126,7 @@ TEST(KeyLimits, MalformedLimits_MakeNoParticipant) {
   }
 }
 
-TEST(KeyLimits, EndedTime_MakesARevisionDue) {
+TEST(LimitedKeys, EndedTime_MakesARevisionDue) {
   Limited limited(lifetime("100"));
   auto& clock = limited.two.a.clock;
   for (int i = 0; i < 3; ++i) {
@@ -141,7 +141,7 @@ TEST(KeyLimits, EndedTime_MakesARevisionDue) {
   }
 }
 
-TEST(KeyLimits, WithoutProperties_AreOff) {
+TEST(LimitedKeys, LimitsWithoutProperties_AreOff) {
   Limited limited(PropertyList{});
   limited.two.a.clock.advance(std::chrono::hours(24 * 365 * 20));
   EXPECT_FALSE(limited.is_due());
@@ -149,7 +149,7 @@ TEST(KeyLimits, WithoutProperties_AreOff) {
   EXPECT_FALSE(limited.factory().is_key_revision_due(limited.two.a.remote));
 }
 
-TEST(KeyLimits, RevisionForAnyReason_StartsThemAnew) {
+TEST(LimitedKeys, RevisionForAnyReason_StartsThemAnew) {
   Limited limited(lifetime("100"));
   limited.two.a.clock.advance(60s);
   limited.revise();
@@ -160,7 +160,7 @@ TEST(KeyLimits, RevisionForAnyReason_StartsThemAnew) {
 }
 
 // The blocks of each key of a participant and its endpoints are counted separately.
-TEST(KeyLimits, WhatEachKeyProtects_IsCounted) {
+TEST(LimitedKeys, WhatEachKeyProtects_IsCounted) {
   struct Row {
     std::string_view what;
     std::function<void(TwoSides&, const WriterToReader&)> send;
@@ -187,7 +187,7 @@ TEST(KeyLimits, WhatEachKeyProtects_IsCounted) {
   }
 }
 
-TEST(KeyLimits, WhatAReaderSaysToAParticipant_IsCounted) {
+TEST(LimitedKeys, WhatAReaderSaysToAParticipant_IsCounted) {
   Limited limited(most_blocks("4000"));
   const auto e = limited.two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   auto& b = limited.two.b;
@@ -200,7 +200,7 @@ TEST(KeyLimits, WhatAReaderSaysToAParticipant_IsCounted) {
   EXPECT_TRUE(is_due());
 }
 
-TEST(KeyLimits, FinishedSessions_AreCountedToo) {
+TEST(LimitedKeys, FinishedSessions_AreCountedToo) {
   Limited limited(most_blocks("4000"), {.max_blocks_per_session = 500});
   limited.two.a.clock.advance(kFormerKeyLife);
   const auto message = rtps_message({data_submessage(1024)});
@@ -211,7 +211,7 @@ TEST(KeyLimits, FinishedSessions_AreCountedToo) {
   EXPECT_LE(sent, 60);
 }
 
-TEST(KeyLimits, SmallestBlockLimit_RevisesEveryTenSeconds) {
+TEST(LimitedKeys, SmallestBlockLimit_RevisesEveryTenSeconds) {
   Limited limited(most_blocks("1"));
   const auto message = rtps_message({data_submessage(16)});
   for (int i = 0; i < 3; ++i) {

@@ -154,7 +154,7 @@ TEST_F(KeyOwnerTest, EachOfAWritersReaders_KnowsIt) {
   EXPECT_EQ(code_of(passes(ends, data_of(kOther))), Code::submessage_not_of_sender);
 }
 
-TEST_F(KeyOwnerTest, WithoutAnOwner_AKeySpeaksForItsKindOnly) {
+TEST_F(KeyOwnerTest, KeyWithoutAnOwner_SpeaksForItsKindOnly) {
   const auto ends = two.endpoints(attributes());
   EXPECT_TRUE(passes(ends, data_of(kSquare)));
   EXPECT_TRUE(passes(ends, data_of(kOther)));

@@ -95,7 +95,7 @@ TEST(KeyRevisionNumber, EachKind_HoldsItInItsFirstThreeOctets) {
   EXPECT_EQ(with_revision(kind, 0), kAes256Gcm);
 }
 
-TEST(KeyRevisionNumber, AfterTheGreatest_ComesOne) {
+TEST(KeyRevisionNumber, GreatestNumber_IsFollowedByOne) {
   EXPECT_EQ(next_revision(0), 1u);
   EXPECT_EQ(next_revision(0xfffffe), 0xffffffu);
   EXPECT_EQ(next_revision(0xffffff), 1u);
@@ -161,7 +161,7 @@ TEST_P(RevisedKeys, RevisedKey_KeepsIdAlgorithmAndReceiverKeyOnly) {
   for (std::size_t i = 0; i < 2; ++i) check(writer_before[i], writer_after[i]);
 }
 
-TEST(KeyRevision, EachRevision_IsNamedByTokensMessagesAndSubmessages) {
+TEST(KeyRevisionSteps, EachRevision_IsNamedByTokensMessagesAndSubmessages) {
   Revising test;
   for (const KeyRevision expected : {0u, 1u, 2u}) {
     if (expected != 0) test.revise();
@@ -175,7 +175,7 @@ TEST(KeyRevision, EachRevision_IsNamedByTokensMessagesAndSubmessages) {
   EXPECT_EQ(spi::named_key_revision(Bytes(6)), 0u);
 }
 
-TEST(KeyRevision, BeforeActivation_ChangesNothing) {
+TEST(KeyRevisionSteps, BeforeActivation_ChangesNothing) {
   Revising r;
   const auto in_use = r.of_participant(KeyStage::in_use);
   const auto revision = r.begin();
@@ -188,7 +188,7 @@ TEST(KeyRevision, BeforeActivation_ChangesNothing) {
             with_revision(kAes256Gcm, 1));
 }
 
-TEST(KeyRevision, KeyExchange_IsLeftAlone) {
+TEST(KeyRevisionSteps, KeyExchange_IsLeftAlone) {
   Revising r;
   const auto volatiles = r.two.volatile_endpoints();
   ASSERT_TRUE(r.activate(r.begin()));
@@ -197,7 +197,7 @@ TEST(KeyRevision, KeyExchange_IsLeftAlone) {
   EXPECT_TRUE(decode_submessage(r.two, volatiles, sent));
 }
 
-TEST(KeyRevision, ReadersRevision_IsForItsWriters) {
+TEST(KeyRevisionSteps, ReadersRevision_IsForItsWriters) {
   Revising r(kEncryptOrigin);
   auto& b = r.two.b;
   const auto revision = b.factory().revise_local_entity_keys(b.participant).value();
@@ -212,7 +212,7 @@ TEST(KeyRevision, ReadersRevision_IsForItsWriters) {
   EXPECT_TRUE(decode_reply(r.two, r.e, reply));
 }
 
-TEST(KeyRevision, EndpointMadeMeanwhile_NeedsNone) {
+TEST(KeyRevisionSteps, EndpointMadeMeanwhile_NeedsNone) {
   Revising r;
   const auto revision = r.begin();
   auto late = r.two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
@@ -224,7 +224,7 @@ TEST(KeyRevision, EndpointMadeMeanwhile_NeedsNone) {
   EXPECT_EQ(encode_payload(r.two, late, Bytes(8)).value()[2], 1);
 }
 
-TEST(KeyRevision, EndpointUnregisteredMeanwhile_IsForgotten) {
+TEST(KeyRevisionSteps, EndpointUnregisteredMeanwhile_IsForgotten) {
   Revising r;
   const auto revision = r.begin();
   ASSERT_TRUE(r.factory().unregister_datawriter(r.e.writer));
@@ -233,21 +233,21 @@ TEST(KeyRevision, EndpointUnregisteredMeanwhile_IsForgotten) {
   ASSERT_TRUE(r.factory().unregister_participant(r.two.a.participant));
 }
 
-TEST(KeyRevision, ParticipantWithoutMessageProtection_RevisesItsEndpoints) {
+TEST(KeyRevisionSteps, ParticipantWithoutMessageProtection_RevisesItsEndpoints) {
   TwoSides two(participant_attributes(kNone, true));
   const auto revision = two.a.factory().revise_local_entity_keys(two.a.participant);
   EXPECT_EQ(*revision, 1u);
   EXPECT_TRUE(two.participant_tokens(KeyStage::revised)->empty());
 }
 
-TEST(KeyRevision, GovernanceWithoutIt_RevisesNothing) {
+TEST(KeyRevisionSteps, GovernanceWithoutIt_RevisesNothing) {
   TwoSides two(participant_attributes(kEncrypt, false));
   EXPECT_EQ(two.a.factory().revise_local_entity_keys(two.a.participant).value(), 0u);
   EXPECT_EQ(code_of(two.a.factory().activate_key_revision(two.a.participant, 1)),
             Code::key_revision_out_of_turn);
 }
 
-TEST(KeyRevision, OutOfTurnSteps_AreRefused) {
+TEST(KeyRevisionSteps, OutOfTurnSteps_AreRefused) {
   Revising r;
   const auto again = [&] {
     return code_of(r.factory().revise_local_entity_keys(r.two.a.participant));
@@ -278,7 +278,7 @@ TEST_P(RevisedKeys, FormerKeys_CountForAWhile) {
   EXPECT_EQ(r.receive(r.send()), Revising::all(kGood));
 }
 
-TEST(FormerKeys, AfterTheirTime_AreWiped) {
+TEST(FormerKeys, KeysAfterTheirTime_AreWiped) {
   Revising r;
   const auto former = r.send();
   r.revise();
@@ -361,7 +361,7 @@ TEST(RevisedTokens, TokensCutShortAnywhere_ChangeNothing) {
 }
 
 // Other threads send and receive while the keys change.
-TEST(KeyRevision, OtherThreadsSending_LoseNothing) {
+TEST(KeyRevisionSteps, OtherThreadsSending_LoseNothing) {
   Revising r(kEncryptOrigin);
   std::atomic<bool> done = false;
   std::atomic<int> lost = 0, sent = 0;

@@ -56,7 +56,7 @@ Bytes with_source(const Bytes& plain) {
   return out;
 }
 
-TEST(PreSharedKey, EveryCipher_OpensWithTheSamePassphraseAndNoOther) {
+TEST(PreSharedKeyMessages, EveryCipher_OpensWithTheSamePassphraseAndNoOther) {
   for (const auto kind : {kSign, kEncrypt})
     for (const auto cipher : {spi::kAes128Name, spi::kAes256Name, spi::kChaCha20Poly1305Name}) {
       Member a(passphrase("5612:Open Sesame", {}, cipher), kind);
@@ -71,7 +71,7 @@ TEST(PreSharedKey, EveryCipher_OpensWithTheSamePassphraseAndNoOther) {
     }
 }
 
-TEST(PreSharedKey, AnotherIdDomainOrTag_IsAnotherKey) {
+TEST(PreSharedKeyMessages, AnotherIdDomainOrTag_IsAnotherKey) {
   Member a(passphrase("5612:Open Sesame"));
   const auto encoded = a.encode(hello());
   const auto refusal = [&](Member other) { return code_of(other.decode(encoded)); };
@@ -84,7 +84,7 @@ TEST(PreSharedKey, AnotherIdDomainOrTag_IsAnotherKey) {
             Code::psk_passphrase_unknown);
 }
 
-TEST(PreSharedKey, ProtectionAndCipher_MustBeOurs) {
+TEST(PreSharedKeyMessages, ProtectionAndCipher_MustBeOurs) {
   const auto same = passphrase("1:Open Sesame");
   EXPECT_EQ(code_of(Member(same, kSign).decode(Member(same).encode(hello()))),
             Code::encrypted_where_signature_is_due);
@@ -94,7 +94,7 @@ TEST(PreSharedKey, ProtectionAndCipher_MustBeOurs) {
   EXPECT_EQ(code_of(Member(same).decode(weak.encode(hello()))), Code::transform_kind_mismatch);
 }
 
-TEST(PreSharedKey, ChangedOrCutOffMessages_AreNotOpened) {
+TEST(PreSharedKeyMessages, ChangedOrCutOffMessages_AreNotOpened) {
   for (const auto kind : {kSign, kEncrypt}) {
     Member a(passphrase("5632:Open Sesame"), kind), b(passphrase("5632:Open Sesame"), kind);
     const auto genuine = a.encode(hello());
@@ -111,7 +111,7 @@ TEST(PreSharedKey, ChangedOrCutOffMessages_AreNotOpened) {
   }
 }
 
-TEST(PreSharedKey, WhatIsNoMessage_IsNotEncodedAndNoSmallBufferIsOverrun) {
+TEST(PreSharedKeyMessages, WhatIsNoMessage_IsNotEncodedAndNoSmallBufferIsOverrun) {
   Member a(passphrase("1:Open Sesame")), b(passphrase("1:Open Sesame"));
   const auto plain = hello();
   const auto encoded = a.encode(plain);
@@ -129,7 +129,7 @@ TEST(PreSharedKey, WhatIsNoMessage_IsNotEncodedAndNoSmallBufferIsOverrun) {
               Code::length_out_of_range);
 }
 
-TEST(PreSharedKey, APassphrase_IsChangedWithoutLosingAMessage) {
+TEST(PreSharedKeyMessages, APassphrase_IsChangedWithoutLosingAMessage) {
   Member before(passphrase("1:old passphrase", "2:new passphrase"));
   Member between(passphrase("2:new passphrase", "1:old passphrase"));
   Member after(passphrase("2:new passphrase"));
@@ -146,7 +146,7 @@ TEST(PreSharedKey, APassphrase_IsChangedWithoutLosingAMessage) {
   EXPECT_TRUE(between.decode(after.encode(hello_from(4))));
 }
 
-TEST(PreSharedKey, OnlyMembersMessages_AreRememberedAndOnlySoMany) {
+TEST(PreSharedKeyMessages, OnlyMembersMessages_AreRememberedAndOnlySoMany) {
   Member a(passphrase("1:Open Sesame")), b(passphrase("1:Open Sesame"));
   auto& ring = dynamic_cast<PreSharedKeyRing&>(*b.keys);
   const auto first = a.encode(hello_from(0));
@@ -170,7 +170,7 @@ TEST(PreSharedKey, OnlyMembersMessages_AreRememberedAndOnlySoMany) {
   EXPECT_TRUE(b.decode(a.encode(hello_from(1))));
 }
 
-TEST(PreSharedKey, RestartOrNewSession_RepeatsNoIv) {
+TEST(PreSharedKeyMessages, RestartOrNewSession_RepeatsNoIv) {
   const auto iv = [](const Bytes& message) {
     return std::string(message.begin() + 32, message.begin() + 44);
   };
@@ -186,7 +186,7 @@ TEST(PreSharedKey, RestartOrNewSession_RepeatsNoIv) {
   }
 }
 
-TEST(PreSharedKey, DifferentSourcesInsideAndOutside_AreRefused) {
+TEST(PreSharedKeyMessages, DifferentSourcesInsideAndOutside_AreRefused) {
   Member b(passphrase("1:Open Sesame"));
   // A participant that knows the passphrase can make such a message, under the key of the outer
   // name.
@@ -215,7 +215,7 @@ TEST(PreSharedKey, DifferentSourcesInsideAndOutside_AreRefused) {
   EXPECT_FALSE(b.keys->remembers(encoded));
 }
 
-TEST(PreSharedKey, WhatTheGovernanceDoesNotAskForOrAllow_IsNotMade) {
+TEST(PreSharedKeyMessages, WhatTheGovernanceDoesNotAskForOrAllow_IsNotMade) {
   Side side;
   const auto made = [&](const PropertyList& properties, ProtectionKind kind,
                         spi::CipherMask allowed = spi::kAllCiphers) {

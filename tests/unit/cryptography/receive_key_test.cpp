@@ -13,7 +13,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kNone = ProtectionKind::none;
 
-TEST(Sessions, OldOnes_StayReadableWhileNewOnesCome) {
+TEST(ReceivedSessions, OldOnes_StayReadableWhileNewOnesCome) {
   TwoSides two(kNone, {}, {.max_blocks_per_session = 1});
   const auto e = two.endpoints(endpoint_attributes(kNone, kEncrypt));
   std::vector<Bytes> encoded;

@@ -202,7 +202,7 @@ TEST(ReceiverPlaces, AParticipantThatAuthenticatesAnew_KeepsItsPlace) {
 }
 
 // In this case participants add no octets to a message.
-TEST(ReceiverPlaces, WithoutOriginAuthenticationOfMessages_ParticipantsNeedNone) {
+TEST(ReceiverPlaces, ParticipantsWithoutOriginAuthentication_NeedNoPlace) {
   CrowdedWriter writer(ProtectionKind::encrypt);
   for (std::uint16_t number = 1; number <= ReceiverPlaces::kMaxOfEach + 1; ++number)
     ASSERT_TRUE(writer.meet(1, number));
@@ -236,7 +236,7 @@ TEST(ReceiverPlaces, OneThatHasLeft_DoesNotCostTheOthersTheMessage) {
   EXPECT_EQ(code_of(writer.rtps_message_for({{gone}}, of_three)), Code::crypto_handle_unknown);
 }
 
-TEST(ReceiverPlaces, WithoutOriginAuthentication_NoneAreNeeded) {
+TEST(ReceiverPlaces, ReadersWithoutOriginAuthentication_NeedNoPlace) {
   CrowdedWriter writer;
   writer.writer = writer.side.factory()
                       .register_local_datawriter(

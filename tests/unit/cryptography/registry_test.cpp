@@ -50,7 +50,7 @@ TEST(Registry, Handles_ArePositiveAndDiffer) {
   }
 }
 
-TEST(RetiredObjects, WithoutReaders_FreesAtOnce) {
+TEST(RetiredObjects, ObjectsWithoutReaders_AreFreedAtOnce) {
   RetiredObjects retired_objects;
   {
     const ReadGuard guard;
@@ -62,7 +62,7 @@ TEST(RetiredObjects, WithoutReaders_FreesAtOnce) {
   EXPECT_EQ(retired_objects.size(), 0u);
 }
 
-TEST(Matching, SameRemoteIdentity_HasTheSameHandle) {
+TEST(RegisteredMatches, SameRemoteIdentity_HasTheSameHandle) {
   Side side;
   auto& factory = side.factory();
   const auto attributes = participant_attributes(kEncrypt);
@@ -85,7 +85,7 @@ TEST(Matching, SameRemoteIdentity_HasTheSameHandle) {
   EXPECT_NE(*again, remote);
 }
 
-TEST(Matching, TwoLocalParticipants_EachReadTheRemoteByTheirOwnMac) {
+TEST(RegisteredMatches, TwoLocalParticipants_EachReadTheRemoteByTheirOwnMac) {
   constexpr auto kOrigin = ProtectionKind::encrypt_with_origin_authentication;
   TwoSides two(kOrigin);
   auto& b = two.b;
@@ -175,7 +175,7 @@ bool first_reads(TwoSides& two, const WriterToReader& e) {
 
 // The first local participant knows the remote as 7. The second one knows it under the same
 // identity, or under one of its own.
-TEST(TwoLocals, OneRemote_HasItsOwnKeysForEach) {
+TEST(RegistryOfTwoLocals, OneRemote_HasItsOwnKeysForEach) {
   for (const IdentityHandle identity : {IdentityHandle{7}, IdentityHandle{17}}) {
     TwoSides two(kEncrypt);
     const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
@@ -200,7 +200,7 @@ TEST(TwoLocals, OneRemote_HasItsOwnKeysForEach) {
   }
 }
 
-TEST(TwoLocals, WhenOneGoes_TheOtherReadsOn) {
+TEST(RegistryOfTwoLocals, WhenOneGoes_TheOtherReadsOn) {
   for (const bool second_goes : {false, true})
     for (const IdentityHandle identity : {IdentityHandle{7}, IdentityHandle{17}}) {
       TwoSides two(kEncrypt);
@@ -214,7 +214,7 @@ TEST(TwoLocals, WhenOneGoes_TheOtherReadsOn) {
     }
 }
 
-TEST(TwoLocals, IdentityForEachPair_IsReturnedByEachForItself) {
+TEST(RegistryOfTwoLocals, IdentityForEachPair_IsReturnedByEachForItself) {
   for (const bool second_gives : {false, true}) {
     TwoSides two(kEncrypt);
     const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
@@ -226,7 +226,7 @@ TEST(TwoLocals, IdentityForEachPair_IsReturnedByEachForItself) {
   }
 }
 
-TEST(Scale, TheFourThousandthRemote_CostsAsMuchAsTheFirst) {
+TEST(RegistryScale, TheFourThousandthRemote_CostsAsMuchAsTheFirst) {
   Side side;
   const auto local = side.factory()
                          .register_local_participant({}, {}, {}, participant_attributes(kEncrypt))

@@ -111,7 +111,7 @@ struct RepeatedMessages : ::testing::Test {
   testing::WriterToReader ends;
 };
 
-TEST_F(RepeatedMessages, WithOriginAuthentication_AMessageCountsOnce) {
+TEST_F(RepeatedMessages, MessageWithOriginAuthentication_CountsOnce) {
   for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
                           ProtectionKind::sign_with_origin_authentication}) {
     begin(kind);
@@ -135,7 +135,7 @@ TEST_F(RepeatedMessages, TheSameKeyOnceMore_MakesNothingNew) {
 }
 
 // Each reader has the key, and could use IVs that the writer has not reached yet.
-TEST_F(RepeatedMessages, WithoutOriginAuthentication_NothingIsJudged) {
+TEST_F(RepeatedMessages, MessageWithoutOriginAuthentication_IsNotJudged) {
   begin(ProtectionKind::encrypt);
   const auto first = sent();
   EXPECT_TRUE(got(first));

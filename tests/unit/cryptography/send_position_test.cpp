@@ -28,7 +28,7 @@ TEST(SendPosition, WhatWasProtectedBefore_HasPassed) {
   EXPECT_FALSE(kThird.has_passed(iv(9, 0))) << "never one of the sender's";
 }
 
-TEST(SendPosition, AfterTheGreatestNumbers_CountsOn) {
+TEST(SendPosition, PositionAfterTheGreatestNumbers_CountsOn) {
   const SendPosition wraps{1, 5, {{0xfffffffe, 3}}};
   EXPECT_TRUE(wraps.has_passed(iv(0xffffffff, 7)));
   EXPECT_TRUE(wraps.has_passed(iv(1, 0xfffffffffffffff0)));

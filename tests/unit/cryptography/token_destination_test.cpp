@@ -61,7 +61,7 @@ TEST(TokenDestination, AllParticipants_AreRefused) {
   EXPECT_EQ(check({.payload = tokens_to(GuidPrefix{})}), Code::token_destination_refused);
 }
 
-TEST(TokenDestination, WithEachOctetChanged_IsRefused) {
+TEST(TokenDestination, DestinationWithEachOctetChanged_IsRefused) {
   for (std::size_t at = 0; at < GuidPrefix::size; ++at) {
     auto payload = tokens_to(kPeer);
     payload[52 + at] ^= 1;
@@ -94,7 +94,7 @@ TEST(TokenDestination, CutOffAnywhere_IsRefused) {
   }
 }
 
-TEST(TokenDestination, WithoutDataOrInAnotherEncoding_IsRefused) {
+TEST(TokenDestination, MessageWithoutDataOrInAnotherEncoding_IsRefused) {
   for (const std::uint8_t flags : {0x00, 0x08, 0x0c})  // no payload, a key, both
     EXPECT_EQ(check({.flags = flags, .payload = tokens_to(kPeer)}),
               Code::token_destination_refused);
@@ -208,7 +208,7 @@ void expect_sent_again(Host& host, std::uint16_t fragment_size) {
   EXPECT_EQ(host.two.a.events.codes(), std::vector<Code>());
 }
 
-TEST(KeyTokens, InFragments_AreSentAgainToTheirReceiver) {
+TEST(KeyTokens, TokensInFragments_AreSentAgainToTheirReceiver) {
   Host host(false);
   expect_sent_again(host, 100);
 }

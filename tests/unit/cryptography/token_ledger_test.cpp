@@ -143,7 +143,7 @@ TEST(TokenLedger, AFormerTicketOfOtherEndpoints_GetsTheNewTokens) {
 }
 
 // The host may hold messages back until a missing one arrives.
-TEST(TokenLedger, WithoutAcknowledgment_ForgetsNothing) {
+TEST(TokenLedger, TokensWithoutAcknowledgment_AreNotForgotten) {
   Host host;
   EXPECT_EQ(host.note(1), Kind::ticket);
   host.now += 10 * TokenLedger::kMemory;

@@ -79,7 +79,7 @@ std::optional<TokenMessage> read(const Bytes& payload) {
   return read_token_message(*piece).value();
 }
 
-TEST(TokenMessage, EachMessage_SaysWhoseTokensTheyAreAndForWhom) {
+TEST(TokenMessage, EachMessage_NamesTheOwnerAndTheReceiverOfItsTokens) {
   const auto tokens = fresh_tokens();
   for (const bool little : {false, true}) {
     const Guid remote{kPeer, kWriter}, local{kOurs, kReader};

@@ -44,7 +44,7 @@ TEST(Payload, OctetsUpToAWholeWordAfterItsFooter_AreNoPartOfIt) {
   }
 }
 
-TEST(Submessage, EveryKindAndSize_ComesBackBothWays) {
+TEST(ProtectedSubmessage, EveryKindAndSize_ComesBackBothWays) {
   for (const auto kind : kKinds) {
     TwoSides two;
     const auto e = two.endpoints(endpoint_attributes(kind, kNone));
@@ -56,7 +56,7 @@ TEST(Submessage, EveryKindAndSize_ComesBackBothWays) {
   }
 }
 
-TEST(Message, EveryKind_ComesBackWithItsSourceInFront) {
+TEST(ProtectedMessage, EveryKind_ComesBackWithItsSourceInFront) {
   for (const auto kind : kKinds) {
     TwoSides two(kind);
     const auto plain = rtps_message({data_submessage(12), data_submessage(100)});
@@ -70,7 +70,7 @@ TEST(Message, EveryKind_ComesBackWithItsSourceInFront) {
 }
 
 // Fast DDS 2.9 appends its statistics submessage after SRTPS_POSTFIX.
-TEST(Message, WhatFollowsThePostfix_IsLost) {
+TEST(ProtectedMessage, WhatFollowsThePostfix_IsLost) {
   for (auto kind : kKinds) {
     TwoSides two(kind);
     const auto plain = rtps_message({data_submessage(12)});
@@ -137,7 +137,7 @@ TEST(Volatile, AnotherSecret_IsAnotherKey) {
       decode_submessage(two, e, encode_submessage(two, e, data_submessage(8, 0x07)).value()));
 }
 
-TEST(FailClosed, WithoutTokens_NothingOpens) {
+TEST(FailClosed, PairWithoutTokens_OpensNothing) {
   TwoSides two(kEncrypt);
   const auto e = two.endpoints(endpoint_attributes(kEncrypt, kEncrypt));
   const auto message = encode_message(two, rtps_message({data_submessage(8)})).value();
@@ -180,7 +180,7 @@ TEST(Receivers, EachReader_FindsItsOwnMac) {
 }
 
 // The host may list a receiver that is unregistered before the message is encoded.
-TEST(Receivers, AfterOneHasLeft_TheOthersFindTheirMac) {
+TEST(Receivers, RemainingReceivers_FindTheirMacAfterOneHasLeft) {
   for (const auto kind : {ProtectionKind::encrypt_with_origin_authentication,
                           ProtectionKind::sign_with_origin_authentication}) {
     TwoSides two;

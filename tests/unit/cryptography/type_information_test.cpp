@@ -118,7 +118,7 @@ void expect_hidden_in_fragments(bool little, std::uint16_t size, std::uint16_t w
           << size << " " << one;
 }
 
-TEST(TypeInformation, InFragmentsOfEachSize_IsHiddenAlsoWhenTheyComeAgain) {
+TEST(TypeInformation, InformationInFragmentsOfEachSize_IsHiddenAlsoWhenTheyComeAgain) {
   for (const bool little : {true, false})
     for (std::uint16_t size = 4; size < 128; ++size)
       if (!first_octet_ends_fragment(size)) expect_hidden_in_fragments(little, size, 0);
@@ -126,7 +126,7 @@ TEST(TypeInformation, InFragmentsOfEachSize_IsHiddenAlsoWhenTheyComeAgain) {
 
 // The host has the first octet before the plugin knows the id, so the plugin turns it into an id
 // that no host knows.
-TEST(TypeInformation, WhoseIdBeginsInTwoFragments_BecomesUnknown) {
+TEST(TypeInformation, InformationWhoseIdBeginsInTwoFragments_BecomesUnknown) {
   for (const bool little : {true, false})
     for (std::uint16_t size = 1; size <= kTypeInformationAt + 1; ++size)
       if (first_octet_ends_fragment(size))

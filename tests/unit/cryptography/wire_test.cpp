@@ -39,7 +39,7 @@ TEST(ProtectedPayload, EncodedPayload_ComesBackInItsParts) {
   }
 }
 
-TEST(ProtectedPayload, WithMacsOfReceivers_IsRefused) {
+TEST(ProtectedPayload, PayloadWithMacsOfReceivers_IsRefused) {
   EXPECT_EQ(code_of(read_protected_payload(payload(kAes256Gcm, Bytes(8), 1))),
             Code::receiver_specific_macs_not_allowed);
 }
@@ -94,7 +94,7 @@ TEST(ProtectedGroup, CutOffAnywhere_IsRefused) {
     EXPECT_FALSE(read_protected_group(BytesView(octets).first(size), kSubmessageFrame)) << size;
 }
 
-TEST(ProtectedGroup, InAnotherFrameOrWithOtherFlags_IsRefused) {
+TEST(ProtectedGroup, GroupInAnotherFrameOrWithOtherFlags_IsRefused) {
   auto octets = group();
   EXPECT_EQ(code_of(read_protected_group(octets, kMessageFrame)), Code::secure_group_malformed);
   octets[1] |= 0x80;

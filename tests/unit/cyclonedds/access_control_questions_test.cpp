@@ -34,7 +34,7 @@ TEST_F(AccessControlAdapterTest, OtherLibrary_IsToldWhatTheGovernanceAllows) {
   EXPECT_EQ(facts(kOpen), 0u);
 }
 
-TEST_F(AccessControlAdapterTest, RenewedPermissions_AreTold_OnceForEachRenewal) {
+TEST_F(AccessControlAdapterTest, EachRenewal_IsReportedOnce) {
   constexpr spi::IdentityHandle kLocal{1}, kOther{2};
   ON_CALL(engine, validate_local_permissions).WillByDefault(Return(Handle{8}));
   ON_CALL(engine, permissions_credential_token(Handle{8}))

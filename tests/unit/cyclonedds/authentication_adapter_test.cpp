@@ -73,8 +73,8 @@ TEST_F(AuthenticationAdapterTest, LocalIdentity_ReachesTheEngine) {
 }
 
 // Properties of a participant, from the host and from the file that the process names.
-struct ProcessProperties : AuthenticationAdapterTest {
-  ~ProcessProperties() override { unsetenv(spi::kPropertiesVariable); }
+struct PropertiesOfTheHost : AuthenticationAdapterTest {
+  ~PropertiesOfTheHost() override { unsetenv(spi::kPropertiesVariable); }
 
   DDS_Security_ValidationResult_t validate(std::string host_name, std::string host_value,
                                            std::string_view file) {
@@ -100,7 +100,7 @@ struct ProcessProperties : AuthenticationAdapterTest {
 };
 
 // Cyclone's configuration file has no place for properties that Cyclone does not define.
-TEST_F(ProcessProperties, PropertiesThatTheHostDoesNotName_AreAdded) {
+TEST_F(PropertiesOfTheHost, PropertiesThatTheHostDoesNotName_AreAdded) {
   expect_engine_gets({{crl, "v", false}, {password, "w", false}});
   EXPECT_EQ(validate(crl, "v", crl + " = other\n" + password + " = w\n"),
             DDS_SECURITY_VALIDATION_OK);
@@ -111,12 +111,12 @@ TEST_F(ProcessProperties, PropertiesThatTheHostDoesNotName_AreAdded) {
 
 // Cyclone 0.10.2 passes an empty value for each element that its configuration leaves out. If these
 // counted, a revocation list that the file names would be ignored.
-TEST_F(ProcessProperties, EmptyPropertiesOfTheHost_AreReplaced) {
+TEST_F(PropertiesOfTheHost, EmptyPropertiesOfTheHost_AreReplaced) {
   expect_engine_gets({{crl, "file:/the/list", false}});
   EXPECT_EQ(validate(crl, "", crl + " = file:/the/list\n"), DDS_SECURITY_VALIDATION_OK);
 }
 
-TEST_F(ProcessProperties, PreSharedKeys_AreRefusedUnderCycloneDds) {
+TEST_F(PropertiesOfTheHost, PreSharedKeys_AreRefusedUnderCycloneDds) {
   for (const auto name : {spi::property::kPskPassphrase, spi::property::kPskExtraPassphrases,
                           spi::property::kPskCipher}) {
     EXPECT_EQ(validate(crl, "", std::string(name) + " = data:,1:abcdefgh\n"),

@@ -27,7 +27,7 @@ bool soon(F&& is_so) {
   return is_so();
 }
 
-TEST(CutOff, OwnIdentityEnded_IsNotToldToTheHost) {
+TEST(CutOffIdentity, OwnIdentityEnded_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
@@ -53,7 +53,7 @@ TEST(CutOff, OwnIdentityEnded_IsNotToldToTheHost) {
 
 // When peers give up a participant that is still announced, the host applies their messages to all
 // local participants.
-TEST(CutOff, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
+TEST(CutOffIdentity, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.farewells().add_local(kOwn, {{1}});
@@ -73,7 +73,7 @@ TEST(CutOff, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
 }
 
 // The other participant's permissions have ended, so it does not count as valid any more.
-TEST(CutOff, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost) {
+TEST(CutOffIdentity, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.farewells().add_local(kOwn, {{1}});

@@ -53,7 +53,7 @@ TEST(EndpointScope, OtherProperties_AreNoScopeAndAreLeftAlone) {
   EXPECT_EQ(scope.value._length, 0u);
 }
 
-TEST(EndpointScope, WithoutItsNumberOrTopic_IsMalformed) {
+TEST(EndpointScope, ScopeWithoutItsNumberOrTopic_IsMalformed) {
   const std::string number = "org.ddssec.access_control", topic = "org.ddssec.topic";
   for (const auto& bad :
        {spi::PropertyList{}, spi::PropertyList{{number, "1"}}, spi::PropertyList{{topic, "Square"}},

@@ -34,7 +34,7 @@ TEST_F(Timer, EndedIdentity_IsRevokedOnce) {
   timer.stop();
 }
 
-TEST_F(Timer, AfterStop_NothingIsCalled) {
+TEST_F(Timer, StoppedTimer_CallsNothing) {
   timer.start({.revoke_ended = [this](const std::stop_token&) { ++rounds; },
                .next_expiry = [] { return std::optional<WallTime>{}; }});
   while (rounds == 0) std::this_thread::sleep_for(1ms);

@@ -33,7 +33,7 @@ struct HandshakeWatchTest : testing::Test {
   const spi::HandshakeHandle handshake{70}, second{71};
 };
 
-TEST_F(HandshakeWatchTest, AfterARefusal_GivesUpSoon) {
+TEST_F(HandshakeWatchTest, RefusedPeer_IsGivenUpSoon) {
   watch.note_met({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2400ms).empty());
@@ -59,7 +59,7 @@ TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncement_DoesNotProlongTh
   EXPECT_TRUE(stuck[0].was_disturbed);
 }
 
-TEST_F(HandshakeWatchTest, WithoutARefusal_IsPatient) {
+TEST_F(HandshakeWatchTest, PeerWithoutARefusal_IsGivenUpAfterTwentySeconds) {
   watch.note_met({local, remote}, guid_of(1));
   EXPECT_TRUE(after(19s).empty());
   watch.progressed({local, remote}, handshake);  // the wait begins here
@@ -329,7 +329,7 @@ TEST_F(SharedPeerTest, PeerThatKeepsItsSession_IsNotGivenUpForAnother) {
 }
 
 // Otherwise the core's timer would end the handshake after 100 s, and damage memory.
-TEST_F(SharedPeerTest, WhereTheCoresTimerRuns_IsGivenUpEachTime) {
+TEST_F(SharedPeerTest, PeerWhileTheCoresTimerRuns_IsGivenUpEachTime) {
   for (int i = 0; i < 3; ++i) {
     watch.note_met({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     watch.progressed({local, remote}, handshake);

@@ -106,13 +106,13 @@ struct EventFifo : HostLog {
   int reader = -1;
 };
 
-TEST_F(EventFifo, WithoutAReader_IsSaidAndHoldsUpNothing) {
+TEST_F(EventFifo, FifoWithoutAReader_IsReportedAndHoldsUpNothing) {
   const auto log = make_host_log(record, json_path.c_str());
   ASSERT_EQ(logged.size(), 1u);
   EXPECT_THAT(logged[0].text, testing::HasSubstr("event_log_unwritable"));
 }
 
-TEST_F(EventFifo, WithAReader_TakesLines) {
+TEST_F(EventFifo, FifoWithAReader_TakesLines) {
   read_it();
   make_host_log(record, json_path.c_str())->raise(Event(Error(Code::malformed)));
   const auto line = received();
@@ -120,7 +120,7 @@ TEST_F(EventFifo, WithAReader_TakesLines) {
   EXPECT_THAT(line, testing::EndsWith("\n"));
 }
 
-TEST_F(EventFifo, WhoseReaderStopsReading_LosesLinesAndHoldsUpNothing) {
+TEST_F(EventFifo, FullFifo_LosesLinesAndHoldsUpNothing) {
   read_it();
   const auto log = make_host_log(record, json_path.c_str());
   // This is longer than what a FIFO takes as a whole or not at all.
@@ -137,7 +137,7 @@ TEST_F(EventFifo, WhoseReaderStopsReading_LosesLinesAndHoldsUpNothing) {
   EXPECT_EQ(lines.back(), "event_log_unwritable") << "how many are missing";
 }
 
-TEST_F(EventFifo, WhoseReaderLeft_DoesNotEndTheProcess) {
+TEST_F(EventFifo, FifoThatItsReaderClosed_DoesNotEndTheProcess) {
   read_it();
   const auto log = make_host_log(record, json_path.c_str());
   close(std::exchange(reader, -1));
@@ -186,7 +186,7 @@ TEST_F(HostLog, NoticesThatMustBeSeen_ByDefault_AreShown) {
   EXPECT_EQ(logged[3].category, DDS_LC_INFO);
 }
 
-TEST_F(HostLog, WithoutAHost_GoesToStderr) {
+TEST_F(HostLog, EventWithoutAHost_GoesToStderr) {
   testing::internal::CaptureStderr();
   make_host_log(nullptr, nullptr)->raise(Event(Error(Code::malformed)));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("malformed"));

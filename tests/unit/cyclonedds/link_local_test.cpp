@@ -57,7 +57,7 @@ class Wire {
   int socket_;
 };
 
-TEST(SendDatagram, LinkLocalAddress_IsReachedOverEachLink) {
+TEST(SendLinkLocalDatagram, LinkLocalAddress_IsReachedOverEachLink) {
   ASSERT_EQ(::unshare(::geteuid() == 0 ? CLONE_NEWNET : CLONE_NEWUSER | CLONE_NEWNET), 0);
   ASSERT_EQ(std::system(kTwoLinks), 0);
   const Wire first("d1"), second("a1");

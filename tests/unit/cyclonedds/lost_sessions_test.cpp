@@ -184,7 +184,7 @@ TEST_F(LostSessionsTest, EndOfTheirLocalParticipant_EndsThem) {
   EXPECT_TRUE(due().empty());
 }
 
-TEST_F(LostSessionsTest, AfterATime_AreForgotten) {
+TEST_F(LostSessionsTest, LostSession_IsForgottenAfterATime) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.lost(remote(1));
   clock.advance(LostSessions::kMemory);

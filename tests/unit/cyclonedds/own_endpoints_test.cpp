@@ -41,7 +41,7 @@ struct OwnEndpointsTest : testing::Test {
   const int writer = 0, reader = 0;  // only their addresses count
 };
 
-TEST_F(OwnEndpointsTest, WithoutARenewal_NothingIsJudged) {
+TEST_F(OwnEndpointsTest, EndpointsWithoutARenewal_AreNotJudged) {
   lost = "Square";
   EXPECT_CALL(engine, check_own_endpoint).Times(0);
   EXPECT_FALSE(endpoints.judge(kUs, engine));

@@ -59,7 +59,7 @@ TEST(OpensslWarning, KnownFlaw_NamesTheVersionAndTheRemedyInOneShortLine) {
   EXPECT_THAT(warning->to_line(), HasSubstr("[openssl_known_unsafe 1624]"));
 }
 
-TEST(OpensslWarning, WithoutACertainFlaw_IsNotRaised) {
+TEST(OpensslWarning, VersionWithoutACertainFlaw_RaisesNoWarning) {
   EXPECT_FALSE(openssl_warning("OpenSSL 3.0.22 25 Aug 2026"));
   EXPECT_FALSE(openssl_warning("OpenSSL 3.0.23 29 Sep 2026"));
 }

@@ -6,7 +6,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-TEST(ProcessQuestions, WithoutCryptography_StandardCiphersCountAndNothingIsKnown) {
+TEST(ProcessQuestions, ProcessWithoutCryptography_KnowsNothingAndHasTheStandardCiphers) {
   EXPECT_FALSE(has_our_cryptography());
   EXPECT_EQ(ciphers_of_process(), spi::kStandardCiphers);
   const auto questions = questions_to_cryptography();
@@ -16,7 +16,7 @@ TEST(ProcessQuestions, WithoutCryptography_StandardCiphersCountAndNothingIsKnown
   EXPECT_FALSE(questions.last_heard);
 }
 
-TEST(ProcessQuestions, WithoutAccessControl_NoPermissionsAreRenewed) {
+TEST(ProcessQuestions, ProcessWithoutAccessControl_RenewsNoPermissions) {
   std::uint64_t known = 3;
   EXPECT_EQ(renewed_permissions({1}, known), std::nullopt);
   EXPECT_EQ(known, 3u);

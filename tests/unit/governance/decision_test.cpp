@@ -178,7 +178,7 @@ TEST(Partitions, RequestedWildcards_AreHitByDenyRules) {
   EXPECT_FALSE(may_publish(wild, "t", {"p*"}));
 }
 
-TEST(DataTags, AllowRules_MustHoldAll) {
+TEST(DataTagRules, AllowRules_MustHoldAll) {
   const std::vector<DataTag> red = {{"colour", "red"}}, both = {{"colour", "red"}, {"size", "5"}};
   const auto none = compiled({rule(true, {criteria({"t"})})});
   EXPECT_TRUE(may_publish(none, "t"));
@@ -190,7 +190,7 @@ TEST(DataTags, AllowRules_MustHoldAll) {
   EXPECT_FALSE(may_publish(listed, "t", {}, {{"colour", "RED"}}));
 }
 
-TEST(DataTags, DenyRules_HitAny) {
+TEST(DataTagRules, DenyRules_HitAny) {
   const std::vector<DataTag> red = {{"colour", "red"}}, both = {{"colour", "red"}, {"size", "5"}};
   const auto any = compiled({rule(false, {criteria({"t"})})}, true);
   EXPECT_FALSE(may_publish(any, "t", {}, red));
@@ -213,7 +213,7 @@ TEST(Decision, CachedVerdict_DependsOnEachPartOfTheQuestion) {
   }
 }
 
-TEST(Participant, AllowRuleOfTheDomain_LetsIn) {
+TEST(ParticipantDecision, AllowRuleOfTheDomain_LetsIn) {
   EXPECT_TRUE(compiled({rule(true, {})}).judge_participant().allowed);
   EXPECT_FALSE(compiled({rule(true, {}, {1, 1})}).judge_participant().allowed);
   EXPECT_FALSE(compiled({}).judge_participant().allowed);
@@ -221,7 +221,7 @@ TEST(Participant, AllowRuleOfTheDomain_LetsIn) {
 }
 
 // DDS-Security 1.2 table 70. Deny rules about topics are skipped, because sros2 writes them first.
-TEST(Participant, DenialOfTopics_DoesNotDecideAndTheNextRuleDoes) {
+TEST(ParticipantDecision, DenialOfTopics_DoesNotDecideAndTheNextRuleDoes) {
   const auto everything = rule(false, {});
   const auto topic = rule(false, {criteria({"t"})});
   EXPECT_FALSE(compiled({everything, rule(true, {})}).judge_participant().allowed);

@@ -13,7 +13,7 @@ Ranges pieces_of(std::initializer_list<Ranges> documents) {
   return cuts.pieces();
 }
 
-TEST(DomainCuts, WithoutARange_AreOnePiece) {
+TEST(DomainCuts, DomainsWithoutARange_AreOnePiece) {
   EXPECT_EQ(pieces_of({}), (Ranges{{0, kMaxDomainId}}));
   EXPECT_EQ(pieces_of({{{0, kMaxDomainId}}}), (Ranges{{0, kMaxDomainId}}));
 }

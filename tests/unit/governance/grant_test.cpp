@@ -94,7 +94,7 @@ TEST(ValidAt, SeveralGrants_TheFirstValidOneIsTaken) {
   EXPECT_EQ(valid_at(grants, WallTime{30s}), nullptr);
 }
 
-TEST(FindGrant, WithoutAGrant_SaysWhoseGrantsThereAre) {
+TEST(FindGrant, SubjectWithoutAGrant_IsShownTheSubjectsThatHaveOne) {
   Permissions document;
   for (int i = 0; i < 5; ++i) document.grants.push_back(grant_for("CN=p" + std::to_string(i)));
   const auto found = find_grant(document, name("CN=me"), "CN=me", kNow);

@@ -270,7 +270,7 @@ TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics_IsFound) {
   EXPECT_EQ(of_flags({false, false}).size(), 1u);
 }
 
-TEST(LintGovernance, WithoutProtectedDiscovery_ReportsItOnlyBesideWhatIsProtected) {
+TEST(LintGovernance, ClearDiscovery_IsReportedOnlyBesideWhatIsProtected) {
   const auto of_kinds = [](ProtectionKind rtps, ProtectionKind liveliness, ProtectionKind metadata,
                            ProtectionKind data) {
     return of(ddssec::Rule::GOV045, changed_strict([&](DomainRule& rule) {

@@ -13,13 +13,13 @@ TEST(DomainSet, Ranges_ContainBothTheirEnds) {
 }
 
 // DDS-Security 1.2, clause 10.4.1.2.5.1.
-TEST(DomainSet, WithoutTags_ContainsTheEmptyTagOnly) {
+TEST(DomainSet, SetWithoutTags_ContainsTheEmptyTagOnly) {
   const DomainSet set{.ranges = {{0, 0}}};
   EXPECT_TRUE(set.contains(0, ""));
   EXPECT_FALSE(set.contains(0, "blue"));
 }
 
-TEST(DomainSet, WithTags_ContainsThoseThatItNamesOrThatAnExpressionMatches) {
+TEST(DomainSet, SetWithTags_ContainsThoseThatItNamesOrThatAnExpressionMatches) {
   const DomainSet set{
       .ranges = {{0, 0}}, .tags = {{"blue", 0}, {"r*", 0}}, .tag_expressions = {{"fleet-*", 0}}};
   for (const char* const tag : {"blue", "r*", "fleet-1"}) EXPECT_TRUE(set.contains(0, tag)) << tag;

@@ -50,7 +50,7 @@ TEST_F(RightsTest, Denials_WinInEveryPartition) {
   EXPECT_TRUE(grant.judge_participant().allowed) << "a denial must not be the first rule";
 }
 
-TEST_F(RightsTest, WithoutTopics_TheParticipantMayJoin) {
+TEST_F(RightsTest, ParticipantWithoutTopics_MayJoin) {
   const auto grant = compiled({.domains = {{3, 3}}});
   EXPECT_TRUE(grant.judge_participant().allowed);
   EXPECT_FALSE(may(grant, Action::publish, "a"));

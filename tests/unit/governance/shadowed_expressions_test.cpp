@@ -114,7 +114,7 @@ TEST(Shadows, LookingUpNames_CountsAsEffort) {
   EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC) << "of this process alone";
 }
 
-TEST(Shadows, WithoutEffort_OnlyPlainCasesAreFound) {
+TEST(Shadows, SearchWithoutEffort_FindsOnlyPlainCases) {
   SetEffort none{0};
   const std::string_view expressions[] = {"[a-m]", "[k-z]", "[b-y]", "rt/*", "rt/a"};
   const auto found = shadows(expressions, none);

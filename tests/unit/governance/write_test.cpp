@@ -75,7 +75,7 @@ TEST(Revision, WrittenRevision_IsReadBack) {
   EXPECT_NE(xml.find("?>\n<?ddssec revision=\"4294967295\"?>\n<dds>"), std::string::npos) << xml;
 }
 
-TEST(Revision, WithOrWithoutADeclaration_StandsRightAfterIt) {
+TEST(Revision, RevisionOfADocument_StandsAfterTheDeclarationOrFirst) {
   EXPECT_EQ(with_revision("<?xml version=\"1.0\"?>\n<dds/>", 7),
             "<?xml version=\"1.0\"?>\n<?ddssec revision=\"7\"?>\n<dds/>");
   EXPECT_EQ(with_revision("<?xml version=\"1.0\"?>\r\n<!-- c --><dds/>", 7),
@@ -100,7 +100,7 @@ TEST(Revision, EachPlace_IsReadAsItIsWritten) {
   }
 }
 
-TEST(Revision, InPermissions_IsRefused) {
+TEST(Revision, RevisionInPermissions_IsRefused) {
   EXPECT_CODE(read_permissions(as_bytes(with_revision("<dds><permissions/></dds>", 7))),
               xml_processing_instruction);
 }

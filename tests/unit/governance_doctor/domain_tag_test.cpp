@@ -11,7 +11,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(DomainTag, EachSpelling_IsFoundAsCycloneDdsReadsIt) {
+TEST(DomainTagOfAConfiguration, EachSpelling_IsFoundAsCycloneDdsReadsIt) {
   EXPECT_EQ(domain_tag_setting("<Discovery><Tag>Robots</Tag></Discovery>"), "Robots");
   EXPECT_EQ(domain_tag_setting("<CycloneDDS><DISCOVERY>\n<Ports/><tag> a b </></>"), "a b");
   EXPECT_EQ(domain_tag_setting("<Discovery/><Discovery><Tag>x</Tag></Discovery>"), "x");
@@ -22,7 +22,7 @@ TEST(DomainTag, EachSpelling_IsFoundAsCycloneDdsReadsIt) {
     EXPECT_EQ(domain_tag_setting(none), "") << none;
 }
 
-TEST(DomainTag, SetTag_IsWarnedOf) {
+TEST(DomainTagOfAConfiguration, SetTag_IsWarnedOf) {
   Diagnosis none;
   check_domain_tag("<CycloneDDS/>", "cyclonedds.xml", none);
   EXPECT_THAT(none.checks(), IsEmpty());

@@ -32,7 +32,7 @@ TEST_F(DomainsOfAFolder, ADefaultOfAllow_IsForAllDomains) {
   EXPECT_EQ(domains({{4, 5}}, {{0, 0}}, true), (Domains{{4, 5}}));
 }
 
-TEST_F(DomainsOfAFolder, WithoutDocuments_AreNone) {
+TEST_F(DomainsOfAFolder, FolderWithoutDocuments_HasNoDomains) {
   const auto folder = participant("p");
   write(folder.governance, "nothing");
   // This is the domain of the grant.
@@ -65,7 +65,7 @@ TEST(ChooseDomain, TwoParticipants_MeetWhereBothAre) {
   EXPECT_EQ(choice_of({{}, {{2, 2}}}).domain, 2);
 }
 
-TEST(ChooseDomain, WithoutDocuments_IsDomain0) {
+TEST(ChooseDomain, FoldersWithoutDocuments_GiveDomain0) {
   EXPECT_EQ(choice_of({}).domain, 0);
   EXPECT_FALSE(choice_of({{}}).has_others());
 }

@@ -16,17 +16,17 @@ struct ExpandedVariables : testing::Test {
   ~ExpandedVariables() override { ::unsetenv("DDSSEC_TEST_SET"); }
 };
 
-TEST_F(ExpandedVariables, InBraces_AreReplaced) {
+TEST_F(ExpandedVariables, VariablesInBraces_AreReplaced) {
   EXPECT_EQ(expanded_variables("a/${DDSSEC_TEST_SET}/b", 0), "a/value/b");
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_UNSET}", 0), "");
   EXPECT_EQ(expanded_variables("plain", 0), "plain");
 }
 
-TEST_F(ExpandedVariables, WithoutBraces_Stay) {
+TEST_F(ExpandedVariables, VariablesWithoutBraces_Stay) {
   EXPECT_EQ(expanded_variables("$DDSSEC_TEST_SET", 0), "$DDSSEC_TEST_SET");
 }
 
-TEST_F(ExpandedVariables, WithAnAlternative_HaveItOnlyWhereItIsFor) {
+TEST_F(ExpandedVariables, VariablesWithAnAlternative_HaveItOnlyWhereItIsFor) {
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_UNSET:-other}", 0), "other");
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_SET:-other}", 0), "value");
   EXPECT_EQ(expanded_variables("${DDSSEC_TEST_SET:+other}", 0), "other");

@@ -218,7 +218,7 @@ TEST(Chain, UnknownCriticalExtensions_AreRefused) {
 }
 
 // T13 (docs/attacks.md): a certificate is revoked while its participant runs.
-class Revocation : public testing::Test {
+class RevocationByChain : public testing::Test {
  protected:
   Crl list(const Authority& by, std::vector<Certificate> revoked,
            Validity span = {kNow, kNow + 24h}) {
@@ -229,7 +229,7 @@ class Revocation : public testing::Test {
   Credential bad_ = make_leaf(ca_, "CN=bad");
 };
 
-TEST_F(Revocation, RevokedOnes_AreRefusedAndOthersAreNot) {
+TEST_F(RevocationByChain, RevokedOnes_AreRefusedAndOthersAreNot) {
   const auto verifier = make_verifier({ca_.certificate()}, {list(ca_, {bad_.certificate})});
   const auto proof = verifier.verify(good_.certificate, kNow + 1s);
   ASSERT_TRUE(proof) << proof.error().to_sentence();
@@ -241,7 +241,7 @@ TEST_F(Revocation, RevokedOnes_AreRefusedAndOthersAreNot) {
       certificate_revoked);
 }
 
-TEST_F(Revocation, AMissingOrOldList_FailsHardUnlessToldOtherwise) {
+TEST_F(RevocationByChain, AMissingOrOldList_FailsHardUnlessToldOtherwise) {
   const auto other = make_ca("CN=Other");
   const auto check = [&](Crl crl, WallTime now, Code code) {
     const auto hard = make_verifier({ca_.certificate()}, {crl}).verify(good_.certificate, now);
@@ -256,7 +256,7 @@ TEST_F(Revocation, AMissingOrOldList_FailsHardUnlessToldOtherwise) {
   check(list(ca_, {}), kNow - 1s, Code::crl_not_yet_valid);
 }
 
-TEST_F(Revocation, ARevokedOne_IsRefusedFromAnOldListToo) {
+TEST_F(RevocationByChain, ARevokedOne_IsRefusedFromAnOldListToo) {
   const auto verifier =
       make_verifier({ca_.certificate()}, {list(ca_, {bad_.certificate})}, CrlPolicy::soft_fail);
   EXPECT_CODE(verifier.verify(bad_.certificate, kNow + 25h), certificate_revoked);
@@ -264,7 +264,7 @@ TEST_F(Revocation, ARevokedOne_IsRefusedFromAnOldListToo) {
 
 // An attacker may still have the former list. Once the newest list has ended, the former one must
 // not count again.
-TEST_F(Revocation, AnOlderListBesideTheNewest_NeverCounts) {
+TEST_F(RevocationByChain, AnOlderListBesideTheNewest_NeverCounts) {
   const auto numbered = [&](std::uint64_t number, WallTime from, WallTime until,
                             std::vector<Certificate> revoked) {
     return *ca_.make_crl({std::move(revoked), from, until, number});
@@ -282,7 +282,7 @@ TEST_F(Revocation, AnOlderListBesideTheNewest_NeverCounts) {
 }
 
 // OpenSSL uses only one of them, and which one depends on their order and scope.
-TEST_F(Revocation, OneOfSeveralListsInForceThatNamesIt_IsEnough) {
+TEST_F(RevocationByChain, OneOfSeveralListsInForceThatNamesIt_IsEnough) {
   const auto numbered = [&](std::uint64_t number, std::vector<Certificate> revoked) {
     return *ca_.make_crl({std::move(revoked), kNow, kNow + 24h, number});
   };
@@ -307,7 +307,7 @@ TEST_F(Revocation, OneOfSeveralListsInForceThatNamesIt_IsEnough) {
   }
 }
 
-TEST_F(Revocation, AForgedListThatNamesIt_RevokesNothing) {
+TEST_F(RevocationByChain, AForgedListThatNamesIt_RevokesNothing) {
   const auto twin = make_ca("CN=Root");
   const auto forged = list(twin, {good_.certificate});
   EXPECT_TRUE(make_verifier({ca_.certificate()}, {list(ca_, {}), forged})
@@ -318,7 +318,7 @@ TEST_F(Revocation, AForgedListThatNamesIt_RevokesNothing) {
 }
 
 // Otherwise a user who can write to the file could take the list of the CA away.
-TEST_F(Revocation, AForgedNewerList_TakesNoListsPlace) {
+TEST_F(RevocationByChain, AForgedNewerList_TakesNoListsPlace) {
   const auto twin = make_ca("CN=Root");
   const auto genuine = list(ca_, {bad_.certificate});
   const auto forged = *twin.make_crl({{}, kNow + 1h, kNow + 48h, 1'000'000});
@@ -339,7 +339,7 @@ Crl without_key_id(const Crl& list, const Authority& by) {
 }
 
 // A CA that rolled over has two keys, and a list belongs to the key that signed it.
-TEST_F(Revocation, TwoCasOfOneName_HaveAListEach) {
+TEST_F(RevocationByChain, TwoCasOfOneName_HaveAListEach) {
   const auto twin = make_ca("CN=Root");
   const auto good = make_leaf(twin, "CN=good"), bad = make_leaf(twin, "CN=bad");
   for (const auto& [mine, others] : {std::pair{1u, 9u}, {9u, 1u}})
@@ -356,13 +356,13 @@ TEST_F(Revocation, TwoCasOfOneName_HaveAListEach) {
     }
 }
 
-TEST_F(Revocation, AListOfTheOtherCaOfTheName_IsNone) {
+TEST_F(RevocationByChain, AListOfTheOtherCaOfTheName_IsNone) {
   const auto twin = make_ca("CN=Root");
   const auto verifier = make_verifier({ca_.certificate(), twin.certificate()}, {list(twin, {})});
   EXPECT_FALSE(verifier.verify(good_.certificate, kNow + 1s));
 }
 
-TEST_F(Revocation, AForgedList_IsRefusedUnderEitherPolicy) {
+TEST_F(RevocationByChain, AForgedList_IsRefusedUnderEitherPolicy) {
   const auto twin = make_ca("CN=Root");
   auto der = list(ca_, {});
   // The other CA has the same name and another key. The key identifier, which would show this
@@ -380,7 +380,7 @@ TEST_F(Revocation, AForgedList_IsRefusedUnderEitherPolicy) {
         crl_signature_invalid);
 }
 
-TEST_F(Revocation, Cas_AreLookedUpWhereTheirIssuerHasAList) {
+TEST_F(RevocationByChain, Cas_AreLookedUpWhereTheirIssuerHasAList) {
   const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
   const auto leaf = make_leaf(sub).certificate;
   const std::vector anchors = {ca_.certificate(), sub.certificate()};
@@ -414,7 +414,7 @@ TEST(MayBeRevoked, CertificateAndCaOnNoList_AreNotRevoked) {
   EXPECT_CODE(of_root.verify(good, kNow), certificate_revoked);
 }
 
-TEST_F(Revocation, Files_HoldSeveralListsAmongOtherBlocks) {
+TEST_F(RevocationByChain, Files_HoldSeveralListsAmongOtherBlocks) {
   const auto sub = *ca_.subordinate("CN=Sub", {}, kYear, test_random());
   const auto text = ca_.certificate().pem() + list(ca_, {}).pem() + list(sub, {}).pem();
   const auto crls = Crl::all_from(as_bytes(text));

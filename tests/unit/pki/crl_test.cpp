@@ -56,7 +56,7 @@ TEST(CrlEntries, ASerialNumberThatIsNone_IsRefused) {
 
 // RFC 5280 5.3.1 allows this reason in a delta list only. One product would treat the entry as
 // revoked, another one would not.
-TEST(CrlEntries, WithTheReasonRemoveFromCrl_AreRefused) {
+TEST(CrlEntries, EntriesWithTheReasonRemoveFromCrl_AreRefused) {
   const auto ca = make_ca();
   auto content = kMonth;
   const std::array revoked = {make_leaf(ca).certificate};

@@ -19,7 +19,7 @@ constexpr std::string_view kPoint =
     "046b17d1f2e12c4247f8bce6e563a440f277037d812deb33a0f4a13945d898c296"
     "4fe342e2fe1a7f9b8ee7eb4a7c0f9e162bce33576b315ececbb6406837bf51f5";
 
-TEST(OutOfMemory, FailureAtTheFirstPublicKey_DoesNotSpoilTheNext) {
+TEST(PkiOutOfMemory, FailureAtTheFirstPublicKey_DoesNotSpoilTheNext) {
   ASSERT_TRUE(PrivateKey::generate(KeyKind::ec_p256, 0));  // starts OpenSSL
   const auto octets = from_hex(kPoint);
   ASSERT_TRUE(octets);

@@ -176,7 +176,7 @@ TEST_F(TwoReaders, ABoundaryWithinALine_IsRefused) {
               smime_malformed);
 }
 
-TEST_F(TwoReaders, AnotherTextOrSignatureForOpenssl_IsAmbiguous) {
+TEST_F(TwoReaders, DocumentThatOpensslReadsDifferently_IsRefusedAsAmbiguous) {
   auto ours = read_document(as_bytes(outer_));
   ASSERT_TRUE(ours);
   EXPECT_TRUE(check_same_reading(*ours, as_bytes(outer_)));

@@ -170,7 +170,7 @@ TEST_F(Ocsp, OutsideItsTime_IsRefused) {
   EXPECT_CODE(judge(), ocsp_malformed);
 }
 
-TEST_F(Ocsp, WithoutAnEnd_CountsForADay) {
+TEST_F(Ocsp, ResponseWithoutAnEnd_CountsForADay) {
   auto& answer = content.answers.front();
   answer.next_update.reset();
   answer.this_update = -23h;
@@ -188,12 +188,12 @@ TEST_F(Ocsp, SignedWithSha1_IsRefused) {
   EXPECT_CODE(judge(response), ocsp_digest_too_weak);
 }
 
-TEST_F(Ocsp, WithACriticalExtension_IsRefused) {
+TEST_F(Ocsp, ResponseWithACriticalExtension_IsRefused) {
   content.answers.front().is_critical = true;
   EXPECT_CODE(judge(), ocsp_malformed);
 }
 
-TEST_F(Ocsp, WithTooMuch_IsRefused) {
+TEST_F(Ocsp, ResponseAboveALimit_IsRefused) {
   EXPECT_CODE(judge(Bytes(kMaxOcspOctets + 1, 0x30)), ocsp_too_large);
   content.answers.resize(kMaxOcspAnswers, content.answers.front());
   EXPECT_TRUE(judge());
@@ -219,7 +219,7 @@ TEST_F(Ocsp, CutAnywhereOrFollowedByOctets_IsRefused) {
   EXPECT_CODE(judge(longer), ocsp_malformed);
 }
 
-TEST_F(Ocsp, WithOneBitFlipped_IsNeverGood) {
+TEST_F(Ocsp, ResponseWithOneBitFlipped_IsNeverGood) {
   // The algorithm of the signature is not signed. Its encoding only affects how the signature is
   // verified.
   const auto whole = test::ocsp_response(content);

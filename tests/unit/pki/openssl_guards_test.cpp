@@ -113,7 +113,7 @@ TEST_F(Signatures, HonestForm_PassesBothReaders) {
   EXPECT_TRUE(verified());
 }
 
-TEST_F(Signatures, WithoutADigestAlgorithm_AreRefused) {
+TEST_F(Signatures, SignaturesWithoutADigestAlgorithm_AreRefused) {
   auto* algorithms = pkcs7_->d.sign->md_algs;
   while (sk_X509_ALGOR_num(algorithms) > 0) X509_ALGOR_free(sk_X509_ALGOR_pop(algorithms));
   // Otherwise memory is freed twice, or the code is another one.
@@ -121,7 +121,7 @@ TEST_F(Signatures, WithoutADigestAlgorithm_AreRefused) {
   EXPECT_CODE(verified(), smime_signature_invalid);
 }
 
-TEST_F(Signatures, WhoseMessageDigestIsOfAnotherType_AreRefused) {
+TEST_F(Signatures, SignaturesWithAMessageDigestOfAnotherType_AreRefused) {
   replace_digest(test::message_digest_of_type(V_ASN1_UTF8STRING, "digest", 6));
   expect_bad_digest("UTF8STRING");
   const Asn1IntegerPtr number(ASN1_INTEGER_new());
@@ -132,7 +132,7 @@ TEST_F(Signatures, WhoseMessageDigestIsOfAnotherType_AreRefused) {
   expect_bad_digest("NULL");
 }
 
-TEST_F(Signatures, WithoutOneMessageDigest_AreRefused) {
+TEST_F(Signatures, SignaturesWithoutOneMessageDigest_AreRefused) {
   const auto octets = [&] {
     return test::message_digest_of_type(V_ASN1_OCTET_STRING, digest_.data(), 32);
   };

@@ -22,7 +22,7 @@ void run(const std::string& command) {
 }
 
 // One token for all tests of the process, because its module is loaded only once.
-class Token : public testing::Test {
+class Pkcs11Token : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<test::TemporaryFolder>();
@@ -67,7 +67,7 @@ class Token : public testing::Test {
 };
 
 // This must run before another test logs in, because a login lasts as long as the process.
-TEST_F(Token, MissingOrWrongPin_IsRefused) {
+TEST_F(Pkcs11Token, MissingOrWrongPin_IsRefused) {
   const auto missing = PrivateKey::load(uri("ec"), kProperty);
   EXPECT_CODE(missing, pkcs11_pin_missing);
   EXPECT_EQ(missing.error().details().document, kProperty);
@@ -80,7 +80,7 @@ TEST_F(Token, MissingOrWrongPin_IsRefused) {
   ASSERT_OK(PrivateKey::load(uri("ec"), kProperty, &right));
 }
 
-TEST_F(Token, WhereLoginsAreForbidden_NothingIsTried) {
+TEST_F(Pkcs11Token, ForbiddenLogin_IsNotTried) {
   const auto right = pin();
   {
     const LoginsForbidden forbidden(true);
@@ -92,7 +92,7 @@ TEST_F(Token, WhereLoginsAreForbidden_NothingIsTried) {
   ASSERT_OK(PrivateKey::load(uri("ec"), kProperty, &right));
 }
 
-TEST_F(Token, AnAttributeThatIsGivenTwice_IsRefused) {
+TEST_F(Pkcs11Token, AnAttributeThatIsGivenTwice_IsRefused) {
   const auto path = folder_->write("one pin", kPin);
   const auto source = "pin-source=" + folder_->path() + "/one%20pin";
   for (const auto& more : {"?" + source + "&" + source, ";" + source + "?" + source,
@@ -104,7 +104,7 @@ TEST_F(Token, AnAttributeThatIsGivenTwice_IsRefused) {
   }
 }
 
-TEST_F(Token, ThePin_MayLieInAFileWithALineEnd) {
+TEST_F(Pkcs11Token, ThePin_MayLieInAFileWithALineEnd) {
   const auto path = folder_->write("pin of robot", std::string(kPin) + "\r\n");
   const auto escaped = folder_->path() + "/pin%20of%20robot";
   for (const auto& source : {escaped, "file:" + escaped, "file://" + escaped})
@@ -116,7 +116,7 @@ TEST_F(Token, ThePin_MayLieInAFileWithALineEnd) {
                 pkcs11_not_found);
 }
 
-TEST_F(Token, WhatIsNotThere_IsNamedWithoutThePin) {
+TEST_F(Pkcs11Token, WhatIsNotThere_IsNamedWithoutThePin) {
   for (const auto& gone :
        {with_pin("nobody"), std::string("pkcs11:token=other;object=ec?pin-value=x"),
         std::string("pkcs11:rubbish"), std::string("pkcs11:"),
@@ -128,7 +128,7 @@ TEST_F(Token, WhatIsNotThere_IsNamedWithoutThePin) {
   }
 }
 
-TEST_F(Token, HeldKey_SignsAsAKeyInAFileDoes) {
+TEST_F(Pkcs11Token, HeldKey_SignsAsAKeyInAFileDoes) {
   for (const auto* name : {"ec", "p384", "rsa"}) {
     const auto held = key(name);
     ASSERT_OK(held);
@@ -151,7 +151,7 @@ TEST_F(Token, HeldKey_SignsAsAKeyInAFileDoes) {
   }
 }
 
-TEST_F(Token, CaInAToken_SignsAndIssues) {
+TEST_F(Pkcs11Token, CaInAToken_SignsAndIssues) {
   for (const auto* name : {"ec", "rsa"}) {
     const auto ca = Authority::create_root("CN=CA in a token", *key(name), kYear, test_random());
     ASSERT_OK(ca);
@@ -165,7 +165,7 @@ TEST_F(Token, CaInAToken_SignsAndIssues) {
   }
 }
 
-TEST_F(Token, HeldCertificates_AreRead) {
+TEST_F(Pkcs11Token, HeldCertificates_AreRead) {
   const auto ca = make_ca();
   const auto path = folder_->write("ca.pem", ca.certificate().pem());
   run(with_pin_option(

@@ -43,7 +43,7 @@ TEST(RenewalList, CutAtEveryOctet_HasNoOtherEntry) {
   }
 }
 
-TEST(RenewalList, WithoutAnEntry_IsRefused) {
+TEST(RenewalList, TextWithoutABlock_IsRefused) {
   EXPECT_CODE(RenewalList::parse({}), renewal_list_malformed);
   EXPECT_CODE(RenewalList::parse(as_bytes("no block")), renewal_list_malformed);
   const auto none = RenewalList{}.text().value();

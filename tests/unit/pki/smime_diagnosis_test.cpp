@@ -144,7 +144,7 @@ TEST_F(SmimeDiagnosis, ASignerNamedByItsKey_IsReadAsThePluginsDo) {
   EXPECT_FALSE(form.ambiguous);
 }
 
-TEST_F(SmimeDiagnosis, WithoutCertificates_NoneIsEmbedded) {
+TEST_F(SmimeDiagnosis, DocumentWithoutCertificates_EmbedsNone) {
   const OddDocument bare(self_, PKCS7_DETACHED | PKCS7_TEXT | PKCS7_NOCERTS);
   EXPECT_TRUE(examine(bare.smime()).embedded.empty());
   EXPECT_TRUE(examine(bare.smime()).signer_certificates.empty());

@@ -5,7 +5,7 @@
 namespace ddssec::rtps {
 namespace {
 
-TEST(AcknowledgedNumbers, WithoutReaders_AllIsAcknowledged) {
+TEST(AcknowledgedNumbers, NumbersWithoutReaders_AreAllAcknowledged) {
   AcknowledgedNumbers numbers;
   EXPECT_FALSE(numbers.lowest());
   EXPECT_TRUE(numbers.reach({100}));

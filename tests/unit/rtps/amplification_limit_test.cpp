@@ -34,7 +34,7 @@ class AmplificationLimitTest : public ::testing::Test {
   const GuidPrefix name_ = GuidPrefix::from(Bytes(12, 1));
 };
 
-TEST_F(AmplificationLimitTest, WhoWasNeverLimited_GetsEverything) {
+TEST_F(AmplificationLimitTest, PeerThatWasNeverLimited_GetsEverything) {
   EXPECT_FALSE(limit_.is_limited(name_));
   EXPECT_EQ(sent(1'000'000, {at(1), at(2)}), 2'000'000u);
 }
@@ -75,7 +75,7 @@ TEST_F(AmplificationLimitTest, OneSource_DoesNotUseUpWhatAnotherEarned) {
   EXPECT_EQ(limit_.left(name_, LocatorList{at(9)}), 0u);
 }
 
-TEST_F(AmplificationLimitTest, AnAddressOfNobody_GetsNothing) {
+TEST_F(AmplificationLimitTest, AddressOfNoParticipant_GetsNothing) {
   announce(1, {at(1)}, 400);
   EXPECT_EQ(sent(10, {at(7)}), 0u);
 }
@@ -152,7 +152,7 @@ TEST_F(AmplificationLimitTest, TheChallengeOfAnotherParticipantOrSecret_ProvesNo
   EXPECT_FALSE(limit_.prove(name_, other.challenge(name_, host)));
 }
 
-TEST_F(AmplificationLimitTest, WithoutASecret_NothingIsProven) {
+TEST_F(AmplificationLimitTest, LimitWithoutASecret_ProvesNothing) {
   AmplificationLimit limit;
   limit.begin(name_, LocatorList{at(1)}, std::vector{SourceAddress(at(1))});
   EXPECT_TRUE(limit.challenge(name_, at(1)).empty());
@@ -165,7 +165,7 @@ TEST_F(AmplificationLimitTest, WhatIsSaved_IsBounded) {
   EXPECT_EQ(limit_.left(name_, LocatorList{at(1)}), AmplificationLimit::kMaxSaved - 1);
 }
 
-TEST_F(AmplificationLimitTest, WhoIsLimitedAgain_BeginsWithNothing) {
+TEST_F(AmplificationLimitTest, PeerThatIsLimitedAgain_BeginsWithNothing) {
   announce(1, {at(1)}, 400);
   limit_.end(name_);
   EXPECT_EQ(sent(50'000, {at(1)}), 50'000u);

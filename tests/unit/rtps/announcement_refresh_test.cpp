@@ -42,7 +42,7 @@ TEST(AnnouncementRefreshTest, RoutineRefresh_DoesNotEndThePauseOfChangesThatGoOn
   EXPECT_LE(readings, 24);
 }
 
-TEST(AnnouncementRefreshTest, AfterALongRest_PauseIsShortAgain) {
+TEST(AnnouncementRefreshTest, PauseAfterALongRest_IsShortAgain) {
   AnnouncementRefresh reading;
   for (auto now = kStart; now < kStart + std::chrono::minutes(10); now += std::chrono::seconds(1)) {
     reading.note_change(now);

@@ -18,7 +18,7 @@ struct EarlyChangesTest : ::testing::Test {
   EarlyChanges changes{account, spare};
 };
 
-TEST_F(EarlyChangesTest, InAnyOrder_ComeOutByTheirNumbers) {
+TEST_F(EarlyChangesTest, ChangesInAnyOrder_ComeOutByTheirNumbers) {
   EXPECT_TRUE(changes.insert({9}, change_of(1)));
   EXPECT_TRUE(changes.insert({5}, change_of(2)));
   EXPECT_TRUE(changes.insert({7}, std::nullopt));

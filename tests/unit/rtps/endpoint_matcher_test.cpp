@@ -65,7 +65,7 @@ TEST(Participant, OneIdentity_MatchesABoundedNumberOfTimesWithOneEndpoint) {
 }
 
 // A reader that finds no place must match later, when there is one.
-TEST(Participant, WhereOneIdentityHasNoPlaceLeft_ItsEndpointsWaitForOne) {
+TEST(Participant, EndpointsOfAFullIdentity_WaitForAPlace) {
   Node a{1}, b{2};
   World world{{&a, &b}};
   const auto writer =

@@ -25,7 +25,7 @@ TEST_P(Entities, AGroup_MayLeaveEnablingToTheApplication) {
   EXPECT_EQ(reader->read(samples), 0u);
 }
 
-TEST_P(Entities, Defaults_ArePassedOn) {
+TEST_P(Entities, DefaultQosOfAnOwner_IsThatOfNewEntities) {
   auto qos = reliable();
   qos.history.depth = 7;
   qos.ownership = OwnershipKind::exclusive;

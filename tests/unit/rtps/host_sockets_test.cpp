@@ -83,7 +83,7 @@ TEST_F(NetworkTrouble, AddressOfNoInterface_IsSaid) {
 }
 
 // The multicast group is one of IPv4.
-TEST_F(NetworkTrouble, WithoutMulticast_PeersAreEnoughAndNoneIsAnError) {
+TEST_F(NetworkTrouble, InterfaceWithoutMulticast_NeedsPeers) {
   const auto with_peers = create({.domain_id = 75, .interfaces = {"::1"}, .peers = {"::1"}});
   ASSERT_TRUE(with_peers) << with_peers.error().to_sentence();
   EXPECT_THAT(said(), ::testing::Contains(Code::rtps_no_multicast));
@@ -91,7 +91,7 @@ TEST_F(NetworkTrouble, WithoutMulticast_PeersAreEnoughAndNoneIsAnError) {
             Code::rtps_no_multicast);
 }
 
-TEST_F(NetworkTrouble, WithoutMulticastOnAnyOfTwoInterfaces_NoPeerIsAnError) {
+TEST_F(NetworkTrouble, TwoInterfacesWithoutMulticast_NeedPeers) {
   EXPECT_EQ(code_of(create({.domain_id = 77, .interfaces = {"::1", "::1"}, .peers = {}})),
             Code::rtps_no_multicast);
   EXPECT_EQ(std::ranges::count(said(), Code::rtps_no_multicast), 0) << "the error says it";

@@ -222,7 +222,7 @@ TEST(KeyPayload, ReadersOfFastDds2_GetMoreThanAKeyHash) {
   }
 }
 
-TEST(VendorVersion, OnlyTheFirstTwoNumbers_AreCompared) {
+TEST(VendorVersionNumbers, OnlyTheFirstTwoNumbers_AreCompared) {
   for (const auto* version : {"0.10.2", "0.10", "0.9.1", "0.10-beta"})
     EXPECT_TRUE(is_up_to(version, 0, 10)) << version;
   for (const auto* version : {"0.11.0", "1.0", "11.0.1", "", ".", "0", "0.", "x", "-1.2"})

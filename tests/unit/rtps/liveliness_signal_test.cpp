@@ -45,7 +45,7 @@ TEST(LivelinessSignal, ReaderThatForgets_IsNotCalled) {
   EXPECT_THAT(reader.alive, ElementsAre(kOther));
 }
 
-TEST(LivelinessSignal, WithoutAnAssertion_NoReaderIsCalled) {
+TEST(LivelinessSignal, SignalWithoutAnAssertion_CallsNoReader) {
   LivelinessSignal signal(1s);
   Waiting reader;
   signal.notify(reader, kWriter);

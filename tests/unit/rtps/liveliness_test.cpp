@@ -16,7 +16,7 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 
-TEST(WriterLease, AfterItsTime_IsLostOnceAndComesBack) {
+TEST(WriterLease, LeaseAfterItsTime_IsLostOnceAndComesBack) {
   const Duration second{{1, 0}};
   WriterLease lease({LivelinessKind::manual_by_topic, second}, milliseconds(0));
   EXPECT_FALSE(lease.check(milliseconds(999)));

@@ -98,7 +98,7 @@ TEST_P(MalformedSamples, BeforeHonestInstances_ConditionsGoOn) {
   EXPECT_FALSE(condition.trigger_value());
 }
 
-TEST_P(MalformedSamples, InALimitedTake_AreReplacedByTheNextSamples) {
+TEST_P(MalformedSamples, SamplesInALimitedTake_AreReplacedByTheNextOnes) {
   for (const std::uint8_t instance : {1, 2, 3}) write_malformed(instance);
   write("a", 10), write("a", 11), write_malformed(4), write("b", 20);
   EXPECT_EQ(reader.take(samples, 2), 2u);
@@ -108,7 +108,7 @@ TEST_P(MalformedSamples, InALimitedTake_AreReplacedByTheNextSamples) {
   EXPECT_EQ(reader.take(samples, 1), 0u);
 }
 
-TEST_P(MalformedSamples, InALimitedRead_AreReplacedByTheNextUnreadSamples) {
+TEST_P(MalformedSamples, SamplesInALimitedRead_AreReplacedByTheNextUnreadOnes) {
   for (const std::uint8_t instance : {1, 2}) write_malformed(instance);
   write("a", 10), write_malformed(3), write("b", 20);
   const States unread{.sample = SampleState::not_read};
@@ -120,7 +120,7 @@ TEST_P(MalformedSamples, InALimitedRead_AreReplacedByTheNextUnreadSamples) {
   EXPECT_EQ(reader.read(samples), 2u);
 }
 
-TEST_P(MalformedSamples, InAnHonestInstance_LeaveItsSamplesAndTheirRanks) {
+TEST_P(MalformedSamples, SamplesInAnHonestInstance_LeaveTheOthersAndTheirRanks) {
   write("a", 10), write_malformed("a"), write("a", 11), write_malformed("a");
   const auto instance = reader.lookup_instance({"a"});
   EXPECT_EQ(reader.read_instance(samples, instance), 2u);
@@ -133,7 +133,7 @@ TEST_P(MalformedSamples, InAnHonestInstance_LeaveItsSamplesAndTheirRanks) {
   EXPECT_THAT(values(samples), ElementsAre(12));
 }
 
-TEST_P(MalformedSamples, InAnHonestInstance_AreReplacedWithinIt) {
+TEST_P(MalformedSamples, SamplesInAnHonestInstance_AreReplacedWithinIt) {
   write_malformed("a"), write("a", 10), write("a", 11), write("b", 20);
   EXPECT_EQ(reader.take_next_instance(samples, {}, 2), 2u);
   EXPECT_THAT(values(samples), ElementsAre(10, 11));
@@ -151,7 +151,7 @@ TEST_P(MalformedSamples, OneByOne_AreSkipped) {
 }
 
 // Malformed samples give their places to samples that were refused for lack of room.
-TEST_P(MalformedSamples, InAFullReader_GiveTheirPlaces) {
+TEST_P(MalformedSamples, SamplesInAFullReader_GiveUpTheirPlaces) {
   auto qos = reliable();
   qos.resource_limits.max_samples = 2;
   auto& full = b.reader(qos);

@@ -23,14 +23,14 @@ std::size_t fill(MatchTable& table, std::uint8_t of, bool has_macs) {
   return count;
 }
 
-TEST(MatchTableTest, WithoutMacs_EachIdentityHasTheSameLimit) {
+TEST(MatchTableTest, EndpointsWithoutMacs_HaveOneLimitForEachIdentity) {
   MatchTable table;
   for (std::uint8_t of = 1; of <= 4; ++of) EXPECT_EQ(fill(table, of, false), MatchTable::kMaxOfOne);
 }
 
 // Without this bound, three identities with 1024 readers each made the messages to all others too
 // long.
-TEST(MatchTableTest, WithMacs_IdentitiesLeaveRoomForAnother) {
+TEST(MatchTableTest, EndpointsWithMacs_LeaveRoomForAnotherIdentity) {
   MatchTable table;
   EXPECT_EQ(fill(table, 1, true), MatchTable::kMaxWithMacs / 2);
   EXPECT_EQ(fill(table, 2, true), MatchTable::kMaxWithMacs / 4);
@@ -52,7 +52,7 @@ TEST(MatchTableTest, LastOneThatAnyoneCanHaveAnnounced_IsReplaceable) {
 }
 
 // The identity has more than its share since other identities came.
-TEST(MatchTableTest, WhereOneLessLeavesNoRoom_NoneIsReplaceable) {
+TEST(MatchTableTest, TableThatOneLessLeavesFull_HasNoneReplaceable) {
   MatchTable table;
   table.add({identity(1), {{1, 0, 0, 7}}}, identity(1), false);
   fill(table, 1, true);

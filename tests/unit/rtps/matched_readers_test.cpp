@@ -35,7 +35,7 @@ TEST(MatchedReaders, OnlyReliablePairs_Acknowledge) {
   EXPECT_FALSE(best_effort.acknowledged().lowest());
 }
 
-TEST(MatchedReaders, Everybody_HasEachLocatorOnce) {
+TEST(MatchedReaders, AllReaders_HaveEachLocatorOnce) {
   MatchedReaders readers(testing::kWriter, true);
   EXPECT_FALSE(readers.any_remote());
   auto& first = readers.add({guid(1), true, false, {kHere}}, {{1}});

@@ -142,7 +142,7 @@ TEST_F(MessageReceiverTest, ProtectedGroupWithoutKeys_IsSteppedOver) {
   EXPECT_EQ(counters.malformed, 0u);
 }
 
-TEST_F(MessageReceiverTest, InfoDestination_DecidesForWhomTheNextSubmessagesAre) {
+TEST_F(MessageReceiverTest, InfoDestination_NamesTheReceiverOfTheNextSubmessages) {
   receive({written(InfoDestination{kOther}), heartbeat(), stateless(),
            written(InfoDestination{kOurs}), heartbeat(), written(InfoDestination{kOther}),
            heartbeat(), written(InfoDestination{}), stateless()});

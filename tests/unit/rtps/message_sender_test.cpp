@@ -97,7 +97,7 @@ TEST_F(Packing, SmallSamplesInQuickSuccession_ShareMessages) {
   for (const auto& octets : transport.sent) EXPECT_LE(octets.size(), MessageSender::kMaxMessage);
 }
 
-TEST_F(Packing, WithoutALingerTime_EachSampleLeavesAtOnce) {
+TEST_F(Packing, SamplesWithoutALingerTime_LeaveAtOnce) {
   Recorder other;
   MessageSender strict(other, kA);
   StatefulWriter at_once({kA, testing::kWriter}, keep_all(), strict);

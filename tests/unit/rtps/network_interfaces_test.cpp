@@ -24,7 +24,7 @@ TEST(Interfaces, NameAndAddress_GiveTheSame) {
 }
 
 // The test's own network has no other interface.
-TEST(Interfaces, WithoutAnyButTheLoopback_ItIsUsed) {
+TEST(Interfaces, LoopbackAlone_IsUsed) {
   const auto chosen = choose_interfaces({});
   ASSERT_TRUE(chosen);
   EXPECT_EQ(chosen->front().address.kind, LocatorKind::udp_v4);

@@ -64,7 +64,7 @@ struct Shares : Cache {
 
 // Otherwise one identity could take all octets, and the samples of others would be rejected for as
 // long as its own stayed.
-TEST_F(Shares, OneIdentity_NeverTakesAllOctets) {
+TEST_F(Shares, SamplesOfOneIdentity_HoldAtMostHalfOfTheOctets) {
   constexpr auto kHalf = HeldInstances::kMaxOctetsOfOne / kLarge;
   EXPECT_EQ(fill(1, kLarge, 20), kHalf);
   EXPECT_EQ(fill(2, kLarge, 2), 0u) << "another participant of the same identity";
@@ -90,7 +90,7 @@ TEST_F(Shares, FullShare_OwnSamplesGiveWay) {
 }
 
 // A reader that takes all samples holds the keys as long as the instances are alive.
-TEST_F(Shares, OneIdentity_NeverTakesAllOctetsWithKeys) {
+TEST_F(Shares, LargeKeysOfOneIdentity_HoldAtMostHalfOfTheOctets) {
   made.emplace(qos, [](const Change&) { return Bytes(kLarge); });
   for (const auto i : kTwo) cache().set_writer(writer(i), 0, kDurationInfinite, writer(i).prefix);
   std::size_t stored = 0;
@@ -224,7 +224,7 @@ TEST_F(LeftInstances, AnInstanceThatAnotherIdentityKeeps_CountsForThatOne) {
   EXPECT_EQ(put_many(2, 6'000'000), StoreResult::stored);
 }
 
-TEST_F(LeftInstances, WhoHasNoRoomForAnInstance_LeavesItWithTheLastOneThatHas) {
+TEST_F(LeftInstances, InstanceWithoutRoomInAnAccount_StaysInTheLastOneThatHadRoom) {
   for (std::uint32_t key = 0; key < kHalf; ++key) {
     ASSERT_EQ(put_many(3, key), StoreResult::stored);
     if (key % 1000 == 0) take();

@@ -181,7 +181,7 @@ TEST_F(ReceivedSamplesTest, ContentFilter_KeepsOutSamplesAndTheEndsOfTheirInstan
   EXPECT_EQ(samples.malformed(), 0u);
 }
 
-TEST_F(ReceivedSamplesTest, WithHistory_ASampleOfTwoWriters_IsTakenOnce) {
+TEST_F(ReceivedSamplesTest, SampleOfTwoWriters_IsTakenOnceIfHistoryIsExpected) {
   for (const bool expects : {false, true}) {
     ReceivedSamples samples(qos, type);
     if (expects) samples.expect_history();

@@ -100,7 +100,7 @@ TEST_F(TimelinessTest, ReaderThatCatchesUp_HoldsUpAgain) {
   EXPECT_TRUE(is_ahead());
 }
 
-TEST(WriterHistoryOctets, AfterANumber_AreThoseOfTheHeldChanges) {
+TEST(WriterHistoryOctets, OctetsAfterANumber_AreThoseOfTheHeldChanges) {
   WriterHistory history{of_reliability::keep_all()};
   for (std::size_t size = 1; size <= 4; ++size) {
     Change change;

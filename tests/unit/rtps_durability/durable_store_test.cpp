@@ -46,7 +46,7 @@ TEST_F(DurableStoreTest, ANextWriter_GetsWhatTheOneBeforeLeft) {
 }
 
 // No file of this process may grow, as on a full disk.
-TEST_F(DurableStoreTest, WithoutRoom_SaysSoAndGoesOnWhenThereIsSome) {
+TEST_F(DurableStoreTest, StoreWithoutRoom_ReportsItAndGoesOnWithNewRoom) {
   std::signal(SIGXFSZ, SIG_IGN);
   auto store = open();
   const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
@@ -157,7 +157,7 @@ TEST_F(DurableStoreTest, ASinkThatThrows_DoesNotEndTheThread) {
   EXPECT_EQ(store->left_out(), 2u);
 }
 
-TEST_F(DurableStoreTest, InMemory_LastsAsLongAsItself) {
+TEST_F(DurableStoreTest, StoreInMemory_LastsAsLongAsItself) {
   auto store = *DurableStore::open("", events);
   const auto stream = *store->open_stream(kMap, keep_all(), at(1000));
   store->append(stream.id, sample(1), at(0));

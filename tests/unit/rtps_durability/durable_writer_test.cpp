@@ -124,7 +124,7 @@ TEST_P(DurableWriterTest, AReaderThatStays_GetsNothingTwiceFromARestartedWriter)
   }
 }
 
-TEST_P(DurableWriterTest, WithoutAStore_PersistentSamplesAreKeptInMemoryWithAWarning) {
+TEST_P(DurableWriterTest, WriterWithoutAStore_KeepsPersistentSamplesInMemoryWithAWarning) {
   ASSERT_TRUE(a.writer(durable(DurabilityKind::persistent)).write({"north", 1}));
   const std::lock_guard held(events.mutex);
   ASSERT_EQ(std::ranges::count(events.all, Code::rtps_store_unusable,

@@ -64,20 +64,20 @@ struct KeeperPairTest : KeeperTest {
 
 // After its restart, the keeper that missed nothing must not serve the older samples of the other
 // one.
-TEST_P(KeeperPairTest, AfterARestart_TheLatestSampleWins) {
+TEST_P(KeeperPairTest, LatestSample_WinsAfterARestart) {
   miss_samples(1);
   EXPECT_EQ(keepers[0]->served(), 1u);
   EXPECT_EQ(keepers[1]->served(), 1u);
   EXPECT_EQ(served_by_alone(0, 1), (Values{5}));
 }
 
-TEST_P(KeeperPairTest, AfterARestart_TheOneThatMissedSamplesGetsThem) {
+TEST_P(KeeperPairTest, KeeperThatMissedSamples_GetsThemAfterARestart) {
   miss_samples(3);
   EXPECT_EQ(served_by_alone(1, 3), (Values{3, 4, 5}));
 }
 
 // A keeper that has the last sample must not refuse those before it.
-TEST_P(KeeperPairTest, AfterARestart_ItTakesWhatTheWriterDidNotHold) {
+TEST_P(KeeperPairTest, RestartedKeeper_TakesWhatTheWriterDidNotHold) {
   start(0);
   auto qos = durable(DurabilityKind::transient, 1);
   qos.durability_service.history.depth = 3;
@@ -104,7 +104,7 @@ TEST_P(KeeperPairTest, AfterARestart_ItTakesWhatTheWriterDidNotHold) {
 }
 
 // The disposed instance must not come back.
-TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
+TEST_P(KeeperPairTest, DisposedInstance_StaysSoAfterARestart) {
   for (const std::size_t which : {0u, 1u}) start(which);
   auto qos = durable(DurabilityKind::transient, 1);
   qos.durability_service.cleanup_delay = kDurationZero;
@@ -126,7 +126,7 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasDisposedStaysSo) {
 }
 
 // The instance must not come back after it was disposed and removed.
-TEST_P(KeeperPairTest, AfterARestart_WhatWasRemovedStaysSo) {
+TEST_P(KeeperPairTest, RemovedInstance_StaysSoAfterARestart) {
   for (const std::size_t which : {0u, 1u}) start(which);
   auto qos = durable(DurabilityKind::transient, 1);
   qos.durability_service.cleanup_delay = Duration::from(200ms);
@@ -149,7 +149,7 @@ TEST_P(KeeperPairTest, AfterARestart_WhatWasRemovedStaysSo) {
 }
 
 // A keeper that has a later sample must not treat the instance as ended.
-TEST_P(KeeperPairTest, AfterARestart_ItTakesInstancesThatItNeverStored) {
+TEST_P(KeeperPairTest, RestartedKeeper_TakesInstancesThatItNeverStored) {
   start(0);
   auto qos = durable(DurabilityKind::transient, 1);
   qos.resource_limits.max_samples = 1;

@@ -214,7 +214,7 @@ TEST_P(KeeperTest, AStoredTopic_ThatIsNotWanted_IsNotServedAndStays) {
   EXPECT_EQ(late_joiner(*service, b, 1), (Values{1}));
 }
 
-TEST_P(KeeperTest, WithoutRoom_StartsAndServes) {
+TEST_P(KeeperTest, KeeperWithoutRoom_StartsAndServes) {
   {
     const auto service = keeper();
     auto& writer = a.writer(durable(DurabilityKind::persistent));

@@ -94,7 +94,7 @@ TEST_F(RelayedSamplesTest, AnOlderDispose_EndsNothing_AndAnOlderSample_RevivesNo
   EXPECT_EQ(relayed(10), SampleIndex::Decision::stored);
 }
 
-TEST_F(RelayedSamplesTest, AfterAnEndThatIsNotStored_AnOlderSample_RevivesNothing) {
+TEST_F(RelayedSamplesTest, SampleOlderThanAnEndThatIsNotStored_RevivesNothing) {
   auto service = keep_all();
   service.cleanup_delay = kDurationZero;
   open(service);

@@ -122,7 +122,7 @@ TEST_F(SampleIndexTest, ManyEndedInstances_CostEachTheirOwn) {
   EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 3);
 }
 
-TEST_F(SampleIndexTest, WithoutDelay_DisposedInstancesGoAtOnce) {
+TEST_F(SampleIndexTest, InstancesDisposedWithoutDelay_GoAtOnce) {
   auto opened = *IndexedStore::open("");
   const auto id = *opened.stream(kMap, keep_all());
   ASSERT_TRUE(
@@ -284,7 +284,7 @@ TEST_F(ShareTest, KeepLast_WhatGoesMakesRoom) {
   EXPECT_EQ(store->waited, waited);
 }
 
-TEST_F(ShareTest, WithoutRoom_TheEndOfAnInstanceRemovesIt) {
+TEST_F(ShareTest, EndOfAnInstanceWithoutRoom_RemovesIt) {
   service.cleanup_delay = Duration{{10, 0}};
   open();
   fill(1, 60000, 10, 10);
@@ -425,7 +425,7 @@ TEST_F(LateSamplesTest, PastEnds_AreBounded) {
   EXPECT_EQ(put(of(sample(0), 2999), 10, true), Decision::overtaken);
 }
 
-TEST_F(LateSamplesTest, WithKeepAll_ALateSample_IsKeptUnlessItsInstanceEndedLater) {
+TEST_F(LateSamplesTest, LateSampleWithKeepAll_IsKeptUnlessItsInstanceEndedLater) {
   service = keep_all();
   service.cleanup_delay = Duration{{100, 0}};
   id = *store.stream(kMap, service);

@@ -63,7 +63,7 @@ TEST_F(SampleRowTest, Stored_IsReadAsItWas) {
   EXPECT_EQ(row->expiry, kExpiry);
 }
 
-TEST_F(SampleRowTest, WithoutKeyAndExpiry_IsReadWithout) {
+TEST_F(SampleRowTest, RowWithoutKeyAndExpiry_IsReadWithoutThem) {
   auto change = stored_change();
   change.key_hash.reset();
   store(change, std::nullopt);

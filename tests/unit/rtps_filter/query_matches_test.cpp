@@ -90,7 +90,7 @@ TEST_P(QueryMatchesTest, ASampleIsEvaluatedOnce_WhateverIsHeld) {
   EXPECT_EQ(evaluations, 303u);
 }
 
-TEST_P(QueryMatchesTest, WithoutQueryConditions_NothingIsEvaluated) {
+TEST_P(QueryMatchesTest, ReaderWithoutQueryConditions_EvaluatesNothing) {
   start();
   write(0, 10);
   auto& every = reader->create_readcondition({});

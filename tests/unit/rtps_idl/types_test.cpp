@@ -53,7 +53,7 @@ std::string refused(const TypeConsistency& policy) {
   return judged.fits() ? "" : judged.refused_by.empty() ? "type" : std::string(judged.refused_by);
 }
 
-TEST(Types, WithoutCoercion_OnlyTheSameTypeFits) {
+TEST(Types, TypesWithoutCoercion_MustBeTheSame) {
   const TypeConsistency same{.kind = TypeConsistencyKind::disallow_type_coercion};
   EXPECT_EQ((refused<one::Track, one::Track>(same)), "");
   EXPECT_EQ((refused<one::Track, newer::Track>(same)), "kind = DISALLOW_TYPE_COERCION");
@@ -101,7 +101,7 @@ TEST(Types, WhatCannotBeJudged_IsRefusedWhereValidationIsForced) {
   EXPECT_TRUE(judge_types({}, known).fits());
 }
 
-TEST(Types, WithoutTypeInformationOrTheObjects_NamesDecide) {
+TEST(Types, TypesWithoutInformationOrObjects_AreJudgedByTheirNames) {
   auto known = description<one::Solid>(), silent = description<other::Solid>();
   silent.objects.clear();
   EXPECT_EQ(judge_types(known, silent).verdict, TypeVerdict::unknown);

@@ -100,7 +100,7 @@ TEST(DescriptorRequestTest, Writer_KilledBeforeItAnswers_IsNoticed) {
   EXPECT_FALSE(connected(name)) << "the name is gone with the process";
 }
 
-TEST(DescriptorRequestTest, Descriptor_ThatIsSlowToClose_HoldsNobodyUp) {
+TEST(DescriptorRequestTest, DescriptorThatIsSlowToClose_DelaysNoOtherRequest) {
   Impostor impostor;
   auto request = DescriptorRequest::send(impostor.offer);
   ASSERT_TRUE(request.has_value());
@@ -110,7 +110,7 @@ TEST(DescriptorRequestTest, Descriptor_ThatIsSlowToClose_HoldsNobodyUp) {
   expect_quick([&] { EXPECT_EQ(request->take().error(), MemoryRefusal::wrong_kind); });
 }
 
-TEST(DescriptorRequestTest, SlowDescriptor_BesideAGoodOne_HoldsNobodyUp) {
+TEST(DescriptorRequestTest, SlowDescriptorBesideAGoodOne_DelaysNoOtherRequest) {
   const auto segment = *Segment::make(kSegmentId, 64, 1);
   Impostor impostor(segment.memory());
   auto request = DescriptorRequest::send(impostor.offer);
@@ -121,7 +121,7 @@ TEST(DescriptorRequestTest, SlowDescriptor_BesideAGoodOne_HoldsNobodyUp) {
   expect_quick([&] { EXPECT_EQ(request->take().error(), MemoryRefusal::wrong_kind); });
 }
 
-TEST(DescriptorRequestTest, SlowDescriptor_AfterTheAnswer_HoldsNobodyUp) {
+TEST(DescriptorRequestTest, SlowDescriptorAfterTheAnswer_DelaysNoOtherRequest) {
   const auto segment = *Segment::make(kSegmentId, 64, 1);
   Impostor impostor(segment.memory());
   auto request = DescriptorRequest::send(impostor.offer);

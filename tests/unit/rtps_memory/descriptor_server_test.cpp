@@ -254,7 +254,7 @@ TEST_F(DescriptorServerTest, Server_Waiting_IsReadableWhenAReaderConnects) {
 
 // ---- strangers that send descriptors
 
-TEST_F(DescriptorServerTest, Stranger_SendsASlowDescriptor_HoldsNobodyUp) {
+TEST_F(DescriptorServerTest, SlowDescriptorOfAStranger_DelaysNoPeer) {
   const auto made = offer();
   SlowToClose hostile;
   {
@@ -268,7 +268,7 @@ TEST_F(DescriptorServerTest, Stranger_SendsASlowDescriptor_HoldsNobodyUp) {
 }
 
 // SOCK_SEQPACKET has empty messages, which look like the end of the connection.
-TEST_F(DescriptorServerTest, SlowDescriptor_AfterEmptyMessages_HoldsNobodyUp) {
+TEST_F(DescriptorServerTest, SlowDescriptorAfterEmptyMessages_DelaysNoPeer) {
   const auto made = offer();
   for (const int count : {1, 2, 5}) {
     const auto stranger = connected(made.name);
@@ -283,7 +283,7 @@ TEST_F(DescriptorServerTest, SlowDescriptor_AfterEmptyMessages_HoldsNobodyUp) {
 }
 
 // The other side leaves what we sent unread, so its socket reports an error before its messages.
-TEST_F(DescriptorServerTest, SlowDescriptor_BehindAnError_HoldsNobodyUp) {
+TEST_F(DescriptorServerTest, SlowDescriptorAfterAnError_DelaysNoPeer) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
   SlowToClose hostile;
@@ -297,7 +297,7 @@ TEST_F(DescriptorServerTest, SlowDescriptor_BehindAnError_HoldsNobodyUp) {
   expect_quick([&] { ours.reset(); });
 }
 
-TEST_F(DescriptorServerTest, Stranger_SendsItLater_HoldsNobodyUp) {
+TEST_F(DescriptorServerTest, SlowDescriptorThatAStrangerSendsLater_DelaysNoPeer) {
   const auto made = offer();
   const auto stranger = connected(made.name);
   server_.serve(kStart);
@@ -307,7 +307,7 @@ TEST_F(DescriptorServerTest, Stranger_SendsItLater_HoldsNobodyUp) {
   EXPECT_EQ(server_.connections(), 0U);
 }
 
-TEST_F(DescriptorServerTest, SlowDescriptor_AfterTheToken_HoldsNobodyUp) {
+TEST_F(DescriptorServerTest, SlowDescriptorAfterTheToken_DelaysNoPeer) {
   const auto made = offer();
   const auto reader = connected(made.name);
   made.token.expose([&](BytesView token) {
@@ -319,7 +319,7 @@ TEST_F(DescriptorServerTest, SlowDescriptor_AfterTheToken_HoldsNobodyUp) {
   EXPECT_EQ(server_.offers().size(), 0U);
 }
 
-TEST_F(DescriptorServerTest, SlowDescriptor_OfAConnectionThatIsTooLate_HoldsNobodyUp) {
+TEST_F(DescriptorServerTest, SlowDescriptorOfAConnectionThatIsTooLate_DelaysNoPeer) {
   const auto stranger = connected(offer().name);
   server_.serve(kStart);
   SlowToClose hostile;
@@ -327,7 +327,7 @@ TEST_F(DescriptorServerTest, SlowDescriptor_OfAConnectionThatIsTooLate_HoldsNobo
   expect_quick([&] { server_.serve(kStart + DescriptorServer::kSilence); });
 }
 
-TEST_F(DescriptorServerTest, Server_EndsWithSlowDescriptorsWaiting_HoldsNobodyUp) {
+TEST_F(DescriptorServerTest, ServerThatEndsWithSlowDescriptorsWaiting_DelaysNoPeer) {
   SlowToClose hostile;
   std::optional<DescriptorServer> server(*DescriptorServer::listen(random_));
   const auto made = server->offer(segment_, random_, kStart);

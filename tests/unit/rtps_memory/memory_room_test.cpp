@@ -89,7 +89,7 @@ TEST(MemoryRoom, AsMuchAgain_MustBeLeft) {
   EXPECT_FALSE(root.has_room(700));
 }
 
-TEST(MemoryRoom, WithoutALimit_ThereIsRoomForAnySize) {
+TEST(MemoryRoom, HostWithoutALimit_HasRoomForAnySize) {
   Root root;
   root.write("/proc/self/cgroup", "0::/\n");
   root.write("/sys/fs/cgroup/memory.max", "max\n");

@@ -81,7 +81,7 @@ struct FastDds : ::testing::Test {
   int said = 0;          // the number of our messages on that topic
 };
 
-TEST_F(FastDds, HeardPeer_GetsOurData) {
+TEST_F(FastDds, HeardPeer_GetsOurParticipantData) {
   is_heard = false;
   ASSERT_TRUE(meet());
   world.run(100);

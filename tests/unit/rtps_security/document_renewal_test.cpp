@@ -87,7 +87,7 @@ TEST(DocumentRenewal, ARenewedCertificate_KeepsTheSessionAfterTheFormerEnd) {
   }
 }
 
-TEST(DocumentRenewal, WithoutOne_TheSessionEndsWithTheCertificate) {
+TEST(DocumentRenewal, SessionWithoutARenewal_EndsWithTheCertificate) {
   Renewed two(Short::certificate);
   two.advance(13h);
   EXPECT_TRUE(two.matched(0)) << two.text();
@@ -181,7 +181,7 @@ TEST(DocumentRenewal, ARightThatIsGivenAgainBeforeThePeerHears_MatchesAgain) {
 }
 
 // The two must meet again once the clock is right.
-TEST(DocumentRenewal, AClockThatWasWrongForAWhile_PartsNobodyForGood) {
+TEST(DocumentRenewal, ClockThatWasWrongForAWhile_SeparatesNoPeersForGood) {
   Renewed two(Short::permissions);
   const auto before = two.b.clock.now();
   two.b.clock.set(before + 13h);

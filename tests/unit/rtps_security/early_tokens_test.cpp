@@ -60,7 +60,7 @@ TEST_F(EarlyTokensTest, OnePair_KeepsOnlyTheLatest) {
   EXPECT_EQ(early.size(), EarlyTokens::kMaxOfPair);
 }
 
-TEST_F(EarlyTokensTest, WithoutRoom_AreRefusedUntilTheOldestHasWaited) {
+TEST_F(EarlyTokensTest, TokensWithoutRoom_AreRefusedUntilTheOldestHasWaited) {
   EXPECT_TRUE(keep(1, EarlyTokens::kMaxOctets));
   EXPECT_FALSE(keep(2));
   now += EarlyTokens::kMinKept + 1s;

@@ -73,7 +73,7 @@ TEST(GovernanceChange, OnALossyNetwork_NothingIsLost) {
 
 // The former protection must not end when all peers have said that they changed, because their new
 // announcements may still be lost.
-TEST(GovernanceChange, OnAVeryLossyNetwork_NobodyParts) {
+TEST(GovernanceChange, VeryLossyNetwork_SeparatesNoPeers) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Fleet fleet(rules_of(kSign, kSign));
     fleet.random.seed(seed);
@@ -256,7 +256,7 @@ TEST(GovernanceChange, AFloodOfDocuments_IsTakenOneAtATime) {
   for (const auto* member : {&fleet.a, &fleet.b, &fleet.c}) expect_in_force(fleet, *member);
 }
 
-TEST(GovernanceChangeTime, OtherThanSeconds_IsRefused) {
+TEST(GovernanceTransitionTime, OtherThanSeconds_IsRefused) {
   const auto value = [](std::string text) {
     return spi::governance_change_time(
         {{std::string(spi::property::kGovernanceChangeTime), std::move(text)}});

@@ -57,7 +57,7 @@ TEST(KeptMemory, UsedAgain_WhenAllThatMayHaveItMayRead) {
 }
 
 // The segment may be kept again, because a participant that has it may leave before it is wiped.
-TEST(KeptMemory, UsedAgain_SaysForWhomItCounted) {
+TEST(KeptMemory, MemoryUsedAgain_NamesTheIdentityThatItCountedFor) {
   Ledger ledger;
   ledger.keep({1});
   const auto taken =
@@ -124,7 +124,7 @@ TEST(KeptMemory, IdentityIsFull_UntilMemoryIsReturned) {
   EXPECT_FALSE(ledger.kept.is_full("CN=carol"));
 }
 
-TEST(KeptMemory, NobodyLeft_CountsForNoIdentity) {
+TEST(KeptMemory, MemoryWithoutAUser_CountsForNoIdentity) {
   Ledger ledger;
   for (std::uint8_t i = 0; i < 2 * KeptMemory::kMaxOfOne; ++i) ledger.keep({1}, "");
   EXPECT_FALSE(ledger.kept.is_full("CN=carol"));

@@ -210,7 +210,7 @@ TEST(MessageProtectionChange, RevisionsWithoutEnd_DelayItForNoLongerThanItsTime)
 }
 
 // The keys of a peer that loses its trust are not used to send, though it has had them.
-TEST(MessageProtectionChange, APeerThatLosesItsTrustMeanwhile_HoldsNobodyUp) {
+TEST(MessageProtectionChange, PeerThatLosesItsTrustMeanwhile_DelaysNoOtherPeer) {
   Fleet fleet(revising(messages(kSign)));
   fleet.put({&fleet.a, &fleet.b}, revising(messages(kEncrypt)), 2);
   fleet.run(4);
@@ -309,7 +309,7 @@ TEST(MessageProtectionChange, AnInsiderThatIsNeverReady_HoldsTheOthersForNoLonge
   EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0);
 }
 
-TEST(MessageProtectionChange, WithoutARevision_IsRefused) {
+TEST(MessageProtectionChange, DocumentWithoutARevision_IsRefused) {
   Fleet fleet(messages(kSign));
   put_all(fleet, messages(kEncrypt), 0);
   fleet.run(4);

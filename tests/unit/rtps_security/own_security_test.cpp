@@ -11,7 +11,7 @@ using namespace testing;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr Rules kHidden{.rtps_psk = kEncrypt};
 
-TEST(PreSharedKey, WithoutAPassphrase_ThereIsNoParticipant) {
+TEST(PreSharedKey, ParticipantWithoutAPassphrase_IsNotCreated) {
   Node node(9);
   const EngineServices services{node.clock, node.random, node.events};
   const auto authentication = authentication::make_authentication(services);

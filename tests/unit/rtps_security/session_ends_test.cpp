@@ -35,7 +35,7 @@ TEST_F(SessionEndsTest, AProvenEnd_IsTakenOnceAndInTime) {
   EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s)) << "a repetition";
 }
 
-TEST_F(SessionEndsTest, WithoutAProof_NothingIsTaken) {
+TEST_F(SessionEndsTest, MessageWithoutAProof_EndsNothing) {
   receive(kPeer, secret(2), kPeer);   // the secret of another session
   receive(kPeer, secret(1), kOther);  // a message of the other side
   receive(kOther, secret(1), kPeer);  // in the name of another peer

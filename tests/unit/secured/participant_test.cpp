@@ -135,7 +135,7 @@ TEST(ReportedCalendar, StepThatIsUndone_IsNotBelievedAndReportedTwice) {
   EXPECT_EQ(events.codes(), (std::vector{Code::clock_stepped, Code::clock_step_undone}));
 }
 
-TEST(SecuredParticipant, WithoutAFolder_ThereIsNone) {
+TEST(SecuredParticipant, FolderThatDoesNotExist_GivesNoParticipant) {
   test::Silent quiet;
   const auto participant = Participant::join("/nowhere/at/all", {.domain_id = 122}, &quiet);
   ASSERT_FALSE(participant);

@@ -10,13 +10,13 @@ using enum ProtectionKind;
 constexpr ProtectionKind kAll[] = {none, sign, encrypt, sign_with_origin_authentication,
                                    encrypt_with_origin_authentication};
 
-TEST(ProtectionKind, Names_GoBothWaysAndNothingElseIsRead) {
+TEST(ProtectionKindOfAttributes, Names_GoBothWaysAndNothingElseIsRead) {
   for (auto kind : kAll) EXPECT_EQ(protection_kind_from(to_string(kind)), kind);
   for (const char* text : {"", "none", "Encrypt", " SIGN", "SIGN "})
     EXPECT_EQ(protection_kind_from(text), std::nullopt) << text;
 }
 
-TEST(ProtectionKind, FlagsOfAMask_GiveItBack) {
+TEST(ProtectionKindOfAttributes, FlagsOfAMask_GiveItBack) {
   for (auto kind : kAll)
     EXPECT_EQ(
         protection_kind({is_protected(kind), is_encrypted(kind), is_origin_authenticated(kind)}),

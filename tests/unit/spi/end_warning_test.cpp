@@ -98,7 +98,7 @@ TEST(EndWarning, ValidityTooShortForAllDays_IsWarnedOfInItsLastSixth) {
   EXPECT_FALSE(is_due(0h));
 }
 
-TEST(EndWarning, WithoutDays_NothingIsDue) {
+TEST(EndWarning, WarningWithoutDays_IsNeverDue) {
   EXPECT_FALSE(EndWarning({}).is_due(kBegin, kEnd, kEnd - 1s));
 }
 

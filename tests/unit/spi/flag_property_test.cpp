@@ -9,7 +9,7 @@ constexpr std::string_view kName = "org.ddssec.test";
 
 Result<bool> flag(std::string value) { return flag_property({{std::string(kName), value}}, kName); }
 
-TEST(FlagProperty, WithoutAValue_IsFalse) {
+TEST(FlagProperty, FlagWithoutAValue_IsFalse) {
   EXPECT_EQ(flag_property({}, kName), false);
   EXPECT_EQ(flag("false"), false);
   EXPECT_EQ(flag("true"), true);

@@ -11,13 +11,13 @@ Result<KeyLimits> limits(std::string_view name, std::string value) {
   return key_limits({{std::string(name), std::move(value)}});
 }
 
-TEST(KeyLimits, WithoutPropertiesOrZero_AreNone) {
+TEST(KeyLimitsProperties, UnsetOrZeroProperties_GiveNoLimits) {
   EXPECT_FALSE(key_limits({})->any());
   EXPECT_FALSE(limits(property::kKeyLifetime, "0")->any());
   EXPECT_FALSE(limits(property::kMaxBlocksPerKey, "0")->any());
 }
 
-TEST(KeyLimits, SecondsAndBlocks_AreRead) {
+TEST(KeyLimitsProperties, SecondsAndBlocks_AreRead) {
   EXPECT_EQ(limits(property::kKeyLifetime, "20")->lifetime, kMinKeyLifetime);
   EXPECT_EQ(limits(property::kKeyLifetime, "31536000")->lifetime, kMaxKeyLifetime);
   EXPECT_EQ(limits(property::kMaxBlocksPerKey, "1")->blocks, 1u);
@@ -26,7 +26,7 @@ TEST(KeyLimits, SecondsAndBlocks_AreRead) {
   EXPECT_TRUE(limits(property::kMaxBlocksPerKey, "1")->any());
 }
 
-TEST(KeyLimits, OtherValues_AreRefused) {
+TEST(KeyLimitsProperties, OtherValues_AreRefused) {
   const auto expect_refused = [](std::string_view name, const std::string& value) {
     const auto refused = limits(name, value);
     ASSERT_FALSE(refused) << name << " " << value;

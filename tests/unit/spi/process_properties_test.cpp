@@ -38,7 +38,7 @@ class ProcessProperties : public testing::Test {
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(ProcessProperties, WithoutVariables_AreThoseOfTheHost) {
+TEST_F(ProcessProperties, UnsetVariables_LeaveThePropertiesOfTheHost) {
   const PropertyList host = {property_of(property::kPassword, "a")};
   EXPECT_EQ(with_process_properties(host).value(), host);
   ::setenv(kPropertiesVariable, "", 1);

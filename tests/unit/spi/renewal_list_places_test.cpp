@@ -17,7 +17,7 @@ PropertyList files(std::string certificate, std::string ca) {
           {std::string(property::kIdentityCa), std::move(ca), false}};
 }
 
-TEST(RenewalListPlaces, WithoutTheProperty_AreBesideTheCertificateAndTheCa) {
+TEST(RenewalListPlaces, UnsetProperty_GivesThePlacesBesideTheCertificateAndTheCa) {
   const auto places = renewal_list_places(files("file:/own/cert.pem", "file:/ca/ca.pem"));
   ASSERT_OK(places);
   EXPECT_THAT(*places, ElementsAre("file:/own/renewed.pem", "file:/ca/renewed.pem"));

@@ -11,7 +11,7 @@ PropertyList with(std::string_view name, std::string value) {
   return {{std::string(name), std::move(value)}};
 }
 
-TEST(SharedMemory, WithoutProperties_IsOff) {
+TEST(SharedMemoryProperties, MemoryWithoutProperties_IsOff) {
   EXPECT_EQ(shared_memory({}), SharedMemory{});
   EXPECT_EQ(shared_memory(with(property::kSharedMemory, "off")), SharedMemory{});
   EXPECT_EQ(shared_memory(with(property::kSharedMemory, "on")), (SharedMemory{true, false}));
@@ -20,7 +20,7 @@ TEST(SharedMemory, WithoutProperties_IsOff) {
             (SharedMemory{.with_other_users = true}));
 }
 
-TEST(SharedMemory, AnythingElse_Refused) {
+TEST(SharedMemoryProperties, AnythingElse_Refused) {
   for (const char* const bad : {"", "yes", "true", "On", "on "}) {
     const auto refused = shared_memory(with(property::kSharedMemory, bad));
     ASSERT_FALSE(refused) << bad;
@@ -31,7 +31,7 @@ TEST(SharedMemory, AnythingElse_Refused) {
   EXPECT_FALSE(shared_memory(with(property::kSharedWithOtherUsers, "all")));
 }
 
-TEST(SharedMemory, MostOctets_IsANumber) {
+TEST(SharedMemoryProperties, MostOctets_IsANumber) {
   EXPECT_EQ(shared_memory({})->max_octets, std::size_t{256} << 20);
   EXPECT_EQ(shared_memory(with(property::kMaxSharedOctets, "1000000"))->max_octets, 1'000'000u);
   for (const char* const bad : {"", "-1", "1M", "1099511627777"}) {

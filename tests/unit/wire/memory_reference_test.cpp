@@ -28,7 +28,7 @@ TEST(MemoryReference, BothByteOrders_RoundTrip) {
   }
 }
 
-TEST(MemoryReference, WithoutIt_DataHasNoFurtherOctet) {
+TEST(MemoryReference, DataWithoutIt_HasNoFurtherOctet) {
   Data data{kReader, kWriter, {7}};
   const auto octets = written(data);
   EXPECT_EQ(octets.size(), 24u);

@@ -27,7 +27,7 @@ TEST(NumberSet, NumbersWithinReach_AreHeld) {
   EXPECT_FALSE(set.contains({INT64_MIN}));
 }
 
-TEST(Count, AfterItsGreatest_BeginsAgain) {
+TEST(Count, GreatestCount_IsFollowedByTheSmallest) {
   constexpr auto kMax = std::numeric_limits<std::int32_t>::max();
   constexpr auto kMin = std::numeric_limits<std::int32_t>::min();
   EXPECT_TRUE(is_later(2, 1));

@@ -84,7 +84,7 @@ TEST(CycloneDocuments, AnotherCa_AcceptsNone) {
   for (const auto& row : rows) EXPECT_FALSE(v.verify(data_file(row.file), kNow)) << row.file;
 }
 
-TEST(Sros2Documents, GoodAndBadDocuments_AreToldApart) {
+TEST(StockSros2Documents, GoodAndBadDocuments_AreToldApart) {
   const std::string base = "sros2/generated/";
   const auto v = verifier(base + "keystore/public/ca.cert.pem");
   const auto check = [&](const std::string& name) {

@@ -42,13 +42,13 @@ PkeyPtr public_key(const nlohmann::json& group) {
                     : d2i_PublicKey(EVP_PKEY_RSA, nullptr, &position, size));
 }
 
-class Signatures : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Wycheproof, Signatures,
+class WycheproofSignatures : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Wycheproof, WycheproofSignatures,
                          testing::Values("ecdsa_secp256r1_sha256_test",
                                          "ecdsa_secp384r1_sha384_test",
                                          "rsa_pss_2048_sha256_mgf1_32_test"));
 
-TEST_P(Signatures, ValidOnes_PassAndInvalidOnesDoNot) {
+TEST_P(WycheproofSignatures, ValidOnes_PassAndInvalidOnesDoNot) {
   int valid = 0, invalid = 0;
   const auto file = vectors(GetParam());
   for (const auto& group : file["testGroups"]) {
