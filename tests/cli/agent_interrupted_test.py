@@ -38,9 +38,31 @@ class Interrupted(AgentTest):
             self.assertIn(lists[self.ca / "renewed.pem"].strip(), text)
         return is_new
 
-    def everywhere(self, *words, owner=os.geteuid()):
-        """Each process of the agent counts its own writes: the one that keeps the folder, the one of the CA, and the agent
-        itself, which makes the lock."""
+    def run_killed_at(self, number, words):
+        """Runs the agent once; its processes are killed at their write with this number. True if one was killed. Each
+        process counts its own writes: the one that keeps the folder, the one of the CA, and the agent itself, which makes
+        the lock."""
+        done = subprocess.run([PROGRAM, "agent", "demo/talker", "--once", *words, *self.LATER], cwd=self.at, text=True,
+                              capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL,
+                              env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
+                                   "KILL_AT": str(number)})
+        killed = done.returncode != 0
+        self.assertEqual(killed, '"event":"renewed"' not in done.stdout, done.stdout)
+        return killed
+
+    def check_recovered(self, former, words, owner, where):
+        """The next run of the agent does the work, whatever the killed one left."""
+        again = self.once(*words, *self.LATER)
+        self.assertIn(again[0]["event"], ("renewed", "current"), where)
+        self.is_well("--now", "+301d")
+        self.assertEqual(self.check_lists(former), "--ca" in words, f"a CA of a hook has no list here: {where}")
+        if "--ca" in words:
+            self.assertIn((self.talker / "cert.pem").read_text(), (self.talker / "renewed.pem").read_text(), where)
+        self.assertEqual({p.stat().st_uid for p in self.talker.iterdir()}, {owner}, where)
+        left = [p.name for p in self.talker.iterdir() if p.name.endswith(".new") or ".ddssec" in p.name]
+        self.assertEqual(left, [], where)
+
+    def kill_at_each_write(self, *words, owner=os.geteuid()):
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--permissions", "--days", "400")
         self.run_program("crl", "distribute", "--ca", "demo")
         os.chown(self.talker / "renewed.pem", owner, owner)
@@ -53,40 +75,28 @@ class Interrupted(AgentTest):
             number += 1
             shutil.rmtree(self.at / "demo")
             subprocess.run(["cp", "-a", base / "demo", self.at / "demo"], check=True)
-            done = subprocess.run([PROGRAM, "agent", "demo/talker", "--once", *words, *self.LATER], cwd=self.at, text=True,
-                                  capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL,
-                                  env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
-                                       "KILL_AT": str(number)})
-            killed = done.returncode != 0
-            self.assertEqual(killed, '"event":"renewed"' not in done.stdout, done.stdout)
+            killed = self.run_killed_at(number, words)
             self.check_lists(former)
-            again = self.once(*words, *self.LATER)
-            self.assertIn(again[0]["event"], ("renewed", "current"), f"{words} at {number}")
-            self.is_well("--now", "+301d")
-            self.assertEqual(self.check_lists(former), "--ca" in words, "a CA behind a hook has no list here")
-            if "--ca" in words:
-                self.assertIn((self.talker / "cert.pem").read_text(), (self.talker / "renewed.pem").read_text())
-            self.assertEqual({p.stat().st_uid for p in self.talker.iterdir()}, {owner})
-            self.assertEqual([p.name for p in self.talker.iterdir() if p.name.endswith(".new") or ".ddssec" in p.name], [])
+            self.check_recovered(former, words, owner, f"{words} at {number}")
         self.assertGreater(number, 3)
         shutil.rmtree(base)
         shutil.rmtree(self.at / "demo")
         self.run_program("init", "demo")
 
-    def test_between_any_two_writes(self):
-        self.everywhere("--ca", "demo", "--permissions")
-        self.everywhere("--ca", "demo", "--rekey")
-        self.everywhere("--hook", self.signing_hook("-days", "600"), "--rekey")
+    def test_kill_between_two_writes_leaves_old_or_new_files(self):
+        self.kill_at_each_write("--ca", "demo", "--permissions")
+        self.kill_at_each_write("--ca", "demo", "--rekey")
+        self.kill_at_each_write("--hook", self.signing_hook("-days", "600"), "--rekey")
 
-    def test_in_a_folder_of_another_user(self):
+    def test_kill_in_a_folder_of_another_user_leaves_its_owner(self):
         if os.geteuid() != 0:
             self.skipTest("only root can make files of another user")
         self.at.chmod(0o755)
         for path in (self.talker, *self.talker.iterdir()):
             os.chown(path, 65534, 65534)
-        self.everywhere("--ca", "demo", "--permissions", owner=65534)
+        self.kill_at_each_write("--ca", "demo", "--permissions", owner=65534)
 
-    def test_all_at_once_at_any_moment(self):
+    def test_kill_of_all_processes_at_any_moment_leaves_whole_files(self):
         short = ShortLived(self.at, self.ca)
         short.put_into(self.talker, 5)
         hook = self.hook(short.script(5))

@@ -22,17 +22,17 @@ class Digests(WithoutLists):
         self.assertEqual(len(told), 1)
         self.assertIn(words, told[0])
 
-    def test_a_certificate_that_is_signed_with_sha_224(self):
+    def test_a_certificate_signed_with_sha_224_is_refused_by_fastdds(self):
         folder = Folder(self.shop, self.at / "talker", label="sha224", digest="sha224")
         self.check_refused_by_fastdds(folder, "signed with SHA224")
 
-    def test_a_ca_that_is_signed_with_sha_1(self):
+    def test_a_ca_signed_with_sha_1_is_refused_by_fastdds(self):
         ca = self.shop.ca("sha1", digest="sha1", extensions=CA_EXTENSIONS)
         folder = Folder(self.shop, self.at / "talker", label="below-sha1", ca=ca)
         folder.put("identity_ca.pem", ca / "cert.pem")
         self.check_refused_by_fastdds(folder, "signed with SHA1;")
 
-    def test_a_ca_that_is_signed_with_pss(self):
+    def test_a_ca_signed_with_pss_is_refused_by_fastdds(self):
         ca = self.shop.ca("pss", kind="rsa", extensions=CA_EXTENSIONS)
         openssl("req", "-x509", "-new", "-sha256", "-days", "3650", "-key", ca / "key.pem", "-subj", "/CN=pss CA",
                 "-sigopt", "rsa_padding_mode:pss", *[part for text in CA_EXTENSIONS for part in ("-addext", text)],
@@ -41,7 +41,7 @@ class Digests(WithoutLists):
         folder.put("identity_ca.pem", ca / "cert.pem")
         self.check_refused_by_fastdds(folder, "signed with RSASSA-PSS")
 
-    def test_sha_256(self):
+    def test_certificates_signed_with_sha_256_fit_all_products(self):
         folder = Folder(self.shop, self.at / "talker")
         self.assertEqual(self.verdicts(folder, 0), ({"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ours": "ok"}, []))
 
