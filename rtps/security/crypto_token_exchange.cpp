@@ -398,7 +398,10 @@ void CryptoTokenExchange::on_tokens_wanted(Peer& peer, const GenericMessage& mes
   const bool fits = local.prefix == core_.own->guid().prefix && remote.prefix == peer.prefix() &&
                     core_.keyring.is_pair_registered(local.entity, remote);
   if (!fits) return;
-  add_waiting(*peer.state.association(), local.entity, remote, spi::KeyStage::in_use);
+  auto& association = *peer.state.association();
+  add_waiting(association, local.entity, remote, spi::KeyStage::in_use);
+  if (is_revising_ && is_trusted(peer))
+    add_waiting(association, local.entity, remote, spi::KeyStage::revised);
   send_waiting(peer);
 }
 

@@ -148,7 +148,9 @@ Result<PairRegistration> EndpointKeys::register_pair(const EntityId& id, LocalKe
     if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
     DDSSEC_ASSIGN_OR_RETURN(pair.handle,
                             register_with_plugin(id, local, peer->second, is_relay_only));
-    endpoint_of_[pair.handle] = {remote, local.protection, id};
+    auto& newest = newest_[{remote, local.protection}];
+    ++newest.pairs;
+    endpoint_of_[pair.handle] = {remote, local.protection, id, &newest};
     if (!local.is_volatile) {
       DDSSEC_ASSIGN_OR_RETURN(out.tokens, tokens_for(id, local, pair));
       out.is_ready = pair.is_ready = !waits_for_tokens(id, local.attributes);
@@ -174,7 +176,7 @@ std::optional<Guid> EndpointKeys::unregister_pair(Locals& from, const EntityId& 
   if (stays) return at->second.note_idle(remote, pair->second);
   at->second.idle.remove(remote);
   at->second.pairs.erase(pair);
-  endpoint_of_.erase(handle);
+  forget(handle);
   if (handle == 0) return std::nullopt;
   // The remote endpoint is of the other kind.
   if (is_writer(id))
@@ -189,6 +191,21 @@ void EndpointKeys::unregister_pairs_of(Locals& from, const GuidPrefix& remote) {
     for (auto at = local.pairs.lower_bound({remote, {}});
          at != local.pairs.end() && at->first.prefix == remote;)
       unregister_pair(from, id, Guid((at++)->first), AfterMatch::gone);
+}
+
+void EndpointKeys::note_revision(std::int64_t handle, spi::KeyRevision revision) {
+  const auto at = endpoint_of_.find(handle);
+  if (at == endpoint_of_.end()) return;
+  auto& newest = at->second.newest->revision;
+  newest = std::max(newest, revision);
+}
+
+void EndpointKeys::forget(std::int64_t handle) {
+  const auto at = endpoint_of_.find(handle);
+  if (at == endpoint_of_.end()) return;
+  const auto& pair = at->second;
+  if (--pair.newest->pairs == 0) newest_.erase({pair.guid, pair.protection});
+  endpoint_of_.erase(at);
 }
 
 const EndpointKeys::Endpoint* EndpointKeys::endpoint_of(std::int64_t handle) const {

@@ -112,22 +112,28 @@ class EndpointKeys {
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
                                              const PairKeys& pair,
                                              spi::KeyStage stage = spi::KeyStage::in_use);
+  /// What all pairs with a remote endpoint, under one protection, have in common.
+  struct NewestKeys {
+    spi::KeyRevision revision = 0;  ///< the latest that any of the pairs has tokens of
+    std::size_t pairs = 0;
+  };
   /// The two endpoints of a pair, and the protection under which the pair is registered.
   struct Endpoint {
     Guid guid;
     ProtectionId protection;
     EntityId local;
-    spi::KeyRevision revision = 0;  ///< of the remote endpoint's newest keys
+    NewestKeys* newest = nullptr;  ///< never nullptr for a known handle
   };
   /// Returns nullptr for an unknown handle.
   const Endpoint* endpoint_of(std::int64_t handle) const;
-  /// Notes the revision of a remote endpoint's newest keys.
-  void note_revision(std::int64_t handle, spi::KeyRevision revision) {
-    endpoint_of_[handle].revision = revision;
-  }
+  /// Notes the revision of a remote endpoint's keys. It counts for all pairs with the endpoint: a
+  /// message for several of them is opened by way of one. An earlier one than before changes
+  /// nothing.
+  void note_revision(std::int64_t handle, spi::KeyRevision revision);
 
  private:
   Status register_local(const EntityId& id, LocalKeys& local);
+  void forget(std::int64_t handle);
   Result<std::int64_t> register_with_plugin(const EntityId& id, const LocalKeys& local,
                                             const RemoteCrypto& remote, bool is_relay_only);
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
@@ -135,6 +141,7 @@ class EndpointKeys {
   OwnSecurity& own_;
   const Remotes& remotes_;
   std::unordered_map<std::int64_t, Endpoint> endpoint_of_;
+  std::map<std::pair<Guid, ProtectionId>, NewestKeys> newest_;
 };
 
 /// A second protection of local endpoints, while one governance document replaces another

@@ -72,7 +72,7 @@ Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sende
   // Others have the former key, too, and the new document may deny them the topic.
   if (phases_.is_former(by->local, by->guid, by->protection))
     return undecodable(Error(Code::message_from_before), sender);
-  const bool is_newest = spi::named_key_revision(group) == by->revision;
+  const bool is_newest = spi::named_key_revision(group) == by->newest->revision;
   return OpenSubmessage{scratch.first(*size), by->guid, by->protection,
                         is_newest ? KeyAge::newest : KeyAge::former};
 }

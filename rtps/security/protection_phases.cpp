@@ -12,7 +12,11 @@ void ProtectionPhases::remove_second() {
   endpoints_.remove_all();
   messages_.remove_second();
   has_swapped_ = false;
-  for (auto& [prefix, remote] : remotes_) remote.sends_next = remote.says_next = false;
+  for (auto& [prefix, remote] : remotes_) {
+    remote.sends_next = remote.says_next = false;
+    // The same protection has other keys when it comes again, and that is no revision.
+    std::erase_if(remote.keys, [&](const auto& keys) { return keys.first != messages_.id(); });
+  }
 }
 
 void ProtectionPhases::note_sends_next(const GuidPrefix& peer) {
