@@ -34,7 +34,7 @@ class MatchTable {
     if (!fits(at->second.count - 1, matched_.size() - 1, has_macs)) return std::nullopt;
     return at->second.unproven.rbegin()->second;
   }
-  void add(const Guid& remote, const GuidPrefix& identity, bool is_proven = true) {
+  void add(const Guid& remote, const GuidPrefix& identity, bool is_proven) {
     if (!matched_.try_emplace(remote, Entry{identity, ++last_}).second) return;
     auto& share = shares_[identity];
     ++share.count;

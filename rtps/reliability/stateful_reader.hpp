@@ -95,7 +95,7 @@ class StatefulReader final : private Timed {
                     bool is_marked = false, KeyAge age = KeyAge::newest);
   /// Handles a HEARTBEAT. `is_protected` means that keys of the writer's participant protect the
   /// message.
-  bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected = true,
+  bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected,
                     KeyAge age = KeyAge::newest);
   bool on_gap(const GuidPrefix& from, const Gap& gap, KeyAge age = KeyAge::newest);
 

@@ -78,9 +78,9 @@ class StatefulWriter final : private Timed {
   /// Both return false if the message was received before, or contains nothing yet (a pre-emptive
   /// one). `is_protected` means that keys of its sender protect it; `age` is theirs.
   bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,
-                  bool is_protected = true, KeyAge age = KeyAge::newest);
+                  bool is_protected, KeyAge age = KeyAge::newest);
   bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
-                    bool is_protected = true, KeyAge age = KeyAge::newest);
+                    bool is_protected, KeyAge age = KeyAge::newest);
   /// Sends the HEARTBEATs that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;
@@ -100,7 +100,7 @@ class StatefulWriter final : private Timed {
 
   // Readers of this process (see LocalDelivery):
   /// Makes the reader get changes directly, until either side unmatches or is destroyed. Both must
-  /// be matched with in_process. The side that matches second calls this.
+  /// be matched with `is_in_process` set. The side that matches second calls this.
   void attach(StatefulReader& reader);
   /// Ends direct delivery, because the reader no longer wants it.
   void detach(const Guid& reader);

@@ -100,8 +100,7 @@ class WriterProxy {
   bool accept(SequenceNumber number, std::optional<Change> change, KeyAge age = KeyAge::newest);
   /// Returns false if the HEARTBEAT was received before. `is_protected` means that keys of the
   /// writer's participant protect it.
-  bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected = true,
-                    KeyAge age = KeyAge::newest);
+  bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected, KeyAge age = KeyAge::newest);
   /// To be called when keys of the writer have come that revise the former ones.
   void note_revised();
   /// To be called when former keys of the writer have ended, with which others may have sent in its

@@ -18,7 +18,7 @@ std::size_t fill(MatchTable& table, std::uint8_t of, bool has_macs) {
        ++count) {
     guid.entity.octets[0] = static_cast<std::uint8_t>(count >> 8);
     guid.entity.octets[1] = static_cast<std::uint8_t>(count);
-    table.add(guid, identity(of));
+    table.add(guid, identity(of), true);
   }
   return count;
 }

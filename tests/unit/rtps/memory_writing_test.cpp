@@ -80,7 +80,7 @@ struct Writing {
   void acknowledge(const Guid& reader, std::int64_t base, std::vector<std::int64_t> missing = {}) {
     SequenceNumberSet set({base});
     for (const auto number : missing) set.insert({number});
-    writer.on_acknack(reader.prefix, {reader.entity, testing::kWriter, set, ++count}, now);
+    writer.on_acknack(reader.prefix, {reader.entity, testing::kWriter, set, ++count}, now, true);
   }
 
   Sorted sent;

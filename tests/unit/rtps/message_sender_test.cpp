@@ -182,7 +182,8 @@ TEST_F(Packing, WaitForAcknowledgments_AsksAtOnce) {
   EXPECT_EQ(questions(transport.sent), 0u);
   writer.ask_for_acknowledgments();
   EXPECT_EQ(questions(transport.sent), 1u);
-  writer.on_acknack(kB, {testing::kReader, testing::kWriter, SequenceNumberSet({2}), 1, true}, now);
+  writer.on_acknack(kB, {testing::kReader, testing::kWriter, SequenceNumberSet({2}), 1, true}, now,
+                    true);
   transport.sent.clear();
   writer.ask_for_acknowledgments();
   EXPECT_TRUE(transport.sent.empty());
@@ -352,7 +353,7 @@ TEST(PackingReader, QuestionOrMissingSample_IsAnswered) {
   transport.sent.clear();
   std::int32_t number = 0;
   const auto heartbeat = [&](std::int64_t last, bool is_final) {
-    reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {last}, ++number, is_final, false});
+    reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {last}, ++number, is_final, false}, true);
     return std::exchange(transport.sent, {}).size();
   };
   const auto data = [&](std::int64_t at) {
@@ -376,9 +377,9 @@ TEST(PackingReader, AFullReader_MissesNothing) {
   for (std::int64_t at = 1; at <= 3; ++at)
     reader.on_data(kA, {{}, testing::kWriter, {at}, {}, PayloadKind::data, Bytes{1}}, {});
   transport.sent.clear();
-  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 1, true, false});
+  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 1, true, false}, true);
   EXPECT_TRUE(transport.sent.empty());
-  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 2, false, false});
+  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 2, false, false}, true);
   EXPECT_EQ(transport.sent.size(), 1u);
 }
 

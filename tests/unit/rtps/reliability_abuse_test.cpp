@@ -17,9 +17,9 @@ TEST(Reliability, Strangers_AreNotHeard) {
   pair.write({1});
   const auto stranger = GuidPrefix::from(Bytes(12, 0xcc));
   pair.reader.on_gap(stranger, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({100})});
-  pair.reader.on_heartbeat(stranger, Heartbeat{{}, testing::kWriter, {50}, {60}, 999});
+  pair.reader.on_heartbeat(stranger, Heartbeat{{}, testing::kWriter, {50}, {60}, 999}, true);
   pair.writer.on_acknack(stranger, AckNack{testing::kReader, {}, SequenceNumberSet({2}), 99, true},
-                         pair.now);
+                         pair.now, true);
   EXPECT_FALSE(pair.writer.all_acknowledged());
   pair.run(10);
   EXPECT_THAT(pair.numbers(), ElementsAre(1));
@@ -31,7 +31,7 @@ TEST(Reliability, AnAcknackForMoreThanWasWritten_IsNotBelieved) {
   pair.net.loss_percent = 100;
   pair.write({1});
   pair.writer.on_acknack(kB, AckNack{testing::kReader, {}, SequenceNumberSet({1000}), 50, true},
-                         pair.now);
+                         pair.now, true);
   EXPECT_EQ(pair.writer.history().size(), 1u);
 }
 
@@ -45,20 +45,20 @@ TEST(Reliability, APreEmptiveAcknack_DoesNotMakeRecordedOnesNew) {
   SequenceNumberSet all({1});
   for (std::int64_t number = 1; number <= 6; ++number) all.insert({number});
   const AckNack request{testing::kReader, testing::kWriter, all, 50, true};
-  pair.writer.on_acknack(kB, request, pair.now);
+  pair.writer.on_acknack(kB, request, pair.now, true);
   const auto answered = std::exchange(pair.net.a.sent, {}).size();
   EXPECT_GE(answered, 1u);
   for (const auto& pre_emptive :
        {AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({0}), 1, true},
         AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 0, true}}) {
     pair.now += milliseconds(100);
-    pair.writer.on_acknack(kB, pre_emptive, pair.now);
+    pair.writer.on_acknack(kB, pre_emptive, pair.now, true);
     EXPECT_EQ(std::exchange(pair.net.a.sent, {}).size(), 1u) << "a heartbeat";
     for (std::int32_t count = 45; count <= 50; ++count) {
       pair.now += milliseconds(100);
       auto recorded = request;
       recorded.count = count;
-      pair.writer.on_acknack(kB, recorded, pair.now);
+      pair.writer.on_acknack(kB, recorded, pair.now, true);
     }
     EXPECT_TRUE(pair.net.a.sent.empty());
   }
@@ -93,7 +93,8 @@ TEST(Reliability, ARequestForFragmentsOfALaterSample_MakesItNotIrrelevant) {
   pair.run(5);
   FragmentNumberSet fragments({1});
   fragments.insert({1});
-  pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, fragments, 7}, pair.now);
+  pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, fragments, 7}, pair.now,
+                           true);
   pair.run(5);
   pair.write({1});
   pair.run(5);
@@ -139,14 +140,14 @@ TEST(Reliability, WhatIsRepeated_IsNotNew) {
     EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 2), {}));
     EXPECT_TRUE(reader.on_data(kA, data(4), {}));
     EXPECT_FALSE(reader.on_data(kA, data(4), {}));
-    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(7)));
-    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(7)));
-    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(6)));
-    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(8)));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(7), true));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(7), true));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(6), true));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(8), true));
     EXPECT_FALSE(reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({2})}));
     const AckNack acknack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 5, true};
-    EXPECT_EQ(pair.writer.on_acknack(kB, acknack, pair.now), reliable);
-    EXPECT_FALSE(pair.writer.on_acknack(kB, acknack, pair.now));
+    EXPECT_EQ(pair.writer.on_acknack(kB, acknack, pair.now, true), reliable);
+    EXPECT_FALSE(pair.writer.on_acknack(kB, acknack, pair.now, true));
   }
 }
 

@@ -84,7 +84,8 @@ TEST(Reliability, Reliable_LosesWhatItsWriterNoLongerHas) {
   std::int64_t lost = 0;
   pair.reader.on_lost([&](std::int64_t count) { lost += count; });
   const auto says = [&](std::int64_t first, std::int64_t last, std::int32_t count) {
-    pair.reader.on_heartbeat(kA, {testing::kReader, testing::kWriter, {first}, {last}, count});
+    pair.reader.on_heartbeat(kA, {testing::kReader, testing::kWriter, {first}, {last}, count},
+                             true);
   };
   pair.match();
   says(10, 12, 100);

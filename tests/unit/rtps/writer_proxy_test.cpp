@@ -85,13 +85,13 @@ TEST_F(WriterProxyTest, ARefusedChange_IsOfferedAgain) {
 TEST_F(WriterProxyTest, ARefusedChange_IsRequestedAgainWheneverTheWriterSaidMore) {
   refuses_from = 2;
   for (const std::int64_t number : {1, 2, 3}) add(reliable, number);
-  reliable.on_heartbeat(heartbeat(1, 3, 1));
+  reliable.on_heartbeat(heartbeat(1, 3, 1), true);
   EXPECT_EQ(reliable.forget_refused(), 0u);
   EXPECT_THAT(missing(reliable, 3), ElementsAre(2, 3));
   EXPECT_FALSE(reliable.forget_refused()) << "nothing was refused";
   for (const std::int64_t number : {2, 3}) add(reliable, number);
   EXPECT_FALSE(reliable.forget_refused()) << "the writer cannot have replaced it";
-  reliable.on_heartbeat(heartbeat(1, 4, 2));
+  reliable.on_heartbeat(heartbeat(1, 4, 2), true);
   EXPECT_TRUE(reliable.forget_refused());
   refuses_from = 10;
   reliable.accept({2}, std::nullopt);  // the writer has replaced it
@@ -100,35 +100,35 @@ TEST_F(WriterProxyTest, ARefusedChange_IsRequestedAgainWheneverTheWriterSaidMore
 }
 
 TEST_F(WriterProxyTest, AnOldHeartbeat_ChangesNothing) {
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 3, 7)));
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 7)));
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 6)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 3, 7), true));
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 7), true));
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 6), true));
   EXPECT_EQ(reliable.next(), SequenceNumber{1});
   EXPECT_EQ(reliable.announced(), SequenceNumber{3});
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(4, 9, 8)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(4, 9, 8), true));
   EXPECT_EQ(reliable.next(), SequenceNumber{4});
 }
 
 TEST_F(WriterProxyTest, WhatTheWriterNoLongerHas_IsLostAfterItsFirstHeartbeat) {
-  reliable.on_heartbeat(heartbeat(3, 4, 1));
+  reliable.on_heartbeat(heartbeat(3, 4, 1), true);
   EXPECT_EQ(lost, 0) << "a late joiner never could have had it";
   add(reliable, 5);
-  reliable.on_heartbeat(heartbeat(6, 6, 2));
+  reliable.on_heartbeat(heartbeat(6, 6, 2), true);
   EXPECT_EQ(lost, 2);
   EXPECT_THAT(delivered, ElementsAre(5));
 }
 
 // Otherwise they would be counted with each HEARTBEAT.
 TEST_F(WriterProxyTest, WhatIsLostBehindARefusedChange_IsCountedOnce) {
-  reliable.on_heartbeat(heartbeat(1, 5, 1));
+  reliable.on_heartbeat(heartbeat(1, 5, 1), true);
   refuses_from = 1;
   add(reliable, 1);
-  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 5, count));
+  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 5, count), true);
   EXPECT_EQ(lost, 2);
-  reliable.on_heartbeat(heartbeat(6, 6, 5));
+  reliable.on_heartbeat(heartbeat(6, 6, 5), true);
   EXPECT_EQ(lost, 4);
   refuses_from = 10;
-  reliable.on_heartbeat(heartbeat(6, 6, 6));
+  reliable.on_heartbeat(heartbeat(6, 6, 6), true);
   EXPECT_EQ(lost, 4);
   EXPECT_THAT(delivered, ElementsAre(1));
 }
@@ -136,23 +136,23 @@ TEST_F(WriterProxyTest, WhatIsLostBehindARefusedChange_IsCountedOnce) {
 // A full reader took some of the samples that it held, but not all of them. Those that it took are
 // finished.
 TEST_F(WriterProxyTest, WhatAFullReaderTook_IsNeitherLostNorTakenAgain) {
-  reliable.on_heartbeat(heartbeat(1, 3, 1));
+  reliable.on_heartbeat(heartbeat(1, 3, 1), true);
   add(reliable, 2);
   add(reliable, 3);
   refuses_from = 3;
-  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 4, count));
+  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 4, count), true);
   EXPECT_EQ(lost, 1) << "the first, once";
   EXPECT_FALSE(reliable.lacks({2})) << "whoever sends it again";
   refuses_from = 10;
-  reliable.on_heartbeat(heartbeat(4, 4, 5));
+  reliable.on_heartbeat(heartbeat(4, 4, 5), true);
   EXPECT_THAT(delivered, ElementsAre(2, 3));
   EXPECT_EQ(reliable.next(), SequenceNumber{4});
 }
 
 TEST_F(WriterProxyTest, History_IsWhatItsFirstHeartbeatAnnounced) {
   EXPECT_FALSE(reliable.has_history());
-  reliable.on_heartbeat(heartbeat(1, 2, 1));
-  reliable.on_heartbeat(heartbeat(1, 9, 2));
+  reliable.on_heartbeat(heartbeat(1, 2, 1), true);
+  reliable.on_heartbeat(heartbeat(1, 9, 2), true);
   add(reliable, 1);
   EXPECT_FALSE(reliable.has_history());
   add(reliable, 2);
@@ -188,7 +188,7 @@ TEST_F(WriterProxyTest, TheLatest_IsForgottenFirst) {
 TEST_F(WriterProxyTest, Resumed_GoesOnWhereItWas) {
   reliable.resume({{}, {5}, 7}, false);
   EXPECT_EQ(reliable.next(), SequenceNumber{5});
-  reliable.on_heartbeat(heartbeat(1, 4, 1));
+  reliable.on_heartbeat(heartbeat(1, 4, 1), true);
   const auto position = reliable.position({});
   EXPECT_EQ(position.next, SequenceNumber{5});
 }
@@ -198,9 +198,9 @@ TEST_F(WriterProxyTest, ResumedWithHistory_WaitsForANewHeartbeat) {
   add(reliable, 1);
   add(reliable, 3);
   EXPECT_TRUE(reliable.waits_for_heartbeat());
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 4, 7))) << "it was heard before";
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 4, 7), true)) << "it was heard before";
   EXPECT_THAT(delivered, IsEmpty());
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(3, 4, 8)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(3, 4, 8), true));
   EXPECT_THAT(delivered, ElementsAre(3)) << "the writer does not hold the first any more";
   EXPECT_FALSE(reliable.waits_for_heartbeat());
 }
@@ -236,7 +236,7 @@ struct FormerKeysTest : WriterProxyTest {
   static constexpr std::int64_t kFar = std::int64_t{1} << 40;
   FormerKeysTest() {
     for (const std::int64_t number : {1, 2, 3}) add(reliable, number), add(best_effort, number);
-    reliable.on_heartbeat(heartbeat(kFar, kFar, 0xfffff));
+    reliable.on_heartbeat(heartbeat(kFar, kFar, 0xfffff), true);
     best_effort.skip_to({kFar});
     reliable.note_revised(), best_effort.note_revised();
   }
@@ -244,15 +244,16 @@ struct FormerKeysTest : WriterProxyTest {
 
 TEST_F(FormerKeysTest, NextHeartbeat_DecidesWhereTheWriterIs) {
   add(reliable, 4, KeyAge::former);
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 5, 1))) << "before, its count is an old one";
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 5, 1), true))
+      << "before, its count is an old one";
   delivered.clear();
   reliable.distrust_former_keys();
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true));
   EXPECT_EQ(reliable.next(), SequenceNumber{4});
   EXPECT_THAT(missing(reliable, 5), ElementsAre(4, 5));
   add(reliable, 5), add(reliable, 4);
   EXPECT_THAT(delivered, ElementsAre(4, 5));
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 3)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 3), true));
   EXPECT_EQ(reliable.next(), SequenceNumber{6}) << "once";
 }
 
@@ -260,7 +261,7 @@ TEST_F(FormerKeysTest, AForgedChangeThatWasDelivered_HidesNoLaterOne) {
   refuses_from = kFar + 1;
   add(reliable, kFar, KeyAge::former);
   reliable.distrust_former_keys();
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true));
   EXPECT_EQ(reliable.next(), SequenceNumber{6}) << "what is before it may have been delivered";
 }
 
@@ -269,7 +270,7 @@ TEST_F(FormerKeysTest, ChangesThatWereHeld_AreRequestedAgain) {
   add(proxy, 1), add(proxy, 3);
   proxy.distrust_former_keys();
   EXPECT_EQ(proxy.early(), 0u);
-  EXPECT_TRUE(proxy.on_heartbeat(heartbeat(1, 3, 1)));
+  EXPECT_TRUE(proxy.on_heartbeat(heartbeat(1, 3, 1), true));
   EXPECT_THAT(missing(proxy, 3), ElementsAre(2, 3));
 }
 
@@ -289,7 +290,7 @@ struct NewestKeysTest : WriterProxyTest {
       for (const std::int64_t number : {1, 2}) add(*proxy, number);
       proxy->note_revised();
       for (const std::int64_t number : {3, 4, 5}) add(*proxy, number);
-      proxy->on_heartbeat(heartbeat(1, 5, 10));
+      proxy->on_heartbeat(heartbeat(1, 5, 10), true);
     }
     delivered.clear();
   }
@@ -299,15 +300,15 @@ TEST_F(NewestKeysTest, FormerKeysEnd_WhatCameUnderTheNewestStaysTaken) {
   add(best_effort, 1000, KeyAge::former), add(reliable, 6, KeyAge::former);
   reliable.distrust_former_keys(), best_effort.distrust_former_keys();
   EXPECT_EQ(best_effort.next(), SequenceNumber{6});
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 3, 9))) << "it was repeated";
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 4, 11))) << "it is late";
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 3, 9), true)) << "it was repeated";
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 4, 11), true)) << "it is late";
   EXPECT_GE(reliable.next(), SequenceNumber{6});
 }
 
 TEST_F(NewestKeysTest, HeldUnderTheNewest_IsRequestedAgain) {
   add(reliable, 8);
   reliable.distrust_former_keys();
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 8, 11)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 8, 11), true));
   EXPECT_THAT(missing(reliable, 8), ElementsAre(6, 7, 8));
 }
 
@@ -315,7 +316,7 @@ TEST_F(NewestKeysTest, LaterRevision_BeginsAnew) {
   reliable.note_revised(), best_effort.note_revised();
   reliable.distrust_former_keys(), best_effort.distrust_former_keys();
   EXPECT_EQ(best_effort.next(), SequenceNumber{1});
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2)));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true));
   EXPECT_EQ(reliable.next(), SequenceNumber{6});
 }
 
