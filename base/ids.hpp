@@ -74,5 +74,8 @@ struct Guid {
 };
 
 using DomainId = std::int32_t;
+/// The highest domain id for which the ports of the default formula fit into 16 bits
+/// (RTPS 9.6.1.1). Governance and permissions may name fewer: see governance::kMaxGovernedDomainId.
+inline constexpr DomainId kMaxDomainId = 232;
 
 }  // namespace ddssec

@@ -55,13 +55,12 @@ class Secret {
     });
   }
 
-  /// Returns SHA-256 of secret octets, written in place so that no other copy exists. It cannot
-  /// fail.
-  static Result<Secret> digest_of(BytesView octets) requires(N >= 32) {
-    return fill(32, [&](MutableBytes out) -> Status {
-      sha256({octets}, out.first<32>());
-      return {};
-    });
+  /// Returns SHA-256 of secret octets, written in place so that no other copy exists.
+  static Secret digest_of(BytesView octets) requires(N >= 32) {
+    Secret secret;
+    secret.size_ = 32;
+    sha256({octets}, MutableBytes(secret.octets_).template first<32>());
+    return secret;
   }
 
   /// Returns a copy, which is wiped independently of this secret.

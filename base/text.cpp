@@ -51,8 +51,9 @@ void append_octets(std::string& out, std::string_view octets) {
   for (const char c : octets) append_number(out, "\\x", static_cast<unsigned char>(c), 2);
 }
 
-bool is_wanted(char32_t c, PrintableOptions as_is) {
-  return (as_is.lines && (c == '\n' || c == '\t')) || (as_is.escapes && c == '\033');
+bool is_wanted(char32_t c, PrintableOptions options) {
+  return (options.keeps_line_feeds && (c == '\n' || c == '\t')) ||
+         (options.keeps_escapes && c == '\033');
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ std::optional<char32_t> first_misleading(std::string_view text) {
   return std::nullopt;
 }
 
-std::string printable(std::string_view text, PrintableOptions as_is) {
+std::string printable(std::string_view text, PrintableOptions options) {
   std::string out;
   out.reserve(text.size());
   while (!text.empty()) {
@@ -90,9 +91,9 @@ std::string printable(std::string_view text, PrintableOptions as_is) {
     const auto octets = text.substr(0, next.octets);
     text.remove_prefix(next.octets);
     const bool is_plain = next.is_valid && !is_misleading(next.value);
-    if (!next.is_valid || (is_plain && next.value >= 0x80 && !as_is.utf8))
+    if (!next.is_valid || (is_plain && next.value >= 0x80 && !options.keeps_utf8))
       append_octets(out, octets);
-    else if (is_plain || is_wanted(next.value, as_is))
+    else if (is_plain || is_wanted(next.value, options))
       out += octets;
     else if (next.value <= 0x7f)
       out += '?';

@@ -29,17 +29,17 @@ bool is_misleading(char32_t character);
 /// empty if the text has neither.
 std::optional<char32_t> first_misleading(std::string_view text);
 
-/// Characters that `printable` keeps although they are misleading or not ASCII.
+/// What `printable` keeps although it is misleading or not ASCII.
 struct PrintableOptions {
-  bool lines = false;    ///< line feeds and tabs
-  bool escapes = false;  ///< ESC, for colours that the program itself prints
-  bool utf8 = true;      ///< letters outside of ASCII
+  bool keeps_line_feeds = false;  ///< line feeds and tabs
+  bool keeps_escapes = false;     ///< ESC, for colours that the program itself prints
+  bool keeps_utf8 = true;         ///< letters outside of ASCII
 };
 
 /// Returns `text` with '?' for C0 controls and DEL, "\u202e" for other misleading characters, and
 /// "\x9b" for octets that are not UTF-8. Names from a file or a peer must not reach a terminal as a
 /// control sequence, imitate a line of the program, or change the order of the text beside them.
-std::string printable(std::string_view text, PrintableOptions as_is);
+std::string printable(std::string_view text, PrintableOptions options);
 inline std::string printable(std::string_view text) { return printable(text, {}); }
 
 /// Returns pointers into the texts and a null pointer at the end: the form in which programs get

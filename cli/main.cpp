@@ -31,7 +31,8 @@ using namespace ddssec;
 void print(std::FILE* to, const std::string& text) {
   static const bool is_utf8 = std::string_view(::nl_langinfo(CODESET)) == "UTF-8";
   const bool letters = is_utf8 || ::isatty(::fileno(to)) != 1;
-  const auto shown = printable(text, {.lines = true, .escapes = to == stderr, .utf8 = letters});
+  const auto shown = printable(
+      text, {.keeps_line_feeds = true, .keeps_escapes = to == stderr, .keeps_utf8 = letters});
   std::fwrite(shown.data(), 1, shown.size(), to);
 }
 

@@ -5,22 +5,22 @@
 namespace ddssec::governance {
 
 void DomainCuts::cut(DomainId at) {
-  if (at > 0 && at <= kMaxDomainId) begins_.set(static_cast<std::size_t>(at));
+  if (at > 0 && at <= kMaxGovernedDomainId) begins_.set(static_cast<std::size_t>(at));
 }
 
 void DomainCuts::add(const DomainSet& domains) {
   for (const auto& range : domains.ranges) {
     cut(range.first);
-    if (range.last < kMaxDomainId) cut(range.last + 1);
+    if (range.last < kMaxGovernedDomainId) cut(range.last + 1);
   }
 }
 
 std::vector<DomainRange> DomainCuts::pieces() const {
-  std::vector<DomainRange> pieces = {{0, kMaxDomainId}};
-  for (DomainId id = 1; id <= kMaxDomainId; ++id) {
+  std::vector<DomainRange> pieces = {{0, kMaxGovernedDomainId}};
+  for (DomainId id = 1; id <= kMaxGovernedDomainId; ++id) {
     if (!begins_.test(static_cast<std::size_t>(id))) continue;
     pieces.back().last = id - 1;
-    pieces.push_back({id, kMaxDomainId});
+    pieces.push_back({id, kMaxGovernedDomainId});
   }
   return pieces;
 }

@@ -9,7 +9,7 @@
 
 namespace ddssec::governance {
 
-/// Cuts 0 to kMaxDomainId so that no given range begins or ends inside a piece.
+/// Cuts 0 to kMaxGovernedDomainId so that no given range begins or ends inside a piece.
 class DomainCuts {
  public:
   void add(const DomainSet& domains);
@@ -18,7 +18,7 @@ class DomainCuts {
 
  private:
   void cut(DomainId at);
-  std::bitset<kMaxDomainId + 1> begins_;
+  std::bitset<kMaxGovernedDomainId + 1> begins_;
 };
 
 /// Sorts the ranges, and joins those that touch or overlap.

@@ -279,7 +279,7 @@ void check_default(LintFindings& out, const GrantPlace& place) {
 // The domains in which the first rule denies topics and a later rule lets the participant join.
 std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   std::vector<DomainRange> out;
-  for (DomainId id = 0; id <= kMaxDomainId; ++id) {
+  for (DomainId id = 0; id <= kMaxGovernedDomainId; ++id) {
     const auto is_for = [id](const GrantRule& rule) { return rule.domains.contains(id); };
     const auto first = std::ranges::find_if(grant.rules, is_for);
     if (first == grant.rules.end() || decides_joining(*first)) continue;
@@ -307,7 +307,7 @@ void check_joining(LintFindings& out, const GrantPlace& place) {
 // participant join with stock products (doctor: judge_participant_as).
 std::vector<DomainRange> closed_by(const Grant& grant, const GrantRule& denial) {
   std::vector<DomainRange> out;
-  for (DomainId id = 0; id <= kMaxDomainId; ++id) {
+  for (DomainId id = 0; id <= kMaxGovernedDomainId; ++id) {
     const auto decides = std::ranges::find_if(grant.rules, [id](const GrantRule& rule) {
       return decides_joining(rule) && rule.domains.contains(id);
     });

@@ -12,8 +12,9 @@
 
 namespace ddssec::governance {
 
-/// The highest domain id that RTPS's port formula allows (RTPS 9.6.1.1).
-inline constexpr DomainId kMaxDomainId = 230;
+/// The highest domain id that governance and permissions may name (the schemas of
+/// DDS-Security 1.2). No participant with security can be in a higher domain.
+inline constexpr DomainId kMaxGovernedDomainId = 230;
 
 /// Reasons why other products may read something differently.
 enum class NoteKind : std::uint8_t {

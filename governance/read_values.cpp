@@ -82,7 +82,7 @@ Result<DomainId> read_domain_id(XmlElement element) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
   const bool whole = error == std::errc() && end == text.data() + text.size();
   const bool has_leading_zero = text.size() > 1 && text.starts_with('0');
-  if (!whole || has_leading_zero || text.starts_with('-') || id > kMaxDomainId) {
+  if (!whole || has_leading_zero || text.starts_with('-') || id > kMaxGovernedDomainId) {
     return fail(Code::value_not_domain_id,
                 {.line = element.line(),
                  .field = in_brackets(element.name()),
@@ -102,7 +102,7 @@ Result<DomainRange> read_range(ReadContext& context, XmlElement element) {
     return fail(Code::element_missing,
                 {.line = element.line(), .field = "<id_range>", .expected = "<min> and <max>"});
   }
-  DomainRange range{.first = 0, .last = kMaxDomainId, .is_open = !max};
+  DomainRange range{.first = 0, .last = kMaxGovernedDomainId, .is_open = !max};
   if (min) {
     DDSSEC_ASSIGN_OR_RETURN(range.first, read_domain_id(min));
   }

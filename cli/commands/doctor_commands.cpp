@@ -326,7 +326,7 @@ Result<DomainId> ros_domain() {
   if (const auto domain = doctor::node_domain(found->second)) return *domain;
   return fail(Code::usage,
               {.field = "the environment variable ROS_DOMAIN_ID",
-               .expected = fmt::format("a number from 0 to {}", governance::kMaxDomainId),
+               .expected = fmt::format("a number from 0 to {}", governance::kMaxGovernedDomainId),
                .found = '"' + found->second + '"',
                .note = "a leading 0 makes it octal for a node, 0x hexadecimal"});
 }

@@ -135,7 +135,7 @@ Forecasts forecast(const governance::Governance& before, const governance::Gover
     out.add(GovernanceOutcome::restart, "there are too many expressions of tags to compare", 0);
   for (governance::NameKinds::Kind kind = 0; kinds && kind < kinds->size(); ++kind)
     tags.insert(kinds->example(kind));
-  for (DomainId domain = 0; domain <= governance::kMaxDomainId; ++domain)
+  for (DomainId domain = 0; domain <= governance::kMaxGovernedDomainId; ++domain)
     for (const auto& tag : tags)
       if (const auto* rule = before.find(domain, tag))
         add_domain(*rule, after.find(domain, tag), out);

@@ -27,8 +27,8 @@ std::optional<governance::DomainRange> range_from(std::string_view text) {
       return std::tuple(r.ptr, r.ec);
     }(std::from_chars(at + 1, end, range.last));
   const bool is_whole = error == std::errc() && at == end;
-  const bool is_sound =
-      0 <= range.first && range.first <= range.last && range.last <= governance::kMaxDomainId;
+  const bool is_sound = 0 <= range.first && range.first <= range.last &&
+                        range.last <= governance::kMaxGovernedDomainId;
   return is_whole && is_sound ? std::optional(range) : std::nullopt;
 }
 
@@ -113,7 +113,7 @@ Result<governance::Profile> profile_option(const Arguments& arguments) {
 
 Result<DomainId> domain_of(const Arguments& arguments) {
   DDSSEC_ASSIGN_OR_RETURN(const auto domain,
-                          arguments.number("--domain", 0, governance::kMaxDomainId));
+                          arguments.number("--domain", 0, governance::kMaxGovernedDomainId));
   return static_cast<DomainId>(domain);
 }
 

@@ -104,7 +104,7 @@ class Table {
 // Reads the keys that are allowed both at the top and in each participant's table.
 Status read_common(const Table& table, ParticipantSpec& spec, WallTime now) {
   int domain = -1;
-  DDSSEC_RETURN_IF_ERROR(table.read("domain", 0, governance::kMaxDomainId, domain));
+  DDSSEC_RETURN_IF_ERROR(table.read("domain", 0, governance::kMaxGovernedDomainId, domain));
   if (domain >= 0) spec.domains = {{static_cast<DomainId>(domain), static_cast<DomainId>(domain)}};
   int days = 0;
   DDSSEC_RETURN_IF_ERROR(table.read("days", 1, kMaxDays, days));

@@ -215,7 +215,7 @@ class GovernanceComparison {
       for (const auto& region : regions) compare_in(region);
     } else {
       is_unknown_ = true;
-      diff_.unknown_domains.push_back({0, kMaxDomainId});
+      diff_.unknown_domains.push_back({0, kMaxGovernedDomainId});
     }
     finish();
     diff_.readings = readings_of(old_, new_);

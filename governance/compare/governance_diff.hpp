@@ -57,6 +57,7 @@ struct RewrittenRules {
   std::vector<std::string> only_old, only_new;
 };
 
+/// The changes from one governance document to another.
 struct GovernanceDiff {
   /// The overall result; see docs/comparison.md. One of neutral, stronger, weaker, mixed,
   /// unknown.
@@ -78,6 +79,7 @@ struct GovernanceDiff {
   Readings readings = {};
 };
 
+/// What to compare, and how much work the comparison may take.
 struct GovernanceDiffOptions {
   /// If not empty, only these topics are compared, instead of all possible names.
   std::vector<std::string> topics = {};

@@ -39,13 +39,14 @@ Domains common(const Domains& governed, const Domains& granted) {
 
 void append(Domains& out, const DomainSet& domains) {
   for (const auto& range : domains.ranges)
-    out.push_back({std::clamp(range.first, 0, kMaxDomainId), std::min(range.last, kMaxDomainId)});
+    out.push_back({std::clamp(range.first, 0, kMaxGovernedDomainId),
+                   std::min(range.last, kMaxGovernedDomainId)});
 }
 
 Domains granted(const LoadedFolder& folder, WallTime now) {
   const auto* grant = grant_of(folder, now);
   if (grant == nullptr) return {};
-  if (grant->default_allow) return {{0, kMaxDomainId}};
+  if (grant->default_allow) return {{0, kMaxGovernedDomainId}};
   Domains out;
   for (const auto& rule : grant->rules)
     if (rule.allow) append(out, rule.domains);

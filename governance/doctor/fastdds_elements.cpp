@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "base/ids.hpp"
 #include "base/text.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
 
 constexpr std::size_t kMaxDoubts = 10;
-constexpr int kMaxDomain = 232;
 constexpr int kMaxNumber = 2147483647;
 
 // The kind of content that an element has.
@@ -105,7 +105,7 @@ bool has_form(std::string_view text, const Element& element) {
     case Form::port:
       return is_number(text, 65535);
     case Form::domain:
-      return is_number(text, kMaxDomain);
+      return is_number(text, kMaxDomainId);
     case Form::seconds:
       return text == "DURATION_INFINITY" || is_number(text, kMaxNumber);
     case Form::address:

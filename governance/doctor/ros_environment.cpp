@@ -270,7 +270,7 @@ std::optional<DomainId> node_domain(const std::string& ros_domain_id) {
   char* end = nullptr;
   const auto number = std::strtoul(ros_domain_id.c_str(), &end, 0);
   const bool is_none = number == 0 && *end != '\0';
-  if (is_none || number > static_cast<unsigned long>(kMaxDomainId)) return std::nullopt;
+  if (is_none || number > static_cast<unsigned long>(kMaxGovernedDomainId)) return std::nullopt;
   return static_cast<DomainId>(number);
 }
 

@@ -32,7 +32,7 @@ bool is_number_for_strtol(std::string_view text) {
   const auto read = std::from_chars(text.data(), end, number, base);
   const auto id = static_cast<std::int32_t>(is_negative ? -number : number);
   return !text.empty() && read.ec == std::errc() && read.ptr == end && id >= 0 &&
-         id <= static_cast<std::int32_t>(kMaxDomainId);
+         id <= static_cast<std::int32_t>(kMaxGovernedDomainId);
 }
 
 bool is_one_of(std::string_view element, std::initializer_list<std::string_view> elements) {

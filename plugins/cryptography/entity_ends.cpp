@@ -35,7 +35,7 @@ void KeyFactory::drop_local(LocalEndpoint& endpoint) {
   drop(endpoint);
 }
 
-bool KeyFactory::take_stranded_keys(spi::IdentityHandle remote) {
+bool KeyFactory::poll_stranded_keys(spi::IdentityHandle remote) {
   const std::lock_guard lock(state_.mutex);
   const auto known = by_identity_.find(remote.value);
   if (state_.host_checks_sources || known == by_identity_.end()) return false;

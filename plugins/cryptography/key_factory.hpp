@@ -41,9 +41,9 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<spi::KeyRevision> revise_local_entity_keys(spi::ParticipantCryptoHandle local) override;
   Status activate_key_revision(spi::ParticipantCryptoHandle local,
                                spi::KeyRevision revision) override;
-  bool is_key_revision_due(spi::ParticipantCryptoHandle local) override;
+  bool is_key_revision_due(spi::ParticipantCryptoHandle local) const override;
   void forget_former_keys() override;
-  bool take_stranded_keys(spi::IdentityHandle remote) override;
+  bool poll_stranded_keys(spi::IdentityHandle remote) override;
   void cut_off(spi::ParticipantCryptoHandle local) override;
   Status unregister_participant(spi::ParticipantCryptoHandle participant) override;
   Status unregister_datawriter(spi::DatawriterCryptoHandle datawriter) override;
@@ -70,9 +70,9 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);
   Status begin_life(LocalParticipant& participant);
   /// Returns the number of blocks under the most used key of the participant and its endpoints.
-  std::uint64_t blocks_used(const LocalParticipant& participant);
+  std::uint64_t blocks_used(const LocalParticipant& participant) const;
   template <class F>
-  void each_endpoint(const LocalParticipant& participant, F&& f);
+  void each_endpoint(const LocalParticipant& participant, F&& f) const;
   void forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now);
   /// Success if the cipher is available and allowed. Error: cipher_not_allowed.
   Status check_cipher(Cipher cipher, spi::CipherMask allowed) const;

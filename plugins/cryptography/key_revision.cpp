@@ -98,7 +98,7 @@ Result<std::unique_ptr<SendKey>> KeyFactory::revised(const Published<SendKey>& k
 }
 
 template <class F>
-void KeyFactory::each_endpoint(const LocalParticipant& participant, F&& f) {
+void KeyFactory::each_endpoint(const LocalParticipant& participant, F&& f) const {
   for (const auto handle : participant.endpoints)
     for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
       if (const auto found = state_.registry.find<LocalEndpoint>(handle, kind)) f(**found);
@@ -178,7 +178,7 @@ Status KeyFactory::limit_keys(LocalParticipant& participant, const spi::Property
   return begin_life(participant);
 }
 
-bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) {
+bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) const {
   const std::lock_guard lock(state_.mutex);
   const auto found = state_.local_participant(local);
   if (!found || (*found)->is_revising) return false;
@@ -187,7 +187,7 @@ bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) {
   return life.has_ended(now) || (life.counts_blocks(now) && life.is_used_up(blocks_used(**found)));
 }
 
-std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) {
+std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) const {
   const ReadGuard guard;  // a sending thread may go on to the next session
   std::uint64_t most = 0;
   const auto count = [&](const Published<SendKey>& published) {

@@ -54,7 +54,7 @@ using TakeSessionReset = SessionReset(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeSessionResetSymbol = "ddssec_take_session_reset";
 
 /// True if its keys were dropped since the last call, so that only a new session brings them
-/// (spi::CryptoKeyFactory::take_stranded_keys).
+/// (spi::CryptoKeyFactory::poll_stranded_keys).
 using TakeStrandedKeys = bool(DDS_Security_IdentityHandle);
 inline constexpr const char* kTakeStrandedKeysSymbol = "ddssec_take_stranded_keys";
 

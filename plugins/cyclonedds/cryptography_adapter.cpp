@@ -72,11 +72,11 @@ void CryptographyAdapter::look_for_ended_readers() noexcept {
   for (auto* const adapter : adapters().all) adapter->reader_ends_.look_soon();
 }
 
-bool CryptographyAdapter::take_stranded_keys(spi::IdentityHandle remote) {
+bool CryptographyAdapter::poll_stranded_keys(spi::IdentityHandle remote) {
   const std::lock_guard lock(adapters().mutex);
   bool are_stranded = false;
   for (auto* const adapter : adapters().all)
-    are_stranded |= adapter->key_factory().take_stranded_keys(remote);
+    are_stranded |= adapter->key_factory().poll_stranded_keys(remote);
   return are_stranded;
 }
 

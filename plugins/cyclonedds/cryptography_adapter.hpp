@@ -30,8 +30,8 @@ class CryptographyAdapter final : public dds_security_cryptography {
     return entered(*static_cast<Table<dds_security_crypto_transform>&>(instance).owner);
   }
 
-  /// Calls spi::CryptoKeyFactory::take_stranded_keys for all domains of the process.
-  static bool take_stranded_keys(spi::IdentityHandle remote);
+  /// Calls spi::CryptoKeyFactory::poll_stranded_keys for all domains of the process.
+  static bool poll_stranded_keys(spi::IdentityHandle remote);
 
   /// Cuts off a local participant of any domain (process_questions.hpp).
   static void cut_off(spi::IdentityHandle local);

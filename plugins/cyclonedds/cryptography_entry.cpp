@@ -43,7 +43,7 @@ DDSSEC_EXPORT cyclonedds::SessionReset ddssec_take_session_reset(
 }
 
 DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
-  return CryptographyAdapter::take_stranded_keys({remote});
+  return CryptographyAdapter::poll_stranded_keys({remote});
 }
 
 DDSSEC_EXPORT void ddssec_cut_off_cryptography(DDS_Security_IdentityHandle local) {

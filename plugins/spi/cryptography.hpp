@@ -111,15 +111,16 @@ class CryptoKeyFactory {
   /// True if the keys in use are near the limit of time or volume that the participant's properties
   /// set. Call it once a second; keys that are made when it returns true are in use well before the
   /// limit. False while a revision is under way, and for an unknown handle.
-  virtual bool is_key_revision_due(ParticipantCryptoHandle local) = 0;
-  /// Wipes former keys of remote entities that are no longer valid. Call it now and then. Without
-  /// it, such keys are still refused in time.
+  virtual bool is_key_revision_due(ParticipantCryptoHandle local) const = 0;
+  /// Wipes former keys of remote entities that are no longer valid. Call it at least once a minute:
+  /// such keys are refused in time also without the call, but stay in memory.
   virtual void forget_former_keys() = 0;
-  /// True if keys of that peer were dropped since the last call although the session with it goes
-  /// on. Either they were kept from the host, which would not have accepted them, or they were
-  /// dropped before the host discovered the endpoint that waits for them. Only a new session brings
-  /// them again. Call it once a second. Always false with a host that accepts keys as they come.
-  virtual bool take_stranded_keys(IdentityHandle remote) = 0;
+  /// Returns true if keys of that peer were dropped since the last call although the session with
+  /// it goes on, and forgets that. Either they were kept from the host, which would not have
+  /// accepted them, or they were dropped before the host discovered the endpoint that waits for
+  /// them. Only a new session brings them again. Call it once a second. Always false with a host
+  /// that accepts keys as they come.
+  virtual bool poll_stranded_keys(IdentityHandle remote) = 0;
 
   /// Call it when the participant's certificate or permissions have expired or were revoked. From
   /// now on nothing is encoded or decoded for it or its endpoints (identity_ended), whatever the

@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
       " joiners, whether those writers are still there or not.",
       "ddssec-keeper");
   app.add_option("-d,--domain", options.domain, "DDS domain (default 0)")
-      ->check(CLI::Range(0, 232));
+      ->check(CLI::Range(0, kMaxDomainId));
   app.add_option("--store", options.keeper.store, "file to keep samples in; none: memory");
   app.add_option("--store-octets", options.keeper.store_octets, "most octets of the store");
   app.add_option("-t,--topic", options.keeper.topics,

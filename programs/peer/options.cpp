@@ -13,7 +13,9 @@ Parsed parse(int argc, char** argv) {
   app.add_option("--role", options.role, "what to do")
       ->required()
       ->check(CLI::IsMember({"pub", "sub", "ping", "pong", "tput-pub", "tput-sub"}));
-  app.add_option("--domain", options.domain, "DDS domain")->required()->check(CLI::Range(0, 232));
+  app.add_option("--domain", options.domain, "DDS domain")
+      ->required()
+      ->check(CLI::Range(0, kMaxDomainId));
   app.add_option("--topic", options.topic, "topic name; default Square, or the role's own");
   app.add_option("--count", options.count, "samples, or round trips");
   app.add_option("--security", options.security, "folder with keys and documents, or off");

@@ -124,7 +124,7 @@ Parsed parse(int argc, char** argv) {
   auto* role = app.add_option_group("role")->require_option(1);
   role->add_flag("-P", options.publish, "publish");
   role->add_flag("-S", subscribe, "subscribe");
-  app.add_option("-d", options.domain, "domain (default 0)")->check(CLI::Range(0, 232));
+  app.add_option("-d", options.domain, "domain (default 0)")->check(CLI::Range(0, kMaxDomainId));
   add_choice(app, "-v", options.verbose, std::map<std::string, bool>{{"e", false}, {"d", true}},
              "verbosity: errors, debug (to standard error)");
   app.add_option("--interface", options.interfaces,

@@ -9,8 +9,6 @@
 namespace ddssec::rtps {
 namespace {
 
-constexpr DomainId kMaxDomain = 232;  // the largest for which the ports fit into 16 bits
-
 std::unexpected<Error> bad_option_error(std::string field, std::string expected,
                                         std::string found) {
   return fail(Code::invalid_property, {.document = "participant options",
@@ -113,7 +111,7 @@ DomainParticipant::DomainParticipant(DomainParticipantOptions options,
 
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions wanted, const EngineServices& services) {
-  if (wanted.domain_id < 0 || wanted.domain_id > kMaxDomain)
+  if (wanted.domain_id < 0 || wanted.domain_id > kMaxDomainId)
     return bad_option_error("domain_id", "0 to 232", std::to_string(wanted.domain_id));
   if (wanted.busy_wait < std::chrono::nanoseconds::zero() ||
       wanted.busy_wait > DomainParticipantOptions::kMaxBusyWait)

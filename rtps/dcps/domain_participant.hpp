@@ -30,7 +30,7 @@ class ParticipantService;
 
 /// The options with which a participant is created. Only domain_id usually needs a value.
 struct DomainParticipantOptions {
-  /// The DDS domain, 0 to 232.
+  /// The DDS domain, 0 to 232; with security 0 to 230, because documents cannot name a higher one.
   DomainId domain_id = 0;
   /// Only participants with the same domain tag find each other.
   std::string domain_tag = {};

@@ -53,9 +53,9 @@ TEST(Text, OctetsThatAreNotUtf8_AreEscaped) {
 }
 
 TEST(Text, WhatIsWanted_IsPrintedAsItIs) {
-  EXPECT_EQ(printable("a\tb\n\033[1m", {.lines = true}), "a\tb\n?[1m");
-  EXPECT_EQ(printable("a\n\033[1m", {.escapes = true}), "a?\033[1m");
-  EXPECT_EQ(printable("\xc3\xa4\xc2\x9b", {.utf8 = false}), "\\xc3\\xa4\\u009b");
+  EXPECT_EQ(printable("a\tb\n\033[1m", {.keeps_line_feeds = true}), "a\tb\n?[1m");
+  EXPECT_EQ(printable("a\n\033[1m", {.keeps_escapes = true}), "a?\033[1m");
+  EXPECT_EQ(printable("\xc3\xa4\xc2\x9b", {.keeps_utf8 = false}), "\\xc3\\xa4\\u009b");
 }
 
 TEST(Text, FirstMisleadingCharacter_IsFound) {

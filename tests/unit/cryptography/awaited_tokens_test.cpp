@@ -231,7 +231,7 @@ struct Engine {
     bool is = false;
     for (int i = 0; i < 25; ++i) {
       two.b.clock.advance(seconds(1));
-      is |= two.b.factory().take_stranded_keys({8});
+      is |= two.b.factory().poll_stranded_keys({8});
     }
     return is;
   }

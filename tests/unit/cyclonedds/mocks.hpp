@@ -127,9 +127,9 @@ class MockCryptography : public spi::Cryptography,
               (const spi::PreSharedKeyRequest&), (override));
   MOCK_METHOD(Result<spi::KeyRevision>, revise_local_entity_keys, (Participant), (override));
   MOCK_METHOD(Status, activate_key_revision, (Participant, spi::KeyRevision), (override));
-  MOCK_METHOD(bool, is_key_revision_due, (Participant), (override));
+  MOCK_METHOD(bool, is_key_revision_due, (Participant), (const, override));
   MOCK_METHOD(void, forget_former_keys, (), (override));
-  MOCK_METHOD(bool, take_stranded_keys, (spi::IdentityHandle), (override));
+  MOCK_METHOD(bool, poll_stranded_keys, (spi::IdentityHandle), (override));
   MOCK_METHOD(void, cut_off, (Participant), (override));
   MOCK_METHOD(Status, unregister_participant, (Participant), (override));
   MOCK_METHOD(Status, unregister_datawriter, (Datawriter), (override));

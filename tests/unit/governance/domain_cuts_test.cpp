@@ -14,16 +14,18 @@ Ranges pieces_of(std::initializer_list<Ranges> documents) {
 }
 
 TEST(DomainCuts, DomainsWithoutARange_AreOnePiece) {
-  EXPECT_EQ(pieces_of({}), (Ranges{{0, kMaxDomainId}}));
-  EXPECT_EQ(pieces_of({{{0, kMaxDomainId}}}), (Ranges{{0, kMaxDomainId}}));
+  EXPECT_EQ(pieces_of({}), (Ranges{{0, kMaxGovernedDomainId}}));
+  EXPECT_EQ(pieces_of({{{0, kMaxGovernedDomainId}}}), (Ranges{{0, kMaxGovernedDomainId}}));
 }
 
 TEST(DomainCuts, EachRange_BeginsAndEndsAPiece) {
-  EXPECT_EQ(pieces_of({{{3, 5}}}), (Ranges{{0, 2}, {3, 5}, {6, kMaxDomainId}}));
+  EXPECT_EQ(pieces_of({{{3, 5}}}), (Ranges{{0, 2}, {3, 5}, {6, kMaxGovernedDomainId}}));
   EXPECT_EQ(pieces_of({{{3, 5}}, {{5, 7}}}),
-            (Ranges{{0, 2}, {3, 4}, {5, 5}, {6, 7}, {8, kMaxDomainId}}));
-  EXPECT_EQ(pieces_of({{{0, 0}, {kMaxDomainId, kMaxDomainId}}}),
-            (Ranges{{0, 0}, {1, kMaxDomainId - 1}, {kMaxDomainId, kMaxDomainId}}));
+            (Ranges{{0, 2}, {3, 4}, {5, 5}, {6, 7}, {8, kMaxGovernedDomainId}}));
+  EXPECT_EQ(
+      pieces_of({{{0, 0}, {kMaxGovernedDomainId, kMaxGovernedDomainId}}}),
+      (Ranges{
+          {0, 0}, {1, kMaxGovernedDomainId - 1}, {kMaxGovernedDomainId, kMaxGovernedDomainId}}));
 }
 
 TEST(Joined, RangesThatTouchOrOverlap_AreOne) {

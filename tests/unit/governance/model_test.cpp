@@ -28,7 +28,7 @@ TEST(DomainSet, SetWithTags_ContainsThoseThatItNamesOrThatAnExpressionMatches) {
 }
 
 TEST(DomainSet, OpenRange_IsOneIdToStockProducts) {
-  const DomainSet set{.ranges = {{3, kMaxDomainId, true}, {8, 9}}};
+  const DomainSet set{.ranges = {{3, kMaxGovernedDomainId, true}, {8, 9}}};
   for (const DomainId id : {3, 8, 9}) EXPECT_TRUE(set.contains_for_stock(id)) << id;
   for (const DomainId id : {2, 4, 10}) EXPECT_FALSE(set.contains_for_stock(id)) << id;
 }
