@@ -55,7 +55,7 @@ class SystemClock final : public Clock {
   std::chrono::nanoseconds since_boot() const override;
 };
 
-/// A clock that stands still until it is moved. Tests use it, and code that judges documents at
+/// A clock that stands still until it is moved, for tests and for code that judges documents at
 /// another time. Not thread-safe.
 class ManualClock final : public Clock {
  public:

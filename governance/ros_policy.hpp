@@ -40,6 +40,7 @@ struct RosEnclave {
   int line = 0;
 };
 
+/// A policy file of SROS 2: what each enclave may do.
 struct RosPolicy {
   std::vector<RosEnclave> enclaves = {};
 };
@@ -61,6 +62,7 @@ Result<RosPolicy> read_ros_policy(const std::filesystem::path& file, const ReadF
 /// relative.
 std::string expanded_ros_name(const RosProfile& profile, std::string_view name);
 
+/// What a policy does not say, but permissions need.
 struct RosPermissionsOptions {
   DomainId domain = 0;
   Validity validity = {};

@@ -1,4 +1,5 @@
-// X.509 certificates, which are parsed once, verified once and cheap to copy.
+// X.509 certificates: immutable, and cheap to copy. That one was parsed proves nothing; chain.hpp
+// verifies it.
 #pragma once
 
 #include <cstddef>

@@ -68,8 +68,8 @@ class ChainVerifier {
   /// digest_too_weak, chain_refused (anything else, with OpenSSL's reason).
   Result<ChainValid> verify(const Certificate& certificate, WallTime now) const;
 
-  /// False if no configured list names the certificate or one of the CAs. In this case `verify`
-  /// does not fail with certificate_revoked. Costs one lookup in each list.
+  /// True if a configured list names the certificate or one of the CAs. If not, `verify` does not
+  /// fail with certificate_revoked. Costs one lookup in each list.
   bool may_be_revoked(const Certificate& certificate) const;
 
   /// Returns the certificates of the CA file, in its order. Valid as long as this object.

@@ -5,6 +5,7 @@
 
 namespace ddssec::pki {
 
+/// Makes key pairs from known private numbers. For tests with published vectors only.
 struct KnownKey {
   /// Makes the pair of a given private number (big endian). Error: public_key_not_in_group if it is
   /// zero or too large.

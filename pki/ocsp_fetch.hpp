@@ -13,6 +13,7 @@
 
 namespace ddssec::pki {
 
+/// The certificate to ask about. Borrows both.
 struct OcspRequest {
   const Certificate& certificate;
   const Certificate& ca;  ///< the issuer of the certificate

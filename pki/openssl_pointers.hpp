@@ -15,6 +15,7 @@
 
 namespace ddssec::pki {
 
+/// A deleter of std::unique_ptr that calls the free function of OpenSSL.
 template <auto Free>
 struct Deleter {
   template <class T>

@@ -27,8 +27,9 @@ class SigningLog {
   enum class Standing : std::uint8_t {
     unknown,     ///< not signed by this CA according to the log
     superseded,  ///< signed, but another text replaced it in every file
-    current,     ///< the last text that was signed for a file, by this CA or by one that followed,
-                 ///< or one that this text extends
+    /// The last text that was signed for a file, by this CA or by one that followed, or one that
+    /// this text extends.
+    current,
   };
 
   /// Parses the log; an empty text is an empty log. The last line may lack its line end. Unreadable

@@ -1,6 +1,8 @@
 // DATA: one change of a writer (RTPS 9.4.5.3).
 #pragma once
 
+#include <cstdint>
+
 #include "wire/inline_qos.hpp"
 #include "wire/numbers.hpp"
 #include "wire/submessage.hpp"
@@ -10,7 +12,8 @@ namespace ddssec::rtps {
 /// The content of the serialized payload: nothing, a sample, or the key of an instance that ends.
 enum class PayloadKind : std::uint8_t { none, data, key };
 
-/// Borrows its payload, which begins with its encapsulation (or is a protected payload).
+/// One DATA submessage. Borrows its payload, which begins with its encapsulation (or is a protected
+/// payload).
 struct Data {
   EntityId reader;  ///< unknown means all of the writer's readers
   EntityId writer;
@@ -20,10 +23,11 @@ struct Data {
   BytesView payload = {};
 };
 
-/// Errors: truncated, rtps_number_invalid, rtps_submessage_overrun (the offset to the inline QoS
-/// lies inside the fixed part or after the end), malformed (data and key flags together), those of
-/// read_inline_qos.
+/// Reads the submessage. Errors: truncated, rtps_number_invalid, rtps_submessage_overrun (the
+/// offset to the inline QoS lies inside the fixed part or after the end), malformed (data and key
+/// flags together), those of read_inline_qos.
 Result<Data> read_data(const SubmessageView& view);
+/// Writes the submessage. If it does not fit, out.overflowed() is true.
 void write(SpanWriter& out, const Data& data);
 
 }  // namespace ddssec::rtps

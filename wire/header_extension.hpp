@@ -1,4 +1,5 @@
-// HEADER_EXTENSION of RTPS 2.5 (9.4.5.2): it is read, checked and skipped, but never sent.
+// HEADER_EXTENSION of RTPS 2.5 (9.4.5.2): it is read, checked and skipped. No participant of ddssec
+// sends one; `write` is for tests.
 #pragma once
 
 #include <optional>

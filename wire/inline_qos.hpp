@@ -59,7 +59,8 @@ struct InlineQos {
   /// The source time, for a protected submessage whose INFO_TS is not protected. Specific to
   /// ddssec.
   std::optional<Time> source_time = {};
-  FilterResults filters = {};  ///< written only, never read
+  /// Written only, never read: a list with results is unequal to what is read from its octets.
+  FilterResults filters = {};
   /// The place of the payload in shared memory, if it is not in the DATA. Specific to ddssec.
   std::optional<MemoryReference> memory = {};
   bool empty() const {

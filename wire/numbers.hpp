@@ -2,6 +2,7 @@
 // 8.3.5.10).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <compare>

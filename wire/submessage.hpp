@@ -49,9 +49,11 @@ class SubmessageScope {
   std::size_t begin_ = 0;
 };
 
-/// Each reads one value in place. Error: truncated.
+/// Reads one value in place. Error: truncated.
 Result<EntityId> read_entity_id(Reader& reader);
+/// Reads one value in place. Error: truncated.
 Result<GuidPrefix> read_guid_prefix(Reader& reader);
+/// Reads one value in place. Error: truncated.
 Result<Guid> read_guid(Reader& reader);
 
 }  // namespace ddssec::rtps

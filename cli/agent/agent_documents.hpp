@@ -17,6 +17,7 @@ namespace ddssec::cli {
 /// document.
 using FetchDocument = std::function<Result<Bytes>(const DocumentRequest&)>;
 
+/// What it takes to ask the CA for documents of one participant. Borrows everything.
 struct DocumentsTask {
   const pki::ParticipantFolder& files;
   const pki::Certificate& certificate;  ///< the one in the folder

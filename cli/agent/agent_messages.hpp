@@ -40,9 +40,9 @@ struct DocumentRequest {
   std::string certificate;  ///< the one in place, PEM
 };
 
-/// Returns the value as one line, without a line break; json_from reads it. json_from returns the
-/// error internal.
+/// Returns the value as one line, without a line break; json_from reads it.
 std::string to_line(const Json& value);
+/// Reads a line. Error: internal (not JSON).
 Result<Json> json_from(std::string_view line);
 
 /// Writes one line into a pipe. Returns 0, or 1 if no process reads it.
@@ -50,23 +50,32 @@ int send_line(int out, const Json& value);
 /// Returns the line that a process sends instead of a result.
 Json error_line(const Error& error);
 
+/// Writes the request as a line that request_from reads.
 Json to_json(const RenewalRequest& request);
+/// Reads a request. A text that is absent is empty. Error: internal (the permissions are not
+/// hexadecimal).
 Result<RenewalRequest> request_from(const Json& json);
+/// Writes the answer as a line that answer_from reads.
 Json to_json(const RenewalAnswer& answer);
 /// Returns the answer as one line with its line break. If it is too long, removes the renewal list
 /// from the answer.
 std::string answer_line(RenewalAnswer& answer);
+/// Reads an answer. A text that is absent is empty. Error: internal (the permissions are not
+/// hexadecimal).
 Result<RenewalAnswer> answer_from(const Json& json);
 
+/// Writes the request as a line that document_request_from reads.
 Json to_json(const DocumentRequest& request);
+/// Reads a request. A text that is absent is empty.
 DocumentRequest document_request_from(const Json& json);
-/// Writes a document as a line, and reads it. document_from returns the error that the line
-/// contains, or internal.
+/// Writes a document as a line that document_from reads.
 Json document_line(BytesView document);
+/// Reads a document. Errors: internal (not hexadecimal), the error that the line reports.
 Result<Bytes> document_from(const Json& json);
 
-/// Writes an error with all of its details, and reads it. An unknown code is read as `internal`.
+/// Writes an error with all of its details.
 Json error_to_json(const Error& error);
+/// Reads an error. An unknown code is read as `internal`.
 Error error_from(const Json& json);
 
 /// Returns the text of a member. Empty if there is no member of that name or it is not a text.

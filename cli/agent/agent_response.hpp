@@ -22,6 +22,7 @@ struct AskedResponders {
   std::vector<std::string> silent_urls = {};  ///< URLs that did not answer another folder's request
 };
 
+/// What it takes to decide whether a certificate needs a new OCSP response. Borrows everything.
 struct ResponseTask {
   const pki::ParticipantFolder& files;
   const pki::Certificate& certificate;  ///< the one in the folder now

@@ -25,6 +25,7 @@ struct ResponseWanted {
   std::chrono::seconds longest{10};
 };
 
+/// A response that was verified, and says that the certificate is good.
 struct FetchedResponse {
   Bytes octets;
   pki::OcspGood good;

@@ -29,6 +29,7 @@ struct CaOfFolder {
   }
 };
 
+/// The result of `ca create`.
 struct CreatedCas {
   std::filesystem::path dir;
   bool encrypted;
@@ -50,6 +51,7 @@ struct CreatedCas {
   }
 };
 
+/// The result of `ca import`.
 struct ImportedCa {
   CaFacts ca;
   std::string role;
@@ -66,6 +68,7 @@ struct ImportedCa {
   }
 };
 
+/// The protection of a CA's private key: never the key itself.
 struct KeyFacts {
   bool encrypted;
   std::string mode;
@@ -83,6 +86,7 @@ struct KeyFacts {
   }
 };
 
+/// The newest revocation list of a CA.
 struct ListFacts {
   ListNumber number;
   std::optional<WallTime> next_update;
@@ -129,6 +133,7 @@ struct ShownCa {
   }
 };
 
+/// The result of `ca show`. A folder has one CA, or one for identities and one for permissions.
 struct ShownCas {
   ShownCa first;
   std::vector<ShownCa> others = {};
@@ -153,6 +158,7 @@ struct ShownCas {
   }
 };
 
+/// The result of `ca renew`: a new certificate for the same key.
 struct RenewedCa {
   CaFacts ca;
   std::filesystem::path dir;

@@ -36,6 +36,7 @@ struct ListHead {
   }
 };
 
+/// The result of `crl new`.
 struct NewList {
   std::filesystem::path file;
   ListHead list;
@@ -59,6 +60,7 @@ struct Listed<pki::Revocation> {
   }
 };
 
+/// One revocation list as `crl show` prints it. Its signature has not been verified.
 struct ShownList {
   ListHead list;
   std::vector<pki::Revocation> revoked;
@@ -78,6 +80,7 @@ struct ShownList {
   }
 };
 
+/// The result of `crl show`: all lists of a file.
 struct ShownLists {
   std::filesystem::path file;
   ShownList first;
@@ -96,6 +99,7 @@ struct ShownLists {
   }
 };
 
+/// The result of `crl verify`: the list of the given CA whose signature is valid.
 struct VerifiedList {
   /// A list in the file.
   struct Seen {
@@ -131,6 +135,8 @@ struct RenewalCounts {
   }
 };
 
+/// The result of `crl distribute`: the folders that got the list, and those that did not, by
+/// reason.
 struct DistributedLists {
   ListHead list;
   RenewalCounts renewals;

@@ -15,6 +15,7 @@
 
 namespace ddssec::cli {
 
+/// The result of `keystore create`.
 struct CreatedKeystore {
   std::filesystem::path dir;
   bool encrypted;
@@ -32,6 +33,7 @@ struct CreatedKeystore {
   }
 };
 
+/// The result of `keystore enclave`.
 struct MadeEnclave {
   std::string name;
   std::filesystem::path dir;
@@ -49,6 +51,7 @@ struct MadeEnclave {
   }
 };
 
+/// The result of `keystore list`.
 struct ListedEnclaves {
   std::vector<std::string> enclaves;
 
@@ -60,6 +63,7 @@ struct ListedEnclaves {
   }
 };
 
+/// The result of `keystore permission`.
 struct SignedForEnclave {
   std::string name;
   std::filesystem::path file;
@@ -91,6 +95,7 @@ struct VerifiedEnclave {
   }
 };
 
+/// The result of `keystore verify`. Success does not mean that no key is readable by other users.
 struct VerifiedKeystore {
   std::vector<VerifiedEnclave> enclaves = {};
   std::vector<std::string> keys_for_others = {};

@@ -30,6 +30,7 @@ struct DiffSide {
   std::optional<WallTime> signing_time = {};
 };
 
+/// The old and the new document.
 struct DiffSides {
   DiffSide before, after;
 };
@@ -72,6 +73,7 @@ Result<std::optional<std::string>> fail_on(const Arguments& arguments,
 /// Returns a line for each reading, under a heading. Empty if there are no readings.
 std::string readings_text(const governance::Readings& readings);
 
+/// One place that products interpret differently.
 struct ShownReading {
   std::string_view document;
   std::optional<std::string> expression;
@@ -87,6 +89,7 @@ struct ShownReading {
   }
 };
 
+/// All such places, with the member `complete` if there may be more.
 struct ShownReadings {
   static constexpr std::string_view kDef = "readings";
   std::vector<ShownReading> all = {};

@@ -85,6 +85,7 @@ struct JudgementStep {
   }
 };
 
+/// The kinds of protection that one side's governance demands for a topic.
 struct TopicProtection {
   ProtectionKind payload, metadata, rtps;
 
@@ -127,6 +128,7 @@ struct ShownDirection {
   }
 };
 
+/// One topic in the result of `doctor` for two folders. Borrows the view.
 struct ShownTopic {
   const MeetingView* view;
   const governance::doctor::TopicMeeting* by;
@@ -152,6 +154,7 @@ struct ShownTopic {
   }
 };
 
+/// The judgement whether the two participants may be in one domain.
 struct ShownJoin {
   DomainId domain;
   bool ok;
@@ -168,6 +171,7 @@ struct ShownJoin {
   }
 };
 
+/// The handshake, and the side that starts it.
 struct ShownHandshake {
   std::optional<std::string_view> starts;
   bool ok;

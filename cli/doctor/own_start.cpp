@@ -35,16 +35,6 @@ namespace fs = std::filesystem;
 namespace property = spi::property;
 using doctor::Outcome;
 
-class StoppedClock final : public Clock {
- public:
-  explicit StoppedClock(WallTime now) : now_(now) {}
-  WallTime now() const override { return now_; }
-  std::chrono::nanoseconds monotonic() const override { return now_.time_since_epoch(); }
-
- private:
-  const WallTime now_;
-};
-
 class NoEvents final : public EventSink {
  public:
   void raise(const Event&) override {}
@@ -52,7 +42,7 @@ class NoEvents final : public EventSink {
 
 Status start(spi::PropertyList properties, const access_control::AccessControlOptions& options,
              const doctor::Settings& settings) {
-  const StoppedClock clock(settings.now);
+  const ManualClock clock(settings.now);
   SystemRandom random;
   NoEvents events;
   const EngineServices services{clock, random, events};

@@ -13,9 +13,10 @@ void check_own_start(const governance::doctor::LoadedFolder& folder,
                      const governance::doctor::Diagnosis& before,
                      governance::doctor::Diagnosis& out);
 
-/// The same for a Cyclone DDS process: with the values of its configuration, and with the
-/// properties of DDSSEC_PROPERTIES and DDSSEC_SYMMETRIC_CIPHER_ALGORITHM. If the process would not
-/// load ddssec's plugins (`is_in_use` is false), a refusal is only a warning.
+/// Starts the plugins as a Cyclone DDS process does, and reports their refusal (DOC093): with the
+/// values of its configuration, and with the properties of DDSSEC_PROPERTIES and
+/// DDSSEC_SYMMETRIC_CIPHER_ALGORITHM. If the process would not load ddssec's plugins (`is_in_use`
+/// is false), a refusal is only a warning.
 void check_start_in_cyclonedds(const governance::doctor::LoadedFolder& folder,
                                const governance::doctor::Settings& settings, bool is_in_use,
                                const governance::doctor::Diagnosis& before,

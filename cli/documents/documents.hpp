@@ -37,6 +37,7 @@ struct GovernanceKind {
     return governance::read_governance(xml, first_line);
   }
 };
+/// The traits of a permissions document, for code that handles both kinds.
 struct PermissionsKind {
   using Document = governance::Permissions;
   static constexpr auto kInFolder = &pki::ParticipantFolder::permissions;

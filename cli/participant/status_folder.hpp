@@ -47,6 +47,8 @@ struct StatusRefusal {
   }
 };
 
+/// A document that a running participant uses, as its status socket reports it. The report is not
+/// authenticated.
 struct RunningDocument {
   std::string kind, file, since;
   std::vector<ShownDocumentPart> in_force;
@@ -68,6 +70,7 @@ struct RunningDocument {
   }
 };
 
+/// A participant of a running process, as its status socket reports it.
 struct RunningParticipant {
   static constexpr std::string_view kDef = "running participant";
   std::int64_t identity;

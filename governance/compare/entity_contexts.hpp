@@ -31,6 +31,7 @@ struct EntityContext {
   std::vector<std::uint32_t> old_elements = {}, new_elements = {};
 };
 
+/// The kinds of endpoints that the rules of two documents can distinguish.
 struct EntityContexts {
   NameKinds partitions;
   /// The contexts; no two have the same elements. The default partition without data tags comes

@@ -53,6 +53,7 @@ struct PermissionChange {
   std::string hint = {};
 };
 
+/// The changes from one grant to another.
 struct GrantDiff {
   std::vector<PermissionChange> changes = {};
   CombinedChange direction = {};

@@ -30,6 +30,7 @@ struct RuleSides {
   bool first_rule_creates_topic = false;
 };
 
+/// The changes of one operation (publish, subscribe or relay) between two grants.
 struct OperationDiff {
   /// The changes without their subject and scope.
   std::vector<PermissionChange> changes = {};

@@ -11,6 +11,7 @@
 
 namespace ddssec::governance {
 
+/// The changes from one permissions document to another.
 struct PermissionsDiff {
   /// neutral, narrower, wider, mixed or unknown.
   ChangeClass verdict = ChangeClass::neutral;
@@ -25,6 +26,7 @@ struct PermissionsDiff {
   Readings readings = {};
 };
 
+/// How subjects and rules are compared, and how much work the comparison may take.
 struct PermissionsDiffOptions {
   /// True if a subject that only the old document has and one that only the new document has count
   /// as the same participant, provided that their grants have the same name and neither is an

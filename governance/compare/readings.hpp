@@ -22,6 +22,7 @@ struct Reading {
   bool narrows = false;
 };
 
+/// The places of two documents that products interpret differently.
 struct Readings {
   /// The readings of the new document first, each side by line.
   std::vector<Reading> all = {};

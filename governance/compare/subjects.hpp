@@ -15,6 +15,7 @@ struct Subject {
   Grants old_grants = {}, new_grants = {};
 };
 
+/// Examples of all kinds of subjects that the documents can distinguish.
 struct Subjects {
   std::vector<Subject> all = {};
   /// False if there are more combinations of expressions than can be tried, or expressions with

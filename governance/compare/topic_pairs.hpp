@@ -45,6 +45,7 @@ struct TopicPair {
   std::string witness;
 };
 
+/// The pairs of an old and a new rule that decide for the same topic.
 struct TopicPairs {
   std::vector<TopicPair> pairs = {};
   /// True if every pair of rules that decides for some name is included.

@@ -13,6 +13,7 @@
 
 namespace ddssec::governance::doctor {
 
+/// A revocation list that a CA's folder has, and the file that it is from.
 struct CaList {
   pki::Crl list;
   std::filesystem::path file;

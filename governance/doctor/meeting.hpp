@@ -62,6 +62,7 @@ struct TopicDirection {
   Obstacle obstacle = {};
 };
 
+/// The judgement whether two participants can exchange samples of one topic.
 struct TopicMeeting {
   std::string topic;
   /// The expression in the documents of which `topic` is only an example. Empty if `topic` is the

@@ -10,7 +10,8 @@
 
 namespace ddssec::access_control {
 
-/// The options that an integrator may set. By default these features are refused.
+/// Limits, and what the host can do. A document that needs a feature which the host lacks is
+/// refused.
 struct AccessControlOptions {
   /// The largest permissions document that is taken from a peer, in octets.
   std::size_t max_permissions_octets = 16 * 1024 * 1024;
@@ -19,7 +20,7 @@ struct AccessControlOptions {
   /// The "legacy" mode of DDS-Security 1.2, clause 10.4.1.5.3.4.1.4: an allow rule must list one of
   /// an entity's partitions, not all of them.
   bool one_partition_suffices = false;
-  /// True to answer relay_only to a reader that only a relay element lets in. Set it only if the
+  /// True to answer is_relay_only to a reader that only a relay element lets in. Set it only if the
   /// cryptography then keeps the payload key to itself; otherwise such a reader could read.
   bool accept_relays = false;
   /// True to take a governance that enables key revision, because the host revises keys. Otherwise

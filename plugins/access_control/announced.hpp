@@ -26,6 +26,7 @@ inline constexpr std::size_t kMaxRequestOctets = 32'768;
 /// Checks the limits above, before anything compares or compiles what a peer announces. Error:
 /// length_out_of_range.
 Status check_lengths(const spi::EndpointRequest& request);
+/// Checks the limit of a topic name alone. Error: length_out_of_range.
 Status check_topic_length(std::string_view topic);
 
 /// The partitions of one endpoint; expressions are compiled.

@@ -22,6 +22,7 @@ struct GovernanceContext {
   const LocalParticipant& participant;
   const AccessControlOptions& options;
 };
+/// A governance document whose signature by the permissions CA was verified.
 struct VerifiedGovernance {
   std::shared_ptr<const governance::CompiledGovernance> rules;
   Sha256Digest digest;  ///< digest of the signed text

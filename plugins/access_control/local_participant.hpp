@@ -71,8 +71,11 @@ class LocalParticipant {
     std::shared_ptr<const governance::CompiledGovernance> governance;
     Sha256Digest digest{};  ///< digest of its signed text
   };
+  /// Returns the document that waits; nullptr if none does.
   std::shared_ptr<const Pending> pending() const;
+  /// Makes a document wait. It replaces one that waits already.
   void set_pending(Pending pending);
+  /// Gives up the document that waits, if there is one. The document in force stays.
   void drop_pending();
   /// Returns the rules of the document with that digest; nullptr unless it waits, or was in force
   /// before the last one that waited.

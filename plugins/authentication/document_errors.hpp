@@ -17,7 +17,7 @@ inline Error with_property(const Error& error, std::string_view property) {
   return {error.code(), std::move(details)};
 }
 
-/// The same for the error of a result.
+/// Returns a success as it is, and an error as an error about the property.
 template <class T>
 Result<T> with_property(Result<T> result, std::string_view property) {
   if (result) return result;

@@ -26,8 +26,8 @@ namespace ddssec::authentication {
 struct PairHandshake {
   spi::HandshakeHandle handle;
   HandshakeState state;
-  Bytes participant_data;  ///< the c.pdata that was sent
-  std::chrono::nanoseconds since;
+  Bytes participant_data;             ///< the c.pdata that was sent
+  std::chrono::nanoseconds began_at;  ///< monotonic time at which the host began it
   /// Memory share of the peer's request, until the handshake is established.
   UnprovenOctets::Share unproven = {};
   /// The last offer to the peer, once the handshake is established.

@@ -57,7 +57,7 @@ class IdentityWatch {
 
   /// Returns the last error of poll(), as long as the files have not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
-  /// See RenewalRefusals.
+  /// True if the refused files are only not valid yet, so that they are checked again later.
   bool begins_later() const { return refusals_.begins_later(); }
 
   /// Returns the path of the certificate; empty if it is not in a file.

@@ -29,7 +29,7 @@ void KeptRequests::keep(Pair& pair, MonotonicTime now) {
   Kept kept{pair.own_challenge, now};
   const auto request = std::ranges::find_if(pair.handshakes, waits);
   if (request != pair.handshakes.end()) {
-    kept.since = request->since;
+    kept.since = request->began_at;
     kept.held.request = std::move(*request);
   }
   kept.held.reply_keys = reply_keys(pair);

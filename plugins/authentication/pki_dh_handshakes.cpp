@@ -52,7 +52,7 @@ void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
 bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
                       const std::shared_ptr<const Presented>& own) const {
   return own == pair.local->presented() ||
-         services_.clock.monotonic() - handshake.since < kPendingAge;
+         services_.clock.monotonic() - handshake.began_at < kPendingAge;
 }
 
 // Only a handshake that has waited long is dropped for another one.
@@ -61,7 +61,7 @@ Status PkiDh::check_room(const Pair& pair) const {
   const auto pending = std::ranges::count_if(all, is_pending);
   if (static_cast<std::size_t>(pending) < kMaxPendingPerPair) return {};
   const auto oldest = std::ranges::find_if(all, is_pending);
-  if (services_.clock.monotonic() - oldest->since >= kPendingAge) return {};
+  if (services_.clock.monotonic() - oldest->began_at >= kPendingAge) return {};
   return fail(Code::too_many_handshakes,
               {.expected = "at most " + std::to_string(kMaxPendingPerPair)});
 }

@@ -10,6 +10,7 @@
 
 namespace ddssec::authentication {
 
+/// What renewed documents revoke. It is found first, and applied to the table afterwards.
 struct Revocations {
   /// Local and remote identities in use that must be revoked.
   std::vector<IdentityTable::Revoked> identities;

@@ -29,6 +29,7 @@ using TagOut = std::span<std::uint8_t, kTagSize>;
 inline constexpr std::size_t kKeyStorage = 1264;
 using KeyStorage = std::byte*;
 
+/// What is encrypted or authenticated. An IV must never be used twice with a key.
 struct SealRequest {
   const Iv& iv;
   BytesView aad;
@@ -37,6 +38,7 @@ struct SealRequest {
   TagOut tag;
 };
 
+/// What is decrypted or verified. The caller compares the tag before it uses `out`.
 struct OpenRequest {
   const Iv& iv;
   BytesView aad;

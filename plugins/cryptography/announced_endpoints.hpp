@@ -134,8 +134,8 @@ class AnnouncedEndpoints {
  private:
   struct Writer {
     std::uint64_t next = 0;  ///< all numbers below are acknowledged
-    bool hides = false;      ///< true if one announcement does not say how its endpoint is
-                             ///< protected
+    /// True if one announcement does not say how its endpoint is protected.
+    bool hides = false;
     std::map<std::uint64_t, Announcement> passed = {};
     SkippedNumbers skipped = {};
     std::map<EntityId, std::size_t> endpoints = {};  ///< octets that the host stores for each

@@ -20,11 +20,12 @@ spi::CipherMask ciphers_of(const AeadBackend& backend);
 Result<std::optional<Cipher>> cipher_asked(const spi::PropertyList& properties);
 
 /// The cipher of a participant's messages and builtin endpoints, and the default for the
-/// application's endpoints. Error of participant_ciphers: invalid_property.
+/// application's endpoints.
 struct ParticipantCiphers {
   Cipher message;
   Cipher endpoint;
 };
+/// Returns the ciphers that the properties of a participant request. Error: invalid_property.
 Result<ParticipantCiphers> participant_ciphers(const spi::PropertyList& properties);
 
 /// Returns the cipher of a domain's pre-shared keys; AES-256 by default. Error: invalid_property.

@@ -16,9 +16,9 @@ struct DataPiece {
   EntityId writer;
   std::uint64_t number;  ///< writerSN
   bool has_data;         ///< the payload is declared to be data
-  bool has_key;      ///< the payload is declared to be a key; a hostile sender can declare both or
-                     ///< neither
-  bool is_fragment;  ///< it is a DATA_FRAG
+  /// The payload is declared to be a key; a hostile sender can declare both or neither.
+  bool has_key;
+  bool is_fragment;           ///< it is a DATA_FRAG
   bool begins_sample = true;  ///< false for a later fragment
   std::uint16_t fragment_size = 0;
   std::uint32_t first_fragment = 1;  ///< counted from 1

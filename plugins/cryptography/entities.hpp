@@ -56,6 +56,7 @@ struct RemoteKeys final : Retirable, LevelKeys {
   EntityId owner = {};
 };
 
+/// A participant of this process, with the key of its RTPS messages.
 struct LocalParticipant final : Entity {
   LocalParticipant() : Entity(EntityKind::local_participant) {}
   spi::ProtectionKind rtps = spi::ProtectionKind::none;
@@ -138,6 +139,7 @@ struct PairTable final : Retirable {
   std::vector<Row> rows;
 };
 
+/// A remote participant. It is one object for all local participants that use its handle.
 struct RemoteParticipant final : Entity {
   explicit RemoteParticipant(const Registry& registry)
       : Entity(EntityKind::remote_participant), routes(registry) {}

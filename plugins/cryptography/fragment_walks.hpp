@@ -34,8 +34,8 @@ namespace ddssec::cryptography {
 /// The checks for one participant. Thread-safe.
 class FragmentWalks {
  public:
-  static constexpr std::size_t kMaxOfSample = 384;      ///< limit for a sample, in fragments: 516
-                                                        ///< kB with Cyclone DDS
+  /// Limit for a sample, in fragments: 516 kB with Cyclone DDS.
+  static constexpr std::size_t kMaxOfSample = 384;
   static constexpr std::uint32_t kMaxOctets = 1 << 20;  ///< limit for a sample, in octets
   static constexpr std::size_t kMaxFragments = 2048;    ///< limit for a writer: 64 kB of digests
   /// Limit for a writer: two windows of an ACKNACK.

@@ -99,10 +99,10 @@ void share_payload_position(const CryptographyState& state, RemoteKeys& next,
 }
 
 // A host passes a submessage that one local endpoint can decrypt to all endpoints that receive from
-// the same sender, so these share the position. A host that trusts decrypted content asks about
-// each submessage only once, so they also share the window of repetitions. Otherwise an attacker
-// could break the MAC for one endpoint in a recorded submessage, and it would be new to the next
-// endpoint.
+// the same sender, so these share the position. A host that does not check sources
+// (host_checks_sources is false) asks about each submessage only once, so they also share the
+// window of repetitions. Otherwise an attacker could break the MAC for one endpoint in a recorded
+// submessage, and it would be new to the next endpoint.
 void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteEndpoint& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.submessage) return;

@@ -11,6 +11,7 @@
 
 namespace ddssec::cryptography {
 
+/// A passphrase of pre-shared keys, and the id by which messages name it.
 struct Passphrase {
   /// The passphrase: printable ASCII.
   using Text = Secret<struct PassphraseTag, 512>;
@@ -36,7 +37,7 @@ class PassphraseFiles {
   /// passphrase.
   Result<std::vector<Passphrase>> load(EventSink& events) const;
 
-  /// See FileWatch.
+  /// True if a file of a passphrase may have changed since the last call (FileWatch).
   bool may_have_changed(std::chrono::nanoseconds now);
   void force_change();
   /// Returns the place named by the property, for messages: it shows where a passphrase is, but not

@@ -26,6 +26,7 @@ struct KeyMaterial;
 struct RemoteEndpoint;
 class ReceiveKey;
 
+/// The receiver of a protected submessage: how a key id that a message names leads to a match.
 struct Route {
   KeyId key_id;           ///< zero for the key of the key exchange
   KeyId receiver_key_id;  ///< zero if there is none

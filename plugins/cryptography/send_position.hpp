@@ -29,6 +29,8 @@ struct IvParts {
 };
 IvParts parts_of(const Iv& iv) noexcept;
 
+/// How far the sender under one key was at some time. A receiver compares positions to refuse
+/// replays.
 struct SendPosition {
   /// The largest number of ranges that are sent; a process has one, and one more for each fork()
   /// before it.

@@ -8,6 +8,7 @@
 
 namespace ddssec::cyclonedds {
 
+/// A submessage with which a discovery writer says that a participant or endpoint has ended.
 struct Disposal {
   EntityId reader;
   EntityId writer;

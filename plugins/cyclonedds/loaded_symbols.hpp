@@ -7,6 +7,7 @@
 
 namespace ddssec::cyclonedds {
 
+/// A symbol of the process, and the library that defines it.
 struct LoadedSymbol {
   std::string library;  ///< its path; empty for the program itself
   std::string name;

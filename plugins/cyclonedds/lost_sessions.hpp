@@ -72,8 +72,8 @@ class LostSessions {
   /// Notes that the host has dropped the remote participant.
   void lost(const Guid& remote);
   /// Notes that the host is about to drop it for all local participants, because one of its
-  /// sessions was reset. The others are reset at once. If new ones began before, these would end
-  /// with the former ones, and the two processes could reset each other without end.
+  /// sessions was reset. The others are reset at once. If a new session began first, the reset
+  /// would end it too, and both processes could reset each other forever.
   void about_to_drop(const Guid& remote);
   /// Notes the same for a participant whose certificate has ended or no longer counts. It is reset
   /// soon, so that it is informed. But a participant whose certificate has ended must have noticed
@@ -110,8 +110,8 @@ class LostSessions {
     Duration next{};
     unsigned sent = 0;
     unsigned sent_unmet = 0;
-    Duration first_unmet = kFirstUnmet;  ///< the time until the first reset for a peer that is not
-                                         ///< met
+    /// The time until the first reset for a peer that is not met.
+    Duration first_unmet = kFirstUnmet;
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a proven prefix, which is bound to the subject of the remote participant's

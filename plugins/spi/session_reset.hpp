@@ -23,6 +23,7 @@ namespace ddssec::spi {
 using ResetName = std::array<std::uint8_t, 16>;
 using ResetProof = Secret<struct ResetProofTag, 32>;
 
+/// What a peer must present to have the session with it ended; secret until it is presented.
 struct ResetToken {
   ResetName name{};
   ResetProof proof;

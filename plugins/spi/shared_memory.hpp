@@ -5,6 +5,8 @@
 
 namespace ddssec::spi {
 
+/// How a participant may pass payloads in shared memory. Off by default, because the kernel then
+/// sees them.
 struct SharedMemory {
   bool is_on = false;
   /// True if the kernel of this machine may see payloads of which only messages or submessages are

@@ -34,8 +34,8 @@ struct Options {
 
 struct Authorities {
   pki::Authority identity;
-  std::optional<pki::Authority> own_permissions;  // if it is empty, the identity CA also signs
-                                                  // documents
+  // If it is empty, the identity CA also signs documents.
+  std::optional<pki::Authority> own_permissions;
   const pki::Authority& permissions() const {
     return own_permissions ? *own_permissions : identity;
   }

@@ -1,3 +1,4 @@
+// ddssec-peer: one end of a connection, for tests and measurements.
 #include <array>
 #include <cstdio>
 

@@ -17,6 +17,7 @@ enum Exit : int {
   kSampleWrong = 5,
 };
 
+/// The command line of ddssec-peer; programs/peer/README.md describes it.
 struct Options {
   std::string role;
   std::int32_t domain = 0;

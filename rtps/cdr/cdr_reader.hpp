@@ -2,6 +2,7 @@
 // sender.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 
 #include "base/reader.hpp"

@@ -30,8 +30,8 @@ constexpr XcdrVersion version_of(Encapsulation kind) {
 struct SerializedPayload {
   Encapsulation encapsulation = Encapsulation::cdr;
   Endian endian = Endian::little;
-  BytesView body = {};  ///< the body without the padding at its end; alignment counts from its
-                        ///< first octet
+  /// The body without the padding at its end; alignment counts from its first octet.
+  BytesView body = {};
 };
 
 /// Parses the encapsulation. Errors: truncated, rtps_encapsulation_unsupported (an unknown id;

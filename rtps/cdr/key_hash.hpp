@@ -1,6 +1,8 @@
 // KEY_HASH, which identifies the instance of a change (RTPS 9.6.4.8).
 #pragma once
 
+#include <algorithm>
+
 #include "base/hash.hpp"
 #include "rtps/cdr/cdr_writer.hpp"
 #include "wire/inline_qos.hpp"

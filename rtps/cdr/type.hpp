@@ -49,9 +49,9 @@ template <class T>
 struct Member {
   T& value;
   bool is_key = false;
-  std::size_t bound = kUnbounded;          ///< the largest number of characters or elements
-  std::string_view name = {};              ///< the name in the IDL; if it is empty, filters cannot
-                                           ///< use the member
+  std::size_t bound = kUnbounded;  ///< the largest number of characters or elements
+  /// The name in the IDL; if it is empty, filters cannot use the member.
+  std::string_view name = {};
   std::size_t element_bound = kUnbounded;  ///< the bound of a sequence's elements
 };
 

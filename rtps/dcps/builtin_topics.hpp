@@ -42,28 +42,28 @@ template <>
 struct BuiltinTopicOf<ParticipantBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSParticipant";
   static constexpr EntityId reader = kSpdpReader;
-  /// See BuiltinTopicOf.
+  /// Reads a payload as BuiltinTopicOf describes.
   static Result<ParticipantBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 template <>
 struct BuiltinTopicOf<TopicBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSTopic";
   static constexpr EntityId reader{{0x00, 0x00, 0x02, 0xc7}};
-  /// See BuiltinTopicOf.
+  /// Reads a payload as BuiltinTopicOf describes.
   static Result<TopicBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 template <>
 struct BuiltinTopicOf<PublicationBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSPublication";
   static constexpr EntityId reader = kPublicationsReader;
-  /// See BuiltinTopicOf.
+  /// Reads a payload as BuiltinTopicOf describes.
   static Result<PublicationBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 template <>
 struct BuiltinTopicOf<SubscriptionBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSSubscription";
   static constexpr EntityId reader = kSubscriptionsReader;
-  /// See BuiltinTopicOf.
+  /// Reads a payload as BuiltinTopicOf describes.
   static Result<SubscriptionBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };
 

@@ -27,9 +27,9 @@ struct OctetWrite {
   BytesView payload = {};                           ///< with its encapsulation
   std::optional<KeyHash> key = {};                  ///< required for types with keys
   std::function<Bytes()> serialized_key = nullptr;  ///< called only for a new instance
-  InstanceHandle handle = {};                       ///< HANDLE_NIL means the instance that the key
-                                                    ///< names
-  std::optional<Time> source_timestamp = {};        ///< if it is empty, the source time is now
+  /// HANDLE_NIL means the instance that the key names.
+  InstanceHandle handle = {};
+  std::optional<Time> source_timestamp = {};  ///< if it is empty, the source time is now
 };
 
 /// A writer of serialized samples; the base class of DataWriter<T>. Created and deleted by its
@@ -145,6 +145,9 @@ class DataWriter final : public AnyDataWriter {
   Status write(const T& sample, InstanceHandle handle = {}) {
     return write_octets(with_payload(Buffers(*this), sample, handle, std::nullopt));
   }
+  /// Does the same with this source time, a time of the calendar. Further error:
+  /// rtps_bad_parameter (DESTINATION_ORDER is BY_SOURCE_TIMESTAMP, and the time is before the last
+  /// one).
   Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return write_octets(with_payload(Buffers(*this), sample, handle, source_timestamp));
   }
@@ -152,6 +155,7 @@ class DataWriter final : public AnyDataWriter {
   Status dispose(const T& sample, InstanceHandle handle = {}) {
     return dispose_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
+  /// Does the same with a source time; see write_w_timestamp for its error.
   Status dispose_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return dispose_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
   }
@@ -161,6 +165,7 @@ class DataWriter final : public AnyDataWriter {
   Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
     return unregister_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
+  /// Does the same with a source time; see write_w_timestamp for its error.
   Status unregister_instance_w_timestamp(const T& sample, InstanceHandle handle,
                                          Time source_timestamp) {
     return unregister_octets(with_key(Buffers(*this), sample, handle, source_timestamp));

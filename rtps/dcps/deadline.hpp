@@ -1,6 +1,8 @@
 // The DEADLINE period that the instance caches of writers and readers use.
 #pragma once
 
+#include <algorithm>
+
 #include "base/clock.hpp"
 #include "wire/time.hpp"
 

@@ -63,6 +63,7 @@ class InstanceTime {
   InstanceTimes::iterator at_;
 };
 
+/// An instance in the cache of a reader, with its samples in the order of arrival.
 struct HeldInstance {
   InstanceHandle handle;
   KeyHash key{};

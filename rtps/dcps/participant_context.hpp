@@ -2,6 +2,7 @@
 // participants of its process peers), protocol, timers and callbacks.
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <thread>

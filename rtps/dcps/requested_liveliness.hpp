@@ -24,7 +24,7 @@ class RequestedLiveliness final : private Timed {
 
   void add_writer(const Guid& writer, Duration lease, MonotonicTime now);
   void remove_writer(const Guid& writer);
-  /// See EndpointListener.
+  /// From now on, the signal tells when the writer is alive.
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void on_alive(const Guid& writer, MonotonicTime now);
   /// Must be called before destruction.

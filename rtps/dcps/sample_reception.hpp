@@ -50,7 +50,7 @@ class SampleReception final : private PresentedReader, private Timed {
   void remove_writer(const Guid& writer);
   /// Notes that these writers are no longer alive.
   void lose_writers(std::span<const Guid> writers, MonotonicTime now);
-  /// See EndpointListener.
+  /// Takes the change, or returns false if it has no room for it now.
   bool on_change(Change& change);
   void on_group(const Guid& writer, SequenceNumber group);
   void on_lost(std::int64_t count);
@@ -64,11 +64,11 @@ class SampleReception final : private PresentedReader, private Timed {
   /// Removes samples that cannot be deserialized as the type, unless they were taken. Returns as
   /// `select` does.
   bool discard_malformed(std::span<const OctetSample> samples, bool taken);
-  /// See ReaderPresentation::pause.
+  /// Pauses the reader's own Presenter, or lets it go on. The subscriber pauses its own.
   void pause(bool paused, MonotonicTime now);
   /// Schedules the next call of the Presenter.
   void schedule_presenter() { call_at(presentation_.next_tick()); }
-  /// See ReaderCache.
+  /// Removes everything about those of the instances that have ended.
   void forget_ended(std::span<const KeyHash> keys);
   void update_conditions() { reports_.conditions.update(samples_.cache()); }
   /// Evaluates a query for all samples again, and updates the conditions.

@@ -2,6 +2,7 @@
 // clock or lock.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "base/result.hpp"

@@ -13,6 +13,8 @@ namespace ddssec::rtps {
 /// The only supported filter class: DDS 1.4, Annex B.
 inline constexpr std::string_view kDdsSql = "DDSSQL";
 
+/// The content filter that a reader announces (PID_CONTENT_FILTER_PROPERTY). Not yet compiled or
+/// checked.
 struct ContentFilterProperty {
   std::string content_filtered_topic_name;
   std::string related_topic_name;

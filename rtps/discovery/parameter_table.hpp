@@ -1,6 +1,7 @@
 // One table for each builtin type: each parameter's id, and how it is read and written.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ inline constexpr std::size_t kMaxLocators = 16;
 inline constexpr std::size_t kMaxProperties = 64;
 inline constexpr std::size_t kMaxOpaqueOctets = 4096;
 
+/// One parameter of an announcement: how it is read into a T and written from one.
 template <class T>
 struct ParameterRow {
   ParameterId id;
@@ -71,8 +73,13 @@ void write_parameters(std::span<const ParameterRow<T>> table, SpanWriter& out, c
 }
 
 // Functions for values that occur in more than one table.
+/// Reads a string. Errors: those of Reader::read_string, length_out_of_range (more than
+/// `max_length` octets).
 Result<std::string> read_bounded_string(Reader& reader, std::size_t max_length);
+/// Reads an octet sequence. Errors: truncated, length_out_of_range.
 Result<Bytes> read_opaque(Reader& reader);
+/// Reads a locator and appends it. Errors: those of read_locator, length_out_of_range (the list has
+/// kMaxLocators).
 Status read_locator_into(Reader& reader, LocatorList& list);
 void write_text(SpanWriter& out, std::string_view text);
 void write_opaque(SpanWriter& out, BytesView octets);

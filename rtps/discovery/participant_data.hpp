@@ -18,6 +18,7 @@ namespace ddssec::rtps {
 /// end an instance (end_mark). It is not announced, because the announcement must stay short.
 inline constexpr std::string_view kMarksEndsProperty = "org.ddssec.marks_ends";
 
+/// What a participant announces by SPDP. Unproven, unless it is from the handshake (c.pdata).
 struct ParticipantData {
   Guid guid;
   ProtocolVersion version = kProtocolVersion;
@@ -50,13 +51,17 @@ bool is_of_domain(const ParticipantData& data, DomainId domain_id, std::string_v
 /// Writes the payload of SPDP's DATA, with encapsulation.
 void write_payload(SpanWriter& out, const ParticipantData& data);
 
-/// Read an announcement. PARTICIPANT_GUID (of a participant) and BUILTIN_ENDPOINT_SET are required.
-/// Tokens are read within the limits of spi. Errors: those of read_parameters.
+/// Reads a parameter list without encapsulation. PARTICIPANT_GUID (of a participant) and
+/// BUILTIN_ENDPOINT_SET are required. Tokens are read within the limits of spi. Errors: those of
+/// read_parameters.
 Result<ParticipantData> read_participant_list(BytesView list, Endian endian);
+/// Reads the payload of SPDP's DATA, with encapsulation. Errors: those of open_pl_cdr and
+/// read_participant_list.
 Result<ParticipantData> read_participant_data(BytesView payload);
 
-/// Reads the key alone, which is the payload of a dispose. Errors: as above.
+/// Reads the key alone, which is the payload of a dispose. Errors: those of read_guid_key.
 Result<Guid> read_participant_key(BytesView payload);
+/// Writes the key alone, with encapsulation.
 void write_participant_key(SpanWriter& out, const Guid& guid);
 
 }  // namespace ddssec::rtps

@@ -10,6 +10,7 @@
 
 namespace ddssec::rtps {
 
+/// A sample in the store.
 struct SampleRow {
   Change change = {};
   std::optional<GuidPrefix> identity = {};

@@ -25,6 +25,7 @@ constexpr std::string_view kSchema[] = {
     "CREATE TABLE heard(stream INTEGER NOT NULL, writer BLOB NOT NULL, number INTEGER NOT NULL, "
     "time INTEGER NOT NULL, used INTEGER NOT NULL, PRIMARY KEY(stream, writer)) WITHOUT ROWID"};
 
+/// A column that stores of an earlier version lack.
 struct AddedColumn {
   std::int64_t since;     ///< the first version that has it
   std::string_view text;  ///< the text in the table

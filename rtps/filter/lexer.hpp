@@ -8,6 +8,7 @@
 
 namespace ddssec::rtps {
 
+/// A token of a filter expression. Borrows the expression.
 struct FilterToken {
   enum class Kind : std::uint8_t {
     end,

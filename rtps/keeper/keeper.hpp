@@ -11,6 +11,7 @@ namespace ddssec::rtps {
 class KeptTopic;
 class RefusedWriters;
 
+/// What a keeper keeps, and where.
 struct KeeperOptions {
   std::string store = {};  ///< path of a file that outlives the keeper; memory if empty
   std::size_t store_octets = SampleStore::kDefaultOctets;
@@ -72,7 +73,7 @@ class Keeper final : private DataReaderListener {
   std::uint64_t unstored() const;
   /// Waits until everything that arrived before is stored. Errors: those of DurableStore::flush.
   Status flush(std::chrono::nanoseconds timeout) { return store_->flush(timeout); }
-  /// See DomainParticipant.
+  /// Does the work that is due, for a keeper whose participant has no thread of its own.
   void poll(std::chrono::nanoseconds timeout) { participant_->poll(timeout); }
 
  private:

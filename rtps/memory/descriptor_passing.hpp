@@ -59,7 +59,8 @@ class DescriptorPassing {
   MemoryResult<std::uint64_t> fetch(DescriptorOffer offer);
   /// See SampleSlots::make; also no_room.
   MemoryResult<std::uint64_t> make_slots(std::uint64_t segment, std::size_t largest);
-  /// See SampleSlots. May be called even if work is no longer accepted.
+  /// Frees all slots and overwrites their contents. May be called even if work is no longer
+  /// accepted.
   std::uint64_t wipe(SampleSlots slots);
 
   std::vector<Fetched> take_fetched();

@@ -29,7 +29,7 @@ class SampleSlots {
   const Segment& segment() const { return segment_; }
   /// Frees all slots, and overwrites their contents.
   void wipe();
-  /// See Segment.
+  /// Ends the mapping. No slot may be used afterwards.
   void unmap() { segment_.unmap(); }
 
   /// Returns the place for the next sample. Readers may still need the samples from `needed_from`

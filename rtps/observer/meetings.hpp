@@ -15,6 +15,7 @@ enum class MeetingState : std::uint8_t {
 };
 std::string_view to_string(MeetingState state);
 
+/// How far two participants have come with each other, as seen from outside.
 struct ObservedMeeting {
   GuidPrefix a, b;
   MeetingState state = MeetingState::under_way;

@@ -52,12 +52,14 @@ struct CertificateNames {
 /// certificate code.)
 using ReadCertificate = std::function<std::optional<CertificateNames>(BytesView pem)>;
 
+/// A topic that plain discovery announced for a participant.
 struct ObservedTopic {
   std::string type;
   bool is_written = false, is_read = false;
   std::size_t octets = 0;  ///< octets that it counts for the limit
 };
 
+/// What was heard of one participant. Nothing of it is proven: any sender can claim it.
 struct ObservedParticipant {
   /// Its latest announcement; empty if it never announced itself.
   std::optional<ParticipantData> data;

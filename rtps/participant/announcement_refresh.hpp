@@ -14,7 +14,7 @@ namespace ddssec::rtps {
 /// Where neither discovery nor RTPS messages are protected, anyone can announce in a participant's
 /// name that an endpoint has other policies, or has ended. The participant does not notice, and so
 /// does not correct it. But its SEDP writers keep what it announced, and send it again to a reader
-/// that requests it. If an endpoint has in truth ended or changed, they keep only its latest
+/// that requests it. If an endpoint has really ended or changed, they keep only its latest
 /// announcement.
 ///
 /// An attacker can also make us miss an announcement: by a message with the sequence number that

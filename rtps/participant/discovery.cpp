@@ -185,14 +185,12 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
     accept(remotes, builtin_, remote);
 }
 
-// An announcement changes nothing of an authenticated participant and does not renew its lease: an
-// attacker can send announcements in its name, and may have sent the first one. As long as nothing
-// is proven, every announcement counts, and no lease becomes shorter. When the first announcement
-// is repeated, it counts again, because its addresses may have been replaced by forged ones.
-// Addresses that the handshake has signed stay, even while keys are still being exchanged.
+// An attacker can send announcements in a participant's name, and may have sent the first one.
 void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData data,
                                    std::size_t octets) {
   const auto prefix = data.guid.prefix;
+  // An announcement changes nothing of an authenticated participant and does not renew its lease.
+  // As long as nothing is proven, every announcement counts, and no lease becomes shorter.
   const bool fixed = core_.is_authenticated(prefix);
   if (!fixed) parts_.remotes.renew_lease(remote, data);
   if (!fixed && remote.accepted && remote.data.user_data != data.user_data) {
@@ -208,6 +206,7 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
     remove(prefix);
     return add(std::move(data), octets);
   }
+  // Addresses that the handshake has signed stay, even while keys are still being exchanged.
   if (remote.has_signed_addresses && security->has_proven_identity(prefix)) return;
   if (!parts_.remotes.grow(remote, octets)) {
     ++core_.counters.refused_discovery;
@@ -219,6 +218,8 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
   add_locators(remote.user, remote.user_sources, usable(core_, data.default_unicast), core_.source);
   core_.sender.amplification_limit().set_addresses(prefix, remote.metatraffic,
                                                    remote.metatraffic_sources);
+  // A repetition of the first announcement counts again, because forged ones may have replaced its
+  // addresses.
   if (!differs && !added.has_new) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
                             core_.now);
@@ -254,7 +255,8 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
 
 // Only a participant itself can report that it leaves; once authenticated, only by the secure
 // topic. Fast DDS and Cyclone DDS do not report it there, and a peer that is only out of reach
-// keeps its session. So their readers are doubted one by one, and they go when their leases end.
+// keeps its session. We therefore query each of its readers, and remove the participant when its
+// lease ends.
 void Discovery::on_dispose(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;

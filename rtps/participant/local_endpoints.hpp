@@ -13,6 +13,7 @@
 
 namespace ddssec::rtps {
 
+/// A writer of this participant, with its matches.
 struct LocalWriter {
   EndpointData data;
   EndpointListener* listener = nullptr;
@@ -25,6 +26,7 @@ struct LocalWriter {
   WaitingMatches waiting = {};
 };
 
+/// A reader of this participant, with its matches.
 struct LocalReader {
   EndpointData data;
   EndpointListener* listener = nullptr;

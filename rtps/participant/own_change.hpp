@@ -7,6 +7,7 @@
 
 namespace ddssec::rtps {
 
+/// A change of what this participant announces about itself. Empty members stay as they are.
 struct OwnChange {
   struct Addresses {
     std::vector<NetworkInterface> interfaces;

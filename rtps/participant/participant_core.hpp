@@ -1,6 +1,8 @@
 // The objects that the parts of one participant share: configuration, time, sender and security.
 #pragma once
 
+#include <algorithm>
+
 #include "base/event.hpp"
 #include "rtps/budget/source_address.hpp"
 #include "rtps/participant/ignored_entities.hpp"
@@ -11,6 +13,7 @@
 
 namespace ddssec::rtps {
 
+/// What is fixed about this participant when it is created.
 struct ParticipantConfig {
   GuidPrefix prefix;
   DomainId domain_id = 0;
@@ -115,12 +118,12 @@ struct ParticipantCore {
   TimerQueue timers;
   ParticipantCounters counters;
   IgnoredEntities ignored;
-  MonotonicTime now{};             ///< time of the current call
-  SourceAddress source{};          ///< source of the datagram that is being received
-  LocatorList own_addresses{};     ///< addresses of this machine when a peer last authenticated,
-                                   ///< without ports
-  Locator source_host{};           ///< host_of(source); invalid while no datagram is received
-  bool is_from_elsewhere = false;  ///< true if the datagram came from another machine's address
+  MonotonicTime now{};     ///< time of the current call
+  SourceAddress source{};  ///< source of the datagram that is being received
+  /// Addresses of this machine when a peer last authenticated, without ports.
+  LocatorList own_addresses{};
+  Locator source_host{};               ///< host_of(source); invalid while no datagram is received
+  bool is_from_elsewhere = false;      ///< true if the datagram came from another machine's address
   std::unique_ptr<Security> security;  ///< nullptr without security
 };
 

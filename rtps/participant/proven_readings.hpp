@@ -34,7 +34,7 @@ class ProvenReadings {
   RemoteParticipants& remotes_;
   EndpointMatcher& matcher_;
   BuiltinMatcher& builtin_;
-  MonotonicTime next_ = kNever;  ///< when it is looked whether they have confirmed everything
+  MonotonicTime next_ = kNever;  ///< when to check whether they have confirmed everything
 };
 
 }  // namespace ddssec::rtps

@@ -2,6 +2,7 @@
 // to have ended.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 
 #include "rtps/participant/match_places.hpp"

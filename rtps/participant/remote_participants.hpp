@@ -1,6 +1,7 @@
 // The known remote participants and their endpoints, and the limits for them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <set>
@@ -20,6 +21,7 @@ namespace ddssec::rtps {
 /// (keep_nearest), or `fallback` if there are none.
 LocatorList usable_locators(const LocatorList& announced, const LocatorList& fallback,
                             std::span<const NetworkInterface> own);
+/// An endpoint that a remote participant announced.
 struct RemoteEndpoint {
   EndpointData data;
   std::vector<StatefulReader*> readers = {};  ///< the local readers that this writer matched
@@ -27,6 +29,7 @@ struct RemoteEndpoint {
   bool is_proven = false;  ///< true if only its participant can have announced it
 };
 
+/// A remote participant that is known, with or without authentication.
 struct RemoteParticipant {
   ParticipantData data;
   LocatorList metatraffic, user;  ///< the addresses that are used

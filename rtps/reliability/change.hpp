@@ -12,6 +12,7 @@
 
 namespace ddssec::rtps {
 
+/// A change of an instance: a sample, or the end of the instance (CacheChange of RTPS 8.2.1.2).
 struct Change {
   Guid writer;
   SequenceNumber sequence_number;

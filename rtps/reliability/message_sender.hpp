@@ -217,8 +217,8 @@ class MessageSender {
   std::size_t interface_ = kEveryInterface;
   GuidPrefix destination_;  ///< destination of the last submessage
   GuidPrefix receiver_;     ///< receiver of all submessages in the message; zero if they differ
-  GuidPrefix limited_;      ///< participant whose limit is charged for what waits; zero if there is
-                            ///< none
+  /// Participant whose limit is charged for what waits; zero if there is none.
+  GuidPrefix limited_;
   AmplificationLimit limit_;
   SendProtection::Wrap wrap_ = SendProtection::Wrap::none;
   bool may_delay_flush_ = false;

@@ -1,6 +1,8 @@
 // Retransmits changes that readers request (RTPS 8.4.9.2.11).
 #pragma once
 
+#include <algorithm>
+
 #include "rtps/reliability/reader_proxy.hpp"
 #include "rtps/reliability/writer_messages.hpp"
 

@@ -5,6 +5,7 @@
 
 namespace ddssec::rtps {
 
+/// The position of a publisher with GROUP access scope, shared by its writers.
 struct WriterGroup {
   SequenceNumber current;  ///< the last group sequence number that was assigned; 0 if none was
   GroupDigest writers = {};

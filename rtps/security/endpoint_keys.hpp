@@ -49,9 +49,9 @@ struct LocalKeys {
   std::map<Guid, PairKeys> pairs = {};
   std::vector<spi::DatareaderCryptoHandle> readers = {};  ///< for a writer: the ready readers
   std::vector<spi::DatawriterCryptoHandle> writers = {};  ///< for a reader: the ready writers
-  std::vector<PairKeys*> ready_pairs = {};  ///< the pairs whose handles are in `readers` or
-                                            ///< `writers`, in the same order
-  IdlePairs idle = {};                      ///< the pairs that are in neither list
+  /// The pairs whose handles are in `readers` or `writers`, in the same order.
+  std::vector<PairKeys*> ready_pairs = {};
+  IdlePairs idle = {};  ///< the pairs that are in neither list
   /// Adds a pair to the lists if it is ready, or removes it, without iterating over the others.
   void list(const EntityId& id, const Guid& remote, PairKeys& pair);
   void unlist(const EntityId& id, PairKeys& pair);
@@ -158,7 +158,7 @@ class SecondProtections {
   const spi::EndpointSecurityAttributes* attributes(const EntityId& id) const;
   /// Returns the same with its keys, if a pair with `remote` has it, or nullptr.
   const LocalKeys* second_keys_of(const EntityId& id, const Guid& remote) const;
-  /// Makes the second protection of each endpoint the first one, and the other way round.
+  /// Swaps the first and the second protection of every endpoint.
   void swap() noexcept;
   void remove_all();
   void remove(const EntityId& id);
@@ -194,8 +194,8 @@ class SecondProtections {
   /// one, or whose keys must be sent.
   std::vector<std::pair<EntityId, Guid>> incomplete_pairs(const GuidPrefix& prefix) const;
   struct Completion {
-    ProtectionId protection = 0;          ///< the protection under which the pair was registered
-                                          ///< now; 0 if it lacked none
+    /// The protection under which the pair was registered now; 0 if it lacked none.
+    ProtectionId protection = 0;
     std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint
   };
   /// Registers the pair also under the protection under which it is not registered yet. Errors:

@@ -43,6 +43,7 @@ inline constexpr std::string_view kParticipantTokensOfOne =
     "org.ddssec.participant_crypto_tokens_of_protection";
 }  // namespace message_class
 
+/// ParticipantGenericMessage (DDS-Security 1.2, clause 7.5.2.4).
 struct GenericMessage {
   MessageIdentity identity = {};
   MessageIdentity related = {};

@@ -78,10 +78,10 @@ class GovernanceTransition {
   CryptoTokenExchange& exchange_;
   KeyReviser& revision_;
   Phase phase_ = Phase::none;
-  std::optional<Version> target_;             ///< the document of the change under way, or of the
-                                              ///< last one
-  std::optional<MonotonicTime> waits_since_;  ///< set while a document waits whose change has not
-                                              ///< begun
+  /// The document of the change under way, or of the last one.
+  std::optional<Version> target_;
+  /// Set while a document waits whose change has not begun.
+  std::optional<MonotonicTime> waits_since_;
   MonotonicTime deadline_ = kNever;
   bool has_changed_domain_ = false;
   bool has_protections_ = false;  ///< there are keys for all second protections

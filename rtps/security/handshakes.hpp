@@ -2,6 +2,7 @@
 // endpoint, sends the messages of the handshakes, and limits their cost.
 #pragma once
 
+#include <algorithm>
 #include <random>
 
 #include "rtps/budget/subject_shares.hpp"

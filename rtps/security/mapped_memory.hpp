@@ -104,8 +104,8 @@ class MappedMemory {
     WorkBudget offers{4, std::chrono::seconds(1), {}};
     WorkBudget complaints{1, std::chrono::seconds(2), {}};
     bool expects_offer = false;  ///< no offer has arrived, and that was not reported
-    std::optional<MonotonicTime> large_since = {};  ///< when large samples began to arrive in
-                                                    ///< messages
+    /// When large samples began to arrive in messages.
+    std::optional<MonotonicTime> large_since = {};
   };
 
   void answer(const Guid& writer, std::uint64_t segment,

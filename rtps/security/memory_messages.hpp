@@ -19,8 +19,8 @@ struct MemoryOffer {
 struct MemoryAnswer {
   EntityId writer = {};
   std::uint64_t segment = 0;
-  std::optional<memory::MemoryRefusal> refusal = {};  ///< the reason why it cannot be read; empty:
-                                                      ///< mapped
+  /// The reason why it cannot be read; empty: mapped.
+  std::optional<memory::MemoryRefusal> refusal = {};
   bool operator==(const MemoryAnswer&) const = default;
 };
 

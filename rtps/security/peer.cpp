@@ -3,8 +3,8 @@
 //   Announced       --handshake begins------->  Authenticating
 //   Announced       --100 s------------------>  Waiting         goes on slowly, and has no end
 //   Authenticating  --100 s------------------>  Waiting
-//   Authenticating  --3 s, where strangers--->  the same        takes part without authentication
-//   Waiting         --are allowed------------>  the same
+//   Authenticating  --3 s, strangers allowed->  Authenticating  takes part without authentication
+//   Waiting         --3 s, strangers allowed->  Waiting         takes part without authentication
 //   Authenticating  --handshake finished----->  Authenticating  what was agreed on before ends
 //   Waiting         --handshake finished----->  Authenticating
 //   AwaitingKeys    --handshake finished----->  Authenticating

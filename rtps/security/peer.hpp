@@ -61,10 +61,10 @@ struct GovernanceOfPeer {
   bool takes_part = false;
   /// The protection of messages whose keys were sent to the peer last; see MessageKeys.
   std::uint64_t message_keys = 0;
-  /// We have new keys for the protection that is to come, and have not said so to the peer.
+  /// This participant has keys for the next protection and has not announced it to the peer.
   bool lacks_keys = false;
-  /// The peer has said so of itself. Keys are sent again at once for a few such reports, and for
-  /// more of them once a second.
+  /// The peer announced that it lacks keys. Keys are sent again at once for a few such reports, and
+  /// for more of them once a second.
   bool wants_keys = false;
   WorkBudget repetitions{3, std::chrono::seconds(5), {}};
   /// It was associated when another governance came into force here, which it did not have.

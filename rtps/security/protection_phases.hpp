@@ -23,7 +23,7 @@ class ProtectionPhases {
   MessageKeys& messages() { return messages_; }
   const MessageKeys& messages() const { return messages_; }
 
-  /// From now on the second protections are the first ones, and the other way round.
+  /// Swaps the first and the second protection of every endpoint and of messages.
   void swap() noexcept;
   void remove_second();
   /// Notes that the peer says that it sends by the document that comes into force here. It does so

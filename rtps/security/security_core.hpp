@@ -141,8 +141,8 @@ struct SecurityCore {
   /// A change is over: the attributes before it, until discovery has taken them.
   std::optional<spi::ParticipantSecurityAttributes> former_domain;
   bool governance_has_changed = false;
-  bool governance_waits = false;     ///< endpoints have two protections, or will as soon as no keys
-                                     ///< are being revised
+  /// Endpoints have two protections, or will as soon as no keys are being revised.
+  bool governance_waits = false;
   MemoryExchange* memory = nullptr;  ///< nullptr: shared memory is off
 };
 

@@ -117,11 +117,11 @@ class WrittenMemory final : public SampleMemory {
   std::optional<memory::SampleSlots> slots_;
   /// Participants that were offered this segment, and may have mapped it whatever they answer.
   KeptMemory::Holders holders_;
-  bool may_reuse_ = false;           ///< a participant was added since reuse() was tried
-  std::size_t largest_ = 0;          ///< the largest payload of any segment until now
-  Form form_ = Form::none;           ///< the form of the payloads in the slots
-  MonotonicTime next_segment_ = {};  ///< when the next one may be requested after one could not be
-                                     ///< made
+  bool may_reuse_ = false;   ///< a participant was added since reuse() was tried
+  std::size_t largest_ = 0;  ///< the largest payload of any segment until now
+  Form form_ = Form::none;   ///< the form of the payloads in the slots
+  /// When the next one may be requested after one could not be made.
+  MonotonicTime next_segment_ = {};
   /// Limits the segments, because a peer whose readers come and go costs one each time.
   WorkBudget segments_{16, std::chrono::seconds(1), {}};
 };

@@ -9,6 +9,7 @@
 
 namespace ddssec::rtps {
 
+/// An address of this machine, with the network that it reaches.
 struct NetworkInterface {
   std::string name;             ///< empty for an address that no interface lists, such as 127.0.0.2
   Locator address;              ///< without a port

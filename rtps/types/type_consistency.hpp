@@ -38,6 +38,7 @@ enum class TypeVerdict : std::uint8_t {
   assignable,  ///< the reader can read samples of the writer
   different
 };
+/// Whether a reader can read the type of a writer.
 struct TypeJudgement {
   TypeVerdict verdict = TypeVerdict::unknown;
   /// The setting of TYPE_CONSISTENCY_ENFORCEMENT that refuses what its default would allow, for

@@ -67,14 +67,14 @@ def is_doc_line(line):
 
 
 def bare_classes(name, lines):
-    """A line for each class of a header without a comment of its own."""
+    """A line for each class and struct of a header without a comment of its own. Specialisations need none."""
     for number, line in enumerate(lines):
-        kind = re.match(r"class (\w+)\b[^;]*\{", line) if name.endswith(".hpp") else None
+        kind = re.match(r"(?:class|struct) (\w+)(?!::)\b(?!<)[^;]*\{", line) if name.endswith(".hpp") else None
         before = number - 1
         while kind and lines[before].startswith(("template", "  requires")):
             before -= 1
         if kind and not lines[before].startswith("///"):
-            yield f"{name}:{number + 1}: no /// comment for the class {kind[1]}"
+            yield f"{name}:{number + 1}: no /// comment for the type {kind[1]}"
 
 
 def lines_of(file):

@@ -10,16 +10,16 @@ namespace ddssec::rtps::sim {
 /// The settings and knowledge that the hostile participants of a world share.
 struct Malice {
   Dice dice{0};
-  unsigned tampers = 0;     ///< how many in a thousand of its messages it changes
-  unsigned false_keys = 0;  ///< in how many of a thousand steps it sends keys in another's name, by
-                            ///< a stolen key
-  Dice further{0};          ///< for kinds of attacks that were added later
-  unsigned claims = 0;      ///< in how many of a thousand announcements of its endpoints it claims
-                            ///< another's
+  unsigned tampers = 0;  ///< how many in a thousand of its messages it changes
+  /// In how many of a thousand steps it sends keys in another's name, by a stolen key.
+  unsigned false_keys = 0;
+  Dice further{0};  ///< for kinds of attacks that were added later
+  /// In how many of a thousand announcements of its endpoints it claims another's.
+  unsigned claims = 0;
   std::vector<GuidPrefix> names = {};
   std::function<Guid(bool writes)> endpoint = {};  ///< returns an endpoint of an honest participant
-  std::function<Bytes()> submessages = {};  ///< returns those of others, to be sent in a message of
-                                            ///< its own
+  /// Returns those of others, to be sent in a message of its own.
+  std::function<Bytes()> submessages = {};
   testing::KeyThief::Stolen stolen = {};
 };
 

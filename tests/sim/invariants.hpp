@@ -117,8 +117,8 @@ class Invariants {
   const MonotonicTime& now_;
   std::map<Guid, End> ends_;
   std::map<std::pair<Guid, Guid>, SequenceNumber> latest_;  ///< by reader and writer
-  std::map<Guid, std::set<MonotonicTime>> late_signs_;      ///< for each writer, when it was heard
-                                                            ///< late
+  /// For each writer, when it was heard late.
+  std::map<Guid, std::set<MonotonicTime>> late_signs_;
   std::int64_t max_octets_ = kMaxOctets;
   std::uint64_t most_branches_ = 0;
   std::size_t most_handshakes_ = 0;
