@@ -15,7 +15,7 @@ void AgentEvents::put(Json event) {
 }
 
 void AgentEvents::report(std::string_view event, Json members) {
-  Json out = {{"schema", "ddssec/1"}, {"time", to_string(clock_.now())}, {"event", event}};
+  Json out = {{"schema", "ddssec/2"}, {"time", to_string(clock_.now())}, {"event", event}};
   out.update(members);
   put(std::move(out));
 }

@@ -68,7 +68,7 @@ doctor::Diagnosis diagnosis_for(const Question& question) {
 std::optional<Ruling> by_doctor(const Question& question) {
   const auto diagnosis = diagnosis_for(question);
   for (const auto& check : diagnosis.checks()) {
-    const auto worst = check.outcomes.ours;
+    const auto worst = check.outcomes.ddssec;
     const bool is_about_topics = check.rule == Rule::DOC103 && worst == doctor::Outcome::late;
     if (worst < doctor::Outcome::late || check.findings.empty() || is_about_topics) continue;
     const auto& finding = check.findings.front();
@@ -231,10 +231,11 @@ void note_refused_topic(const Question& question, Report& report) {
 void note_drop_in(const Question& question, Report& report) {
   const auto& folder = question.folder;
   if (!folder.governance.model || runs_drop_in(folder)) return;
-  constexpr auto ours = doctor::Vendor::ours;
-  const auto* const rules = doctor::domain_rule_as(ours, *folder.governance.model, question.domain);
+  constexpr auto kDdssec = doctor::Vendor::ddssec;
+  const auto* const rules =
+      doctor::domain_rule_as(kDdssec, *folder.governance.model, question.domain);
   const auto* const rule =
-      rules != nullptr ? doctor::topic_rule_as(ours, *rules, question.request.topic) : nullptr;
+      rules != nullptr ? doctor::topic_rule_as(kDdssec, *rules, question.request.topic) : nullptr;
   if (rule == nullptr) return;
   auto finding = refused_by_drop_in(folder, *rules, *rule, question.action);
   if (!finding) return;

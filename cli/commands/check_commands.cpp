@@ -43,7 +43,7 @@ Status set_vendor(const std::string& word, doctor::NamedProduct (&products)[2]) 
 doctor::Party party(const doctor::LoadedFolder& folder, const doctor::NamedProduct& product,
                     const std::string& name, Report& report) {
   doctor::Party out{folder, product.vendor, name};
-  if (product.vendor != doctor::Vendor::ours)
+  if (product.vendor != doctor::Vendor::ddssec)
     out.lineup.of(product.vendor) = version_of(product, report);
   return out;
 }
@@ -158,7 +158,7 @@ void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders
 void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::Vendor> (&sides)[2],
                            const doctor::Settings& settings, Report& report) {
   for (const auto& [folder, vendor] : sides) {
-    if (vendor != doctor::Vendor::ours) continue;
+    if (vendor != doctor::Vendor::ddssec) continue;
     doctor::Diagnosis lists(settings.lineup);
     check_renewal_list(*folder, settings, lists);
     for (const auto& one : lists.checks())
@@ -168,7 +168,7 @@ void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::
 
 Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
-  doctor::NamedProduct products[] = {{doctor::Vendor::ours}, {doctor::Vendor::ours}};
+  doctor::NamedProduct products[] = {{doctor::Vendor::ddssec}, {doctor::Vendor::ddssec}};
   for (const auto& word : arguments.all("--vendor"))
     DDSSEC_RETURN_IF_ERROR(set_vendor(word, products));
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, wanted_directions(arguments));
@@ -184,7 +184,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   const auto& b = *kept[1];
   // If ddssec is among the products, the answer is no, because it refuses to start with such files.
   const bool are_stock = std::ranges::none_of(
-      products, [](const auto& one) { return one.vendor == doctor::Vendor::ours; });
+      products, [](const auto& one) { return one.vendor == doctor::Vendor::ddssec; });
   for (const auto& [folder, product] : {std::pair{&a, &products[0]}, std::pair{&b, &products[1]}})
     if (auto unknown = are_stock ? unpredictable(*folder, product->vendor) : std::nullopt)
       return Answer<MeetingView>{{}, *std::move(unknown), false};

@@ -81,7 +81,7 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
     if (!is_good(check.outcomes, products)) width = std::max(width, check.title.size());
   auto out = fmt::format("{:<{}} ", title, width);
   for (const auto vendor : products.vendors)
-    out += fmt::format("{:<{}}", doctor::label(vendor, products.lineup), kColumnWidth);
+    out += fmt::format("{:<{}}", doctor::id(vendor, products.lineup), kColumnWidth);
   out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
   // One line stands for all checks that are good for every product. The JSON has each of them.
   std::size_t good = 0;
@@ -216,7 +216,7 @@ struct Listed<doctor::HostPlugin> {
             "maker",
             [](const T& one) {
               using enum T::Maker;
-              return if_any(one.maker == ours ? "ddssec" : one.maker == other ? "other" : "");
+              return if_any(one.maker == ddssec ? "ddssec" : one.maker == other ? "other" : "");
             },
             {.note = "ddssec, other; null: not found", .words = "ddssec|other"}),
         computed<T>("version", [](const T& one) { return if_any(one.version); }));
@@ -284,8 +284,8 @@ std::vector<ProductMeeting> meetings_of(Report& report, const doctor::Party (&pa
           .names = {self.name, peer.name}};
       const auto& meeting = view.meeting;
       out.push_back({doctor::id(a, lineup), doctor::id(b, lineup), view.talk(),
-                     fmt::format("{} on {}, {} on {}", self.name, doctor::label(a, lineup),
-                                 peer.name, doctor::label(b, lineup))});
+                     fmt::format("{} on {}, {} on {}", self.name, doctor::id(a, lineup), peer.name,
+                                 doctor::id(b, lineup))});
       if (!out.back().talk && (a == b || products_chosen)) report.exit = Exit::no;
       auto findings = meeting.findings;
       std::ranges::copy_if(meeting.notes, std::back_inserter(findings), [](const auto& note) {
@@ -313,7 +313,7 @@ DiagnosedPeer peer_of(
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   out.meetings =
-      meetings_of(report, {{self, Vendor::ours, names[0]}, {peer, Vendor::ours, names[1]}},
+      meetings_of(report, {{self, Vendor::ddssec, names[0]}, {peer, Vendor::ddssec, names[1]}},
                   settings, products, arguments.has("--vendor"));
   return out;
 }

@@ -180,13 +180,13 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
 // The judgement of each product about the signature.
 struct Verdicts {
   static constexpr std::string_view kDef = "signature_verdicts";
-  bool ours = false, cyclonedds = false, fastdds = false;
+  bool ddssec = false, cyclonedds = false, fastdds = false;
   doctor::Lineup lineup = installed_lineup();
 
   std::string_view of(doctor::Vendor vendor) const {
     const bool accepts = vendor == doctor::Vendor::cyclonedds ? cyclonedds
                          : vendor == doctor::Vendor::fastdds  ? fastdds
-                                                              : ours;
+                                                              : ddssec;
     return accepts ? "accepts" : "refuses";
   }
   Json json() const {
@@ -237,7 +237,7 @@ struct Refusal {
 
 // The signature as ddssec verified it, and the verdict of each product.
 struct SignatureVerdicts {
-  Result<pki::SignedDocument> ours;
+  Result<pki::SignedDocument> ddssec;
   Verdicts verdicts = {};
 };
 
@@ -248,18 +248,18 @@ Result<SignatureVerdicts> signature_verdicts(const fs::path& file, const fs::pat
   DDSSEC_ASSIGN_OR_RETURN(const Result<std::vector<pki::Certificate>> anchors,
                           with_document(pki::Certificate::bundle_from_pem(file_octets), ca));
   const auto verifier = with_document(pki::DocumentVerifier::make(*anchors), ca);
-  SignatureVerdicts out{.ours = verifier ? with_document(verifier->verify(octets, now), file)
-                                         : std::unexpected(verifier.error())};
+  SignatureVerdicts out{.ddssec = verifier ? with_document(verifier->verify(octets, now), file)
+                                           : std::unexpected(verifier.error())};
   // From version 11 on, Cyclone DDS accepts only the CA itself as signer, like ddssec.
   auto& verdicts = out.verdicts;
   const auto by_another = measured(doctor::Variant::permissions_by_itself, verdicts.lineup);
   const bool is_other_signer =
-      !out.ours && out.ours.error().code() == Code::smime_signer_not_permissions_ca;
+      !out.ddssec && out.ddssec.error().code() == Code::smime_signer_not_permissions_ca;
   const auto accepts = [&](doctor::Vendor vendor) {
     return verify_signature_as(vendor, octets, anchors, {}, now) &&
            !(is_other_signer && by_another.of(vendor) == doctor::Outcome::fail);
   };
-  verdicts.ours = out.ours.has_value();
+  verdicts.ddssec = out.ddssec.has_value();
   verdicts.cyclonedds = accepts(doctor::Vendor::cyclonedds);
   verdicts.fastdds = accepts(doctor::Vendor::fastdds);
   return out;
@@ -304,8 +304,8 @@ Result<Verified> verify(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(
       const auto all,
       signature_verdicts(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
-  if (!all.ours) return Verified{Refusal{all.verdicts}, report_of(all.ours.error())};
-  const auto& proof = all.ours;
+  if (!all.ddssec) return Verified{Refusal{all.verdicts}, report_of(all.ddssec.error())};
+  const auto& proof = all.ddssec;
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
                           with_document(Kind::read(proof->content(), proof->first_line()), file));
   const auto& signer = proof->signer();

@@ -240,7 +240,7 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
       const auto outcome = diagnosis.outcomes().of(vendor);
       if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
       enclave.verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
-      enclave.words += fmt::format("  {}: {}", doctor::label(vendor, lineup), to_string(outcome));
+      enclave.words += fmt::format("  {}: {}", doctor::id(vendor, lineup), to_string(outcome));
     }
     add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);

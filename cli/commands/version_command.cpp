@@ -37,7 +37,7 @@ struct VersionFacts {
 
   static constexpr auto fields() {
     return std::tuple(field<&VersionFacts::version>({.pattern = "^[0-9]+\\.[0-9]+\\.[0-9]+$"}),
-                      field<&VersionFacts::schema>({.words = "ddssec/1"}),
+                      field<&VersionFacts::schema>({.words = "ddssec/2"}),
                       field<&VersionFacts::openssl>({"the version that runs"}),
                       field<&VersionFacts::openssl_flaws>({"known flaws of that version"}));
   }
@@ -50,7 +50,7 @@ struct VersionFacts {
 };
 
 Result<Answer<VersionFacts>> version(const Arguments&, const Context&) {
-  Answer<VersionFacts> out{{DDSSEC_VERSION, "ddssec/1", openssl_version()}};
+  Answer<VersionFacts> out{{DDSSEC_VERSION, "ddssec/2", openssl_version()}};
   for (const auto& flaw : openssl_flaws(out.result.openssl))
     out.result.openssl_flaws.push_back({std::string(flaw.id), std::string(flaw.summary),
                                         std::string(flaw.fixed_in), flaw.is_certain,

@@ -73,7 +73,7 @@ void open_key(LoadedFolder& folder) {
   doctor::PasswordGiven given;
   given.cyclonedds = open_key_with(password_for_cyclonedds(folder), folder);
   given.fastdds = open_key_with(password_for_fastdds(folder), folder);
-  given.ours = open_key_with(password_for_embedded(folder), folder) || given.cyclonedds;
+  given.ddssec = open_key_with(password_for_embedded(folder), folder) || given.cyclonedds;
   if (folder.key) folder.password = given;
 }
 

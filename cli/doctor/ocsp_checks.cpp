@@ -43,7 +43,7 @@ Finding response_finding(const fs::path& file, const Error& error) {
 }
 
 bool demands(const doctor::Party& party) {
-  if (party.vendor != doctor::Vendor::ours) return false;
+  if (party.vendor != doctor::Vendor::ddssec) return false;
   const auto policy = spi::ocsp_policy(readable_properties(party.folder.paths));
   return policy && *policy == spi::OcspPolicy::hard;
 }
@@ -52,7 +52,7 @@ bool demands(const doctor::Party& party) {
 // one. A participant does not send a response that it does not itself accept as good.
 std::string missing_response_reason(const doctor::Party& party, const LoadedFolder& judge,
                                     WallTime now) {
-  if (party.vendor != doctor::Vendor::ours) return party.product() + " sends none";
+  if (party.vendor != doctor::Vendor::ddssec) return party.product() + " sends none";
   const auto file = response_file(party.folder, readable_properties(party.folder.paths));
   auto response = response_of(party.folder, file, party.folder, now);
   if (response) response = response_of(party.folder, file, judge, now);
@@ -74,16 +74,16 @@ void check_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
   if (!path_exists(file) && !is_asked) return;
   out.pass(Rule::DOC112);
   if (!policy)
-    out.report({.ours = Outcome::fail}, {.rule = Rule::DOC112,
-                                         .message = policy.error().to_sentence(),
-                                         .document = folder.paths.properties.string(),
-                                         .hint = std::string(policy.error().hint())});
+    out.report({.ddssec = Outcome::fail}, {.rule = Rule::DOC112,
+                                           .message = policy.error().to_sentence(),
+                                           .document = folder.paths.properties.string(),
+                                           .hint = std::string(policy.error().hint())});
   if (!path_exists(file) || !folder.certificate || !folder.chain()) return;
   const auto response = response_of(folder, file, folder, settings.now);
   if (response) return;
   auto finding = response_finding(file, response.error());
   if (response.error().code() == Code::ocsp_revoked)
-    return out.report({.ours = Outcome::fail}, std::move(finding));
+    return out.report({.ddssec = Outcome::fail}, std::move(finding));
   // The participant starts without a response.
   finding.severity = Severity::warning;
   out.report({}, std::move(finding));

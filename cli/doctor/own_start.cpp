@@ -67,7 +67,7 @@ Status start_embedded(const fs::path& folder, const doctor::Settings& settings) 
 }
 
 bool starts(const doctor::Diagnosis& diagnosis) {
-  return diagnosis.outcomes().of(doctor::Vendor::ours) < Outcome::late;
+  return diagnosis.outcomes().of(doctor::Vendor::ddssec) < Outcome::late;
 }
 
 // An error about a value names the property, and an error about a file names the file.
@@ -87,7 +87,7 @@ void check_own_start(const doctor::LoadedFolder& folder, const doctor::Settings&
   out.pass(Rule::DOC093);
   const auto started = start_embedded(folder.paths.folder, settings);
   if (started) return;
-  out.report({.ours = Outcome::fail},
+  out.report({.ddssec = Outcome::fail},
              {.rule = Rule::DOC093,
               .message = started.error().to_sentence(),
               .document = document_of(started.error(), folder.paths.properties),
@@ -225,9 +225,9 @@ void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor:
                                          started.error().to_sentence()),
                   .document = document_of(started.error(), otherwise),
                   .line = details.line};
-  if (is_in_use) return out.report({.ours = Outcome::fail}, std::move(finding));
+  if (is_in_use) return out.report({.ddssec = Outcome::fail}, std::move(finding));
   finding.severity = Severity::warning;
-  finding.vendors = {"ours"};
+  finding.vendors = {"ddssec"};
   out.report({}, std::move(finding));
 }
 

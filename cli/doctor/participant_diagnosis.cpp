@@ -35,7 +35,7 @@ static_assert(pki::kMaxSentPermissionsOctets == authentication::kMaxPermissionsO
 
 constexpr std::string_view kOfHost = "a Cyclone DDS process on ddssec's plugins";
 
-constexpr doctor::Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
+constexpr doctor::Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail};
 
 // True if an application is meant to start with the folder's own configuration. Nodes of ROS 2 are
 // secured by their QoS instead.
@@ -129,7 +129,7 @@ void check_participant(const LoadedFolder& folder, const governance::DomainRule&
         folder, fmt::format("ddssec refuses the governance document: {}", status.error().message()),
         status.error().details().line);
     finding.hint = status.error().hint();
-    return out.report({.ours = Outcome::fail}, std::move(finding));
+    return out.report({.ddssec = Outcome::fail}, std::move(finding));
   }
   const auto status = enforceable(folder, rule, {});
   if (status) return;
@@ -139,9 +139,9 @@ void check_participant(const LoadedFolder& folder, const governance::DomainRule&
                                         kOfHost, number(status.error()),
                                         status.error().details().field, status.error().message()),
                             status.error().details().line);
-  if (is_in_use) return out.report({.ours = Outcome::fail}, std::move(finding));
+  if (is_in_use) return out.report({.ddssec = Outcome::fail}, std::move(finding));
   finding.severity = Severity::warning;
-  finding.vendors = {"ours"};
+  finding.vendors = {"ddssec"};
   out.report({}, std::move(finding));
 }
 
@@ -152,11 +152,11 @@ void check_topics(const LoadedFolder& folder, const governance::DomainRule& rule
     if (!finding) finding = refused_by_drop_in(folder, rule, topic, Action::subscribe);
     if (!finding) continue;
     if (is_in_use) {
-      out.report({.ours = Outcome::late}, std::move(*finding));
+      out.report({.ddssec = Outcome::late}, std::move(*finding));
       continue;
     }
     finding->severity = Severity::warning;
-    finding->vendors = {"ours"};
+    finding->vendors = {"ddssec"};
     out.report({}, std::move(*finding));
   }
 }
@@ -188,7 +188,7 @@ void warn_of_unset_variable(const LoadedFolder& folder, const doctor::Settings& 
                           " where the application starts; nothing to do for the embedded "
                           "participant, and where only the folder is to be judged",
                   .vendors = {doctor::id(doctor::Vendor::cyclonedds, settings.lineup),
-                              doctor::id(doctor::Vendor::ours, settings.lineup)},
+                              doctor::id(doctor::Vendor::ddssec, settings.lineup)},
                   .severity = Severity::warning});
 }
 
@@ -234,7 +234,7 @@ bool runs_drop_in(const LoadedFolder& folder) {
                                : std::vector<doctor::HostPlugin>();
   if (plugins.empty()) plugins = doctor::plugins_of_node(places);
   return std::ranges::all_of(plugins, [](const doctor::HostPlugin& plugin) {
-    return plugin.maker == doctor::HostPlugin::Maker::ours;
+    return plugin.maker == doctor::HostPlugin::Maker::ddssec;
   });
 }
 

@@ -126,7 +126,7 @@ void refuse_topics(const doctor::Party& a, const doctor::Party& b, doctor::Meeti
   const doctor::Party* const parties[] = {&a, &b};
   for (int i = 0; i < 2; ++i) {
     const auto& party = *parties[i];
-    if (party.vendor != doctor::Vendor::ours || !runs_drop_in(party.folder)) continue;
+    if (party.vendor != doctor::Vendor::ddssec || !runs_drop_in(party.folder)) continue;
     for (auto& topic : out.topics) {
       if (topic.rules[i] == nullptr || out.rules[i] == nullptr) continue;
       for (auto& direction : topic.directions) {
@@ -152,7 +152,7 @@ void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& s
   if (!is_protected(kind)) return;
   out.pass(Rule::DOC091);
   const auto keys = keys_of(folder);
-  if (!keys) return out.report({.ours = Outcome::fail}, missing(folder, kind, keys.error()));
+  if (!keys) return out.report({.ddssec = Outcome::fail}, missing(folder, kind, keys.error()));
   for (const auto& warning : keys->warnings)
     out.report({}, {.rule = Rule::DOC091,
                     .message = warning.message(),
@@ -168,7 +168,7 @@ doctor::Meeting meet_with_properties(const doctor::Party& a, const doctor::Party
   refuse_topics(a, b, out);
   for (auto& finding : demanded_responses(a, b, settings.now)) refuse(out, std::move(finding));
   const auto needs_keys = [&](const doctor::Party& party) {
-    return party.vendor == doctor::Vendor::ours &&
+    return party.vendor == doctor::Vendor::ddssec &&
            is_protected(required_protection(party.folder, settings.domain));
   };
   if (needs_keys(a) && needs_keys(b)) compare(a, b, settings.domain, out);

@@ -40,7 +40,7 @@ void note_stand_in(Vendor vendor, doctor::Version version, Report& report) {
 }  // namespace
 
 doctor::Version version_of(const doctor::NamedProduct& product, Report& report) {
-  if (product.vendor == Vendor::ours) return {};
+  if (product.vendor == Vendor::ddssec) return {};
   auto version = product.version ? product.version : installed(product.vendor);
   if (!version) {
     version = known_versions(product.vendor).front().version;
@@ -94,7 +94,7 @@ Result<Products> products_of(const Arguments& arguments, Report& report) {
     }
     if (!one) continue;
     out.vendors.push_back(vendor);
-    if (vendor != Vendor::ours) out.lineup.of(vendor) = version_of(*one, report);
+    if (vendor != Vendor::ddssec) out.lineup.of(vendor) = version_of(*one, report);
   }
   return out;
 }

@@ -1,7 +1,5 @@
 #include "cli/frame/report.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "base/text.hpp"
@@ -101,9 +99,7 @@ std::string to_text(const Diagnostic& d, bool color) {
   if (!d.file.empty())
     out += fmt::format("  --> {}{}\n", printable(d.file),
                        d.line > 0 ? fmt::format(":{}", d.line) : std::string());
-  auto vendors = d.vendors;
-  std::ranges::replace(vendors, "ours", "ddssec");  // the word of the JSON contract
-  if (!vendors.empty()) out += fmt::format("  concerns: {}\n", fmt::join(vendors, ", "));
+  if (!d.vendors.empty()) out += fmt::format("  concerns: {}\n", fmt::join(d.vendors, ", "));
   return out + fmt::format("  hint: {}\n", printable(d.hint));
 }
 
@@ -229,7 +225,7 @@ Report report_of(const Error& error) {
 }
 
 Json envelope(const Report& report, std::string_view command) {
-  return {{"schema", "ddssec/1"},
+  return {{"schema", "ddssec/2"},
           {"command", command},
           {"ok", report.exit == Exit::done},
           {"exit", static_cast<int>(report.exit)},

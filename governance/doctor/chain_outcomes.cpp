@@ -70,7 +70,7 @@ Outcomes chain_outcomes(const pki::Certificate& certificate,
     const auto variant = unusual_certificate(certificate, cas, proof.error().code());
     if (!variant) return Outcomes::all(Outcome::fail);
     out = measured(*variant, lineup);
-    out.ours = Outcome::fail;
+    out.ddssec = Outcome::fail;
   }
   const auto path = unusual_path(certificate, cas);
   return path ? out.worse(measured(*path, lineup)) : out;

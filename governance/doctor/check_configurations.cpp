@@ -246,7 +246,7 @@ bool is_of(const CheckedProfile& question, const pki::ParticipantFolder& paths) 
          is_of(named_anywhere_by_fastdds(without_comments(question.text)), paths);
 }
 
-constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
+constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail};
 constexpr Outcomes kFastFails{.fastdds = Outcome::fail};
 
 void report_unreadable(std::string_view name, const fs::path& file, const Error& error,

@@ -67,7 +67,7 @@ Outcomes outcomes(const Subject& subject, const Outcomes& accepted = {}) {
 // The outcomes of stock products, as measured with the variant.
 Outcomes refused_by_ours(Variant variant, const Subject& subject) {
   auto out = measured(variant, subject.lineup);
-  out.ours = Outcome::fail;
+  out.ddssec = Outcome::fail;
   return out;
 }
 
@@ -285,7 +285,7 @@ std::optional<Variant> variant_of(const Note& note) {
 
 // The outcome with stock products for a text that ddssec does not parse.
 Outcomes outcomes_of_text(const Subject& subject) {
-  Outcomes out{.ours = Outcome::fail};
+  Outcomes out{.ddssec = Outcome::fail};
   for (const auto variant : subject.left_out) out = out.worse(measured(variant, subject.lineup));
   // Cyclone DDS joins the pieces. Fast DDS 2.9 reads only the first text, which is another topic,
   // or a value that it refuses.
@@ -441,7 +441,7 @@ void check_documents(const LoadedFolder& folder, const Settings& settings, Diagn
   if (size <= pki::kMaxSentPermissionsOctets) return;
   auto finding = too_long_for_peers(size);
   finding.document = folder.paths.permissions;
-  out.report({.ours = Outcome::fail}, std::move(finding));
+  out.report({.ddssec = Outcome::fail}, std::move(finding));
 }
 
 }  // namespace ddssec::governance::doctor

@@ -15,7 +15,7 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
     all.insert(all.end(), rule.domains.ranges.begin(), rule.domains.ranges.end());
   const auto& rules = folder.governance.model->domain_rules;
   auto outcomes = measured(Variant::governance_other_domain, settings.lineup);
-  outcomes.ours = Outcome::fail;
+  outcomes.ddssec = Outcome::fail;
   const auto mismatch = mismatch_texts(folder, settings.now);
   out.report(outcomes,
              {.rule = Rule::DOC050,

@@ -11,7 +11,7 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ours = Outcome::fail};
+constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail};
 
 // The requirements of Cyclone DDS 0.10.2 for a plugin's element.
 struct Expected {

@@ -103,7 +103,7 @@ void check_password(const LoadedFolder& folder, const Settings& settings, Diagno
   };
   look_at(Vendor::cyclonedds, outcomes.cyclonedds);
   look_at(Vendor::fastdds, outcomes.fastdds);
-  look_at(Vendor::ours, outcomes.ours);
+  look_at(Vendor::ddssec, outcomes.ddssec);
   if (who.empty()) return;
   out.report(outcomes, {.rule = Rule::DOC013,
                         .message = fmt::format("{} is encrypted, and {} {} given no password that "

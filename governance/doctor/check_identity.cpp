@@ -128,7 +128,7 @@ void check_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out
   if (!folder.key || !folder.certificate) return;
   if (folder.key->matches(*folder.certificate)) return out.pass(Rule::DOC012);
   auto outcomes = measured(Variant::key_of_another, lineup);
-  outcomes.ours = Outcome::fail;
+  outcomes.ddssec = Outcome::fail;
   out.report(outcomes,
              {.rule = Rule::DOC012,
               .message = fmt::format("{} ({}) is not the private half of the key in {} ({} of {}); "
@@ -249,7 +249,7 @@ void check_chain(const LoadedFolder& folder, const Settings& settings, Diagnosis
   const auto outcomes =
       chain_outcomes(*folder.certificate, *folder.identity_cas, proof, true, settings.lineup);
   if (outcomes.all_ok()) return out.pass(Rule::DOC020);
-  const bool only_stock = outcomes.ours == Outcome::ok;
+  const bool only_stock = outcomes.ddssec == Outcome::ok;
   out.report(outcomes, {.rule = Rule::DOC020,
                         .message = only_stock ? needs_other_ca_file(folder, settings.lineup)
                                               : chain_broken(folder, proof.error()),
@@ -404,7 +404,7 @@ bool is_about_the_list(const Status& status) {
 
 Outcomes failing(bool stock, bool ours) {
   auto out = Outcomes::all(stock ? Outcome::fail : Outcome::ok);
-  out.ours = ours ? Outcome::fail : Outcome::ok;
+  out.ddssec = ours ? Outcome::fail : Outcome::ok;
   return out;
 }
 
@@ -430,7 +430,7 @@ void check_delta_list(const LoadedFolder& folder, WallTime now, Diagnosis& out) 
                                "OpenSSL, and so stock products here, take it for a complete "
                                "list, and believe certificates that only that one names")
                          : stock.error().message();
-  out.report({.cyclonedds = outcome, .fastdds = outcome, .ours = Outcome::fail},
+  out.report({.cyclonedds = outcome, .fastdds = outcome, .ddssec = Outcome::fail},
              {.rule = Rule::DOC023,
               .message = fmt::format("{}: {}; {}", name_of(folder.paths.crl),
                                      folder.crls.error().message(), why),
@@ -453,7 +453,7 @@ void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& li
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
   check_crl_form(folder, lineup, out);
   if (!folder.chain()) return;  // check_chain reports it
-  const auto ours = status_by_lists(folder, Vendor::ours, now);
+  const auto ours = status_by_lists(folder, Vendor::ddssec, now);
   const auto stock = status_by_lists(folder, Vendor::cyclonedds, now);
   const auto revoked = failing(is_revoked(stock), is_revoked(ours));
   const auto unusable = failing(is_about_the_list(stock), is_about_the_list(ours));

@@ -166,7 +166,7 @@ class Rights {
   bool is_controlled(Action action, const std::string& topic) const {
     const auto* const domain = domain_rule();
     const auto* const rule =
-        domain != nullptr ? topic_rule_as(Vendor::ours, *domain, topic) : nullptr;
+        domain != nullptr ? topic_rule_as(Vendor::ddssec, *domain, topic) : nullptr;
     return rule == nullptr || (action == Action::publish ? rule->enable_write_access_control
                                                          : rule->enable_read_access_control);
   }
@@ -176,7 +176,7 @@ class Rights {
     const auto find = [&](const std::string& name) {
       return [&](const Text& text) {
         if (reason.text.empty() &&
-            matches_as(Vendor::ours, text, name) != matches_as(vendor_, text, name))
+            matches_as(Vendor::ddssec, text, name) != matches_as(vendor_, text, name))
           reason = text;
       };
     };

@@ -50,7 +50,7 @@ std::vector<Candidate> candidates(const Permissions& permissions,
   const auto subject = pki::SubjectName::of(certificate);
   for (const auto& grant : permissions.grants) {
     auto outcomes = reads_subject(grant.subject_name, certificate, lineup);
-    if (is_for(grant, subject)) outcomes.ours = Outcome::ok;
+    if (is_for(grant, subject)) outcomes.ddssec = Outcome::ok;
     if (grant.subject_has_line_breaks) outcomes.fastdds = Outcome::fail;
     if (outcomes != kAllFail) out.push_back({&grant, outcomes});
   }
@@ -109,7 +109,7 @@ Spelling spelling_for(const pki::Certificate& certificate, const Lineup& lineup)
 void check_form(const Scene& scene, const std::vector<Candidate>& all) {
   Outcomes best = kAllFail;
   for (const auto& one : all)
-    for (auto member : {&Outcomes::cyclonedds, &Outcomes::fastdds, &Outcomes::ours})
+    for (auto member : {&Outcomes::cyclonedds, &Outcomes::fastdds, &Outcomes::ddssec})
       best.*member = std::min(best.*member, one.subject.*member);
   scene.out.pass(Rule::DOC010);
   if (best.all_ok()) return scene.out.pass(Rule::DOC011);
@@ -137,7 +137,7 @@ void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) 
     });
   };
   const bool is_valid_for_fastdds = is_valid(Vendor::fastdds);
-  if (is_valid_for_fastdds == is_valid(Vendor::ours)) return;
+  if (is_valid_for_fastdds == is_valid(Vendor::ddssec)) return;
   const auto& grant = *all.front().grant;
   scene.out.report({.fastdds = is_valid_for_fastdds ? Outcome::unsafe : Outcome::fail},
                    {.rule = Rule::DOC042,
@@ -213,7 +213,7 @@ void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all)
       GrantsForCyclone(scene.permissions()).applied_grant_for(scene.folder.certificate->subject()),
       &Candidate::grant);
   const bool has_own = std::ranges::any_of(
-      all, [](const Candidate& one) { return one.subject.ours == Outcome::ok; });
+      all, [](const Candidate& one) { return one.subject.ddssec == Outcome::ok; });
   if (!has_own || taken == all.end() || taken->subject.cyclonedds != Outcome::unsafe) return;
   scene.out.report(
       {.cyclonedds = Outcome::unsafe},
@@ -242,7 +242,7 @@ void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
 }
 
 std::string why_not_joining(const Grant& grant, const Outcomes& outcomes, DomainId domain) {
-  if (outcomes.ours == Outcome::ok)
+  if (outcomes.ddssec == Outcome::ok)
     return fmt::format(
         "Cyclone DDS and Fast DDS read the open ranges of grant \"{}\" as one "
         "domain each, so no allow_rule is for domain {}",
@@ -291,7 +291,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
   const auto fastdds = lacks_allow_rule(grant) ? Outcome::fail : refused.fastdds;
   Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, refused.cyclonedds),
                     .fastdds = outcome(Vendor::fastdds, fastdds),
-                    .ours = outcome(Vendor::ours, Outcome::fail)};
+                    .ddssec = outcome(Vendor::ddssec, Outcome::fail)};
   // DOC052 reports that Fast DDS takes every default as DENY.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
   if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);

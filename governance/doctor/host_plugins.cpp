@@ -102,8 +102,8 @@ HostPlugin plugin_of(const Kind& kind, std::string library, const LoaderPlaces& 
   if (out.file.empty()) return out;
   out.is_cut_off = search.found.state == LibraryState::cut_off;
   const auto octets = library_octets(out.file);
-  out.maker = octets.find(kOurMark) != octets.npos ? Maker::ours : Maker::other;
-  if (out.maker != Maker::ours) return out;
+  out.maker = octets.find(kOurMark) != octets.npos ? Maker::ddssec : Maker::other;
+  if (out.maker != Maker::ddssec) return out;
   out.version = version_in(octets);
   out.missing = missing_for(out.file, octets, places);
   return out;
@@ -216,7 +216,7 @@ void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPla
   for (const auto& folder : folders_of(places.library_path))
     if (const auto sign = sign_of_ours(folder, plugins); !sign.empty())
       return out.report(
-          {.ours = Outcome::fail},
+          {.ddssec = Outcome::fail},
           finding_of(fmt::format("Cyclone DDS would not load ddssec's plugins, although "
                                  "LD_LIBRARY_PATH seems to name them: {} ({})",
                                  sign, listed(plugins)),
@@ -227,7 +227,7 @@ void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPla
                   "stock plugins, not ddssec's: {}",
                   listed(plugins)),
       plugins, places);
-  finding.vendors = {"ours"};
+  finding.vendors = {"ddssec"};
   finding.hint += "; nothing to do for the embedded participant, which loads no plugins";
   out.report({}, std::move(finding));
 }
@@ -277,27 +277,27 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
   // DOC102 reports a missing library that is named by a path; LD_LIBRARY_PATH is not its cause.
   if (std::ranges::any_of(plugins, is_missing_path)) return;
   if (const auto one = std::ranges::find_if(plugins, &HostPlugin::is_cut_off); one != plugins.end())
-    return out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+    return out.report({.cyclonedds = Outcome::fail, .ddssec = Outcome::fail},
                       cut_off(one->file, plugins, places));
   std::set<Maker> makers;
   std::set<std::string> versions;
   for (const auto& plugin : plugins) {
     makers.insert(plugin.maker);
-    if (plugin.maker == Maker::ours) versions.insert(plugin.version);
+    if (plugin.maker == Maker::ddssec) versions.insert(plugin.version);
   }
   if (makers.size() > 1 && makers.contains(Maker::none))
     return out.report(
-        {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+        {.cyclonedds = Outcome::fail, .ddssec = Outcome::fail},
         finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins,
                    places));
   // Such plugins work together, but without the refusals and reports that only ddssec's provide.
   if (makers.size() > 1 || versions.size() > 1)
     return out.report(
-        {.ours = Outcome::unsafe},
+        {.ddssec = Outcome::unsafe},
         finding_of(fmt::format("Cyclone DDS would load plugins of two {}: {}",
                                makers.size() > 1 ? "products" : "versions", listed(plugins)),
                    plugins, places));
-  if (!makers.contains(Maker::ours))
+  if (!makers.contains(Maker::ddssec))
     return check_stock_plugins(plugins, places, were_ours_meant, out);
   out.pass(Rule::DOC068);
   check_loadable(plugins, out);
@@ -308,7 +308,7 @@ void check_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out) {
   const auto first = std::ranges::find_if_not(plugins, is_loadable);
   if (first == plugins.end()) return;
   const auto stock = is_path(first->library) ? Outcome::fail : Outcome::ok;
-  out.report({.cyclonedds = stock, .ours = Outcome::fail}, not_loadable(plugins));
+  out.report({.cyclonedds = stock, .ddssec = Outcome::fail}, not_loadable(plugins));
 }
 
 }  // namespace ddssec::governance::doctor

@@ -14,7 +14,7 @@ namespace ddssec::governance::doctor {
 
 /// One plugin of the configuration, and the library that the loader would find for it.
 struct HostPlugin {
-  enum class Maker : std::uint8_t { none, ours, other };
+  enum class Maker : std::uint8_t { none, ddssec, other };
   std::string_view role;       ///< authentication, access control, cryptography
   std::string library;         ///< the `path` of its <Library>
   std::filesystem::path file;  ///< empty if it was not found

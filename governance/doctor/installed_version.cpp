@@ -46,7 +46,7 @@ std::vector<fs::path> library_folders(std::string_view library_path) {
 }
 
 std::optional<Version> installed_version(Vendor vendor, const std::vector<fs::path>& folders) {
-  if (vendor == Vendor::ours) return std::nullopt;
+  if (vendor == Vendor::ddssec) return std::nullopt;
   std::optional<Version> out;
   for (const auto& folder : folders) {
     std::error_code error;

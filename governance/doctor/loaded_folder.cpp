@@ -89,7 +89,7 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
   const auto& [cas, ca_file] = trust;
   out.cyclonedds_verdict = verify_signature_as(Vendor::cyclonedds, out.file, cas, ca_file, now);
   out.fastdds_verdict = verify_signature_as(Vendor::fastdds, out.file, cas, ca_file, now);
-  out.our_verdict = verify_signature_as(Vendor::ours, out.file, cas, ca_file, now);
+  out.our_verdict = verify_signature_as(Vendor::ddssec, out.file, cas, ca_file, now);
   auto model = read(out.form.unverified_text, out.form.first_line);
   if (!model) {
     out.parsed = error_in_file(model.error(), path);
@@ -121,11 +121,11 @@ Status with_signer_named(Status verdict, BytesView file, std::vector<pki::Certif
 
 Status verify_signature_as(Vendor judge, BytesView file, const Certificates& cas, BytesView ca_file,
                            WallTime now) {
-  if (!cas && cas.error().code() == Code::key_not_allowed && judge != Vendor::ours)
+  if (!cas && cas.error().code() == Code::key_not_allowed && judge != Vendor::ddssec)
     return pki::verify_as_stock_products(
         file, ca_file, judge == Vendor::cyclonedds ? 1 : pki::kMaxCertificatesInBundle, now);
   if (!cas) return std::unexpected(cas.error());
-  if (judge != Vendor::ours) {
+  if (judge != Vendor::ddssec) {
     const auto read = judge == Vendor::cyclonedds ? std::vector{cas->front()} : *cas;
     return with_signer_named(pki::verify_as_stock_products(file, read, now), file, read, now);
   }
@@ -149,7 +149,7 @@ Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
   if (!identity_cas) return std::unexpected(identity_cas.error());
   if (!has_usable_lists(judge)) return std::unexpected(crls.error());
   auto lists = crls ? *crls : crls_with_deltas;
-  if (judge != Vendor::ours && lists.size() > 1) lists.erase(lists.begin() + 1, lists.end());
+  if (judge != Vendor::ddssec && lists.size() > 1) lists.erase(lists.begin() + 1, lists.end());
   return with_file(pki::ChainVerifier::make(*identity_cas, std::move(lists)), paths.identity_ca);
 }
 

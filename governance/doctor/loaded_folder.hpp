@@ -50,16 +50,16 @@ struct LoadedDocument {
   /// Success if the product can parse it; its parser may be more lenient than ddssec's. Otherwise
   /// the error is ddssec's.
   Status read_by(Vendor vendor) const {
-    return vendor != Vendor::ours && model ? Status() : parsed;
+    return vendor != Vendor::ddssec && model ? Status() : parsed;
   }
 };
 
 /// The products to which files give the password of an encrypted key.
 struct PasswordGiven {
-  bool cyclonedds = false, fastdds = false, ours = false;
+  bool cyclonedds = false, fastdds = false, ddssec = false;
 
   bool is_given_to(Vendor vendor) const {
-    return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ours;
+    return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ddssec;
   }
 };
 
@@ -89,12 +89,12 @@ struct LoadedFolder {
   bool is_empty() const;
   /// True if the product can read the file with revocation lists, or if there is none.
   bool has_usable_lists(Vendor judge) const {
-    return crls || (judge != Vendor::ours && !crls_with_deltas.empty());
+    return crls || (judge != Vendor::ddssec && !crls_with_deltas.empty());
   }
   /// Returns the chain verifier with which this participant judges certificates. If its file has
   /// several revocation lists, stock products read the first one (measured). Errors: those of the
   /// needed parts, or of ChainVerifier::make.
-  Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ours) const;
+  Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ddssec) const;
 };
 
 /// Success if a product accepts the signed file with a permissions CA file, whose content is

@@ -105,7 +105,7 @@ bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificat
                           const Party& judge) {
   if (judge.vendor == Vendor::fastdds && grant.subject_name == certificate.subject_one_line())
     return true;
-  if (judge.vendor == Vendor::ours) return is_for(grant, pki::SubjectName::of(certificate));
+  if (judge.vendor == Vendor::ddssec) return is_for(grant, pki::SubjectName::of(certificate));
   const auto outcomes = reads_subject(grant.subject_name, certificate, judge.lineup);
   return outcomes.of(judge.vendor) != Outcome::fail;
 }
@@ -113,7 +113,7 @@ bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificat
 Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
   const auto& document = subject.folder.permissions;
   if (!document.readable) return document.readable;
-  if (judge.vendor == Vendor::ours && document.file.size() > pki::kMaxSentPermissionsOctets)
+  if (judge.vendor == Vendor::ddssec && document.file.size() > pki::kMaxSentPermissionsOctets)
     return fail(Code::permissions_too_large,
                 {.expected = fmt::format("at most {} octets", pki::kMaxSentPermissionsOctets),
                  .found = fmt::format("{} octets", document.file.size())});
@@ -308,8 +308,8 @@ void judge_handshake_from(const MeetingScene& scene, int starts) {
   if (!handshake_works(first.vendor, second.vendor)) {
     scene.out.handshake_works = false;
     scene.out.findings.push_back(std::move(finding));
-  } else if (scene.out.starter != Starter::chance && first.vendor == Vendor::ours &&
-             second.vendor == Vendor::ours) {
+  } else if (scene.out.starter != Starter::chance && first.vendor == Vendor::ddssec &&
+             second.vendor == Vendor::ddssec) {
     finding.severity = Severity::informational;
     scene.out.notes.push_back(std::move(finding));
   }
@@ -344,7 +344,7 @@ void judge_discovery(const MeetingScene& scene, int fast) {
         "this is predicted for {}: secured, Fast DDS 2.10 and later discovers nothing of Cyclone "
         "DDS 0.10, with its own plugins or with ddssec's",
         self.product());
-  } else if (other.vendor == Vendor::ours) {
+  } else if (other.vendor == Vendor::ddssec) {
     finding.message = fmt::format(
         "secured, {} discovers nothing of Cyclone DDS 0.10 with ddssec's plugins in it, only of "
         "ddssec's embedded participant",

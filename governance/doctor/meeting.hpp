@@ -13,7 +13,7 @@ namespace ddssec::governance::doctor {
 /// One of the two participants.
 struct Party {
   const LoadedFolder& folder;
-  Vendor vendor = Vendor::ours;
+  Vendor vendor = Vendor::ddssec;
   std::string name;    ///< its name in messages
   Lineup lineup = {};  ///< the version of its product
 

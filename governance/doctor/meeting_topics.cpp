@@ -271,7 +271,7 @@ std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action
                                        std::string_view topic) {
   std::vector<std::string> out;
   for (const auto* criteria : grant.allowed(action)) {
-    if (!criteria->partitions || matching_expression(Vendor::ours, *criteria, topic).empty())
+    if (!criteria->partitions || matching_expression(Vendor::ddssec, *criteria, topic).empty())
       continue;
     for (const auto& text : *criteria->partitions)
       if (!text.text.empty()) out.push_back(text.text);
@@ -360,7 +360,7 @@ void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
 void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const int i : kBoth) {
     const auto* rule = topic.rules[i];
-    if (rule == nullptr || scene.party(i).vendor != Vendor::ours) continue;
+    if (rule == nullptr || scene.party(i).vendor != Vendor::ddssec) continue;
     const bool controlled = rule->enable_read_access_control || rule->enable_write_access_control;
     if (!controlled || is_protected(rule->metadata_protection_kind) ||
         is_protected(rule->data_protection_kind))

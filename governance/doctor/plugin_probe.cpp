@@ -85,7 +85,7 @@ void report(const Plugin& plugin, const PluginProbe& probe, const std::string& t
             Diagnosis& out) {
   const auto about = ours ? "ddssec" : "Cyclone DDS";
   const auto outcomes =
-      ours ? Outcomes{.ours = Outcome::fail} : Outcomes{.cyclonedds = Outcome::fail};
+      ours ? Outcomes{.ddssec = Outcome::fail} : Outcomes{.cyclonedds = Outcome::fail};
   const bool entry = probe.result == PluginProbe::Result::lacks_entry;
   const auto why = probe.result == PluginProbe::Result::died ? "loading it ends the process"
                    : entry ? fmt::format("it has no function {}", probe.detail)
@@ -132,7 +132,7 @@ void check_plugins(const fs::path& folder, Diagnosis& out) {
   out.pass(Rule::DOC071, about);
   std::error_code ignored;
   if (ours && !fs::is_directory(folder, ignored)) {
-    out.report({.ours = Outcome::fail},
+    out.report({.ddssec = Outcome::fail},
                {.rule = Rule::DOC070,
                 .message = "the folder of the plugin libraries does not exist",
                 .document = folder},

@@ -105,7 +105,7 @@ void check_names(const LoadedFolder& folder, const RosEnvironment& environment, 
   for (const auto* file :
        {"identity_ca.cert.p11", "cert.p11", "key.p11", "permissions_ca.cert.p11"})
     if (fs::exists(folder.paths.folder / file, ignored))
-      out.report({.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+      out.report({.cyclonedds = Outcome::fail, .ddssec = Outcome::fail},
                  {.rule = Rule::DOC063,
                   .message = fmt::format("{} names a key store in hardware, and "
                                          "RMW_IMPLEMENTATION is \"rmw_cyclonedds_cpp\", which does "
@@ -139,7 +139,7 @@ void check_plugins_of_node(const RosEnvironment& environment, Diagnosis& out) {
   const auto rmw = value(environment, "RMW_IMPLEMENTATION");
   if (rmw != "rmw_cyclonedds_cpp")
     return out.report(
-        {.cyclonedds = Outcome::fail, .ours = Outcome::fail},
+        {.cyclonedds = Outcome::fail, .ddssec = Outcome::fail},
         {.rule = Rule::DOC067,
          .message = rmw.empty()
                         ? "RMW_IMPLEMENTATION is not set: a node runs on the installation's "
@@ -164,7 +164,7 @@ void check_plugins_of_node(const RosEnvironment& environment, Diagnosis& out) {
                          .document = found.file,
                          .hint = "name it by its whole path, which begins with /",
                          .severity = Severity::warning});
-    return out.report({.ours = Outcome::fail},
+    return out.report({.ddssec = Outcome::fail},
                       {.rule = Rule::DOC068,
                        .message = reason_without_ours(path, library, found) +
                                   ": a node runs on the stock plugins, or does not start",

@@ -39,7 +39,7 @@ void check_shared_memory(const LoadedFolder& folder,
   if (rule == nullptr) return;
   const auto setting = shared_memory_setting(*configuration);
   if (setting.empty() || !promises(*rule)) return out.pass(Rule::DOC100);
-  out.report({.cyclonedds = Outcome::unsafe, .ours = Outcome::late},
+  out.report({.cyclonedds = Outcome::unsafe, .ddssec = Outcome::late},
              {.rule = Rule::DOC100,
               .message = fmt::format(
                   "{} is set in {}: samples of topics that {} protects would lie in the clear in "

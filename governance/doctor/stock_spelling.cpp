@@ -169,7 +169,7 @@ const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
     return vendor == Vendor::fastdds && !piece && piece.error().code() == Code::key_not_allowed &&
            outcomes_of_key(paths, path, piece.error(), lineup).fastdds < Outcome::late;
   };
-  if (vendor == Vendor::ours) return nullptr;
+  if (vendor == Vendor::ddssec) return nullptr;
   if (has_other_key(folder.identity_cas, paths.identity_ca)) return &paths.identity_ca;
   if (has_other_key(folder.certificate, paths.certificate)) return &paths.certificate;
   if (is_labelled(folder.identity_cas, paths.identity_ca)) return &paths.identity_ca;

@@ -52,7 +52,7 @@ Outcomes reads_subject(std::string_view text, const pki::Certificate& certificat
   const auto subject = trimmed(text, kBlanksOfNames);
   return {.cyclonedds = cyclonedds_outcome(subject, certificate),
           .fastdds = fastdds_outcome(text, certificate, any_order),
-          .ours = outcome(name && name->matches(certificate))};
+          .ddssec = outcome(name && name->matches(certificate))};
 }
 
 }  // namespace ddssec::governance::doctor

@@ -8,13 +8,13 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr std::array<std::string_view, 3> kNames{"cyclonedds", "fastdds", "ours"};
+constexpr std::array<std::string_view, 3> kNames{"cyclonedds", "fastdds", "ddssec"};
 constexpr std::array<std::string_view, 3> kFamilies{"Cyclone DDS", "Fast DDS", "ddssec's plugins"};
 
 std::string_view short_name(Vendor vendor) { return kNames.at(static_cast<std::size_t>(vendor)); }
 
 std::optional<Vendor> vendor_named(std::string_view text) {
-  if (text == "ddssec") return Vendor::ours;
+  if (text == "ours") return Vendor::ddssec;
   const auto found = std::ranges::find(kVendors, text, short_name);
   return found == kVendors.end() ? std::nullopt : std::optional(*found);
 }
@@ -40,19 +40,15 @@ std::optional<Version> version_from(std::string_view text) {
 }
 
 std::string id(Vendor vendor, const Lineup& lineup) {
-  if (vendor == Vendor::ours) return std::string(short_name(vendor));
+  if (vendor == Vendor::ddssec) return std::string(short_name(vendor));
   return fmt::format("{}@{}", short_name(vendor), to_string(lineup.of(vendor)));
 }
 
 std::string_view family(Vendor vendor) { return kFamilies.at(static_cast<std::size_t>(vendor)); }
 
 std::string name(Vendor vendor, const Lineup& lineup) {
-  if (vendor == Vendor::ours) return std::string(family(vendor));
+  if (vendor == Vendor::ddssec) return std::string(family(vendor));
   return fmt::format("{} {}", family(vendor), to_string(lineup.of(vendor)));
-}
-
-std::string label(Vendor vendor, const Lineup& lineup) {
-  return vendor == Vendor::ours ? "ddssec" : id(vendor, lineup);
 }
 
 std::optional<NamedProduct> product_from(std::string_view text) {
@@ -61,7 +57,7 @@ std::optional<NamedProduct> product_from(std::string_view text) {
   if (!vendor) return std::nullopt;
   if (at == text.npos) return NamedProduct{*vendor};
   const auto version = version_from(text.substr(at + 1));
-  if (!version || *vendor == Vendor::ours) return std::nullopt;
+  if (!version || *vendor == Vendor::ddssec) return std::nullopt;
   return NamedProduct{*vendor, version};
 }
 
@@ -77,7 +73,7 @@ std::string_view to_string(Outcome outcome) {
 
 Outcomes Outcomes::worse(const Outcomes& other) const {
   return {std::max(cyclonedds, other.cyclonedds), std::max(fastdds, other.fastdds),
-          std::max(ours, other.ours)};
+          std::max(ddssec, other.ddssec)};
 }
 
 }  // namespace ddssec::governance::doctor

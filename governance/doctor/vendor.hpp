@@ -15,9 +15,9 @@ namespace ddssec::governance::doctor {
 enum class Vendor : std::uint8_t {
   cyclonedds,  ///< Cyclone DDS with its own plugins
   fastdds,     ///< Fast DDS
-  ours,        ///< the plugins of ddssec
+  ddssec,      ///< the plugins of ddssec
 };
-inline constexpr std::array kVendors{Vendor::cyclonedds, Vendor::fastdds, Vendor::ours};
+inline constexpr std::array kVendors{Vendor::cyclonedds, Vendor::fastdds, Vendor::ddssec};
 
 /// A product's version.
 struct Version {
@@ -44,7 +44,7 @@ struct Lineup {
   bool operator==(const Lineup&) const = default;
 };
 
-/// Returns "cyclonedds@0.10.2", "fastdds@2.9.1" or "ours", with the versions of the lineup.
+/// Returns "cyclonedds@0.10.2", "fastdds@2.9.1" or "ddssec", with the versions of the lineup.
 std::string id(Vendor vendor, const Lineup& lineup = {});
 /// Returns a text such as "Cyclone DDS 0.10.2".
 std::string name(Vendor vendor, const Lineup& lineup = {});
@@ -68,17 +68,14 @@ constexpr ProfilePlaces profile_places(Version fastdds) {
 /// octets work, and 63,764 do not. The size of the rest of the message varies a little.
 inline constexpr std::size_t kMaxFastDdsHandshakeOctets = 63'000;
 
-/// Returns the label of a column: the id, or "ddssec" for `ours`, whose id is part of the JSON
-/// contract.
-std::string label(Vendor vendor, const Lineup& lineup = {});
-
 /// A product by its name and, if given, its version.
 struct NamedProduct {
   Vendor vendor;
   std::optional<Version> version = std::nullopt;
   bool operator==(const NamedProduct&) const = default;
 };
-/// Reads NAME or NAME@VERSION; empty for anything else. `ours` has no version.
+/// Reads NAME or NAME@VERSION; empty for anything else. ddssec has no version. "ours", its name in
+/// ddssec 0.3 and earlier, is understood, too.
 std::optional<NamedProduct> product_from(std::string_view text);
 /// Returns the vendor; empty if `text` names none.
 std::optional<Vendor> vendor_from(std::string_view text);
@@ -97,12 +94,12 @@ std::string_view to_string(Outcome outcome);
 struct Outcomes {
   Outcome cyclonedds = Outcome::ok;
   Outcome fastdds = Outcome::ok;
-  Outcome ours = Outcome::ok;
+  Outcome ddssec = Outcome::ok;
 
   /// Returns the same outcome for all products.
   static constexpr Outcomes all(Outcome outcome) { return {outcome, outcome, outcome}; }
   constexpr Outcome of(Vendor vendor) const {
-    return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ours;
+    return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ddssec;
   }
   /// Returns the worse of both, for each product.
   Outcomes worse(const Outcomes& other) const;

@@ -15,7 +15,7 @@ using Partitions = std::span<const std::string_view>;
 bool reads_as_match(Vendor vendor, std::string_view expression, std::string_view name) {
   if (expression.find_first_of("*?[\\") == expression.npos) return expression == name;
   const bool is_plain = expression.find_first_of("[\\") == expression.npos;
-  if (vendor == Vendor::ours || is_plain) return Pattern(expression).matches(name);
+  if (vendor == Vendor::ddssec || is_plain) return Pattern(expression).matches(name);
   return Pattern(vendor == Vendor::cyclonedds ? meaning_in_cyclonedds(expression)
                                               : meaning_in_fastdds(expression))
       .matches(name);
@@ -80,7 +80,7 @@ bool matches_as(Vendor vendor, const Text& expression, std::string_view name) {
 }
 
 const DomainRule* domain_rule_as(Vendor vendor, const Governance& governance, DomainId domain) {
-  return vendor == Vendor::ours ? governance.find(domain) : governance.find_for_stock(domain);
+  return vendor == Vendor::ddssec ? governance.find(domain) : governance.find_for_stock(domain);
 }
 
 const TopicRule* topic_rule_as(Vendor vendor, const DomainRule& domain, std::string_view topic) {
@@ -115,18 +115,18 @@ Decision judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId doma
 
 Decision judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                   const Request& request) {
-  if (vendor == Vendor::ours) return grant.judge(action, request);
+  if (vendor == Vendor::ddssec) return grant.judge(action, request);
   return judge_by_rules(vendor, grant, domain, action, request);
 }
 
 Validity validity_as(Vendor vendor, const Validity& validity) {
-  if (vendor == Vendor::ours) return validity;
+  if (vendor == Vendor::ddssec) return validity;
   return rewritten_for(
       validity, vendor == Vendor::cyclonedds ? StockProduct::cyclonedds : StockProduct::fastdds);
 }
 
 Decision judge_participant_as(Vendor vendor, const CompiledGrant& grant, DomainId domain) {
-  if (vendor == Vendor::ours) return grant.judge_participant();
+  if (vendor == Vendor::ddssec) return grant.judge_participant();
   const auto& rules = grant.grant().rules;
   const auto found = std::ranges::find_if(rules, [&](const GrantRule& rule) {
     return rule.allow && rule.domains.contains_for_stock(domain);

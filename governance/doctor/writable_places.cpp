@@ -192,7 +192,7 @@ void check_files_of_process(const LoadedFolder& folder, std::span<const fs::path
                             Diagnosis& out) {
   WritablePlaces places(user_of(folder.paths));
   for (const auto& file : files) places.add_with_way(file);
-  places.report({.cyclonedds = Outcome::unsafe, .ours = Outcome::unsafe}, out);
+  places.report({.cyclonedds = Outcome::unsafe, .ddssec = Outcome::unsafe}, out);
 }
 
 }  // namespace ddssec::governance::doctor

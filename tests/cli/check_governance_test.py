@@ -50,7 +50,7 @@ class Governance(CheckTest):
 
         have("1:xyzzy", cipher="AES256+GCM")
         self.check(exit=0)
-        told = self.json("doctor", "listener", "--vendor", "ours", exit=0)["diagnostics"]
+        told = self.json("doctor", "listener", "--vendor", "ddssec", exit=0)["diagnostics"]
         self.assertEqual([one["id"] for one in told], ["DOC103"])  # the drop-in has no such keys
         for what, sentence in (
                 (("2:plugh",), "talker sends under passphrase 1, and listener understands 2 only"),
@@ -60,7 +60,7 @@ class Governance(CheckTest):
                  "pre-shared keys are for AES256+GCM at talker and for AES128+GCM at listener")):
             have(*what)
             self.apart("DOC092", sentence, document="security.properties")
-            out = self.json("doctor", "talker", "--peer", "listener", "--vendor", "ours", exit=1)
+            out = self.json("doctor", "talker", "--peer", "listener", "--vendor", "ddssec", exit=1)
             self.assertIn(sentence, [d["message"] for d in out["diagnostics"]])
             self.assertFalse("xyzzy" in str(out) or "plugh" in str(out))
         (self.listener.path / "security.properties").unlink()
@@ -70,7 +70,7 @@ class Governance(CheckTest):
         open_file.chmod(0o644)
         (self.listener.path / "security.properties").write_text(f"{properties} = file:{open_file}\n")
         self.check(exit=0)
-        out = self.json("doctor", "listener", "--vendor", "ours", exit=0)
+        out = self.json("doctor", "listener", "--vendor", "ddssec", exit=0)
         self.assertEqual([(d["id"], d["severity"]) for d in out["diagnostics"]], [("DOC091", "warning"), ("DOC103", "warning")])
         # Who cannot is told so, whatever is in the properties.
         self.apart("DOC090", "listener cannot start on its own with Cyclone DDS 0.10.2",
@@ -96,7 +96,7 @@ class Governance(CheckTest):
                 made.sign("governance", governance)
             properties.write_text(text)
             with self.subTest(text=text, sentence=sentence):
-                out = self.json("doctor", "listener", "--vendor", "ours", exit=1 if sentence else 0)
+                out = self.json("doctor", "listener", "--vendor", "ddssec", exit=1 if sentence else 0)
                 found = [d for d in out["diagnostics"] if d["id"] == "DOC093"]
                 self.assertEqual(len(found), 1 if sentence else 0)
                 if not sentence:
@@ -144,7 +144,7 @@ class Governance(CheckTest):
         out = self.json("check", "talker", "listener")
         self.assertEqual((out["result"]["join"]["domain"], out["result"]["talk"]), (7, True))
         self.json("check", "talker", "listener", "--domain", "0", exit=1)
-        self.assertEqual(self.json("doctor", "talker", "--peer", "listener", "--vendor", "ours")["result"]["domain"], 7)
+        self.assertEqual(self.json("doctor", "talker", "--peer", "listener", "--vendor", "ddssec")["result"]["domain"], 7)
         for party in (self.talker, self.listener):
             party.sign("governance", GOVERNANCE.replace("<id>0</id>", "<id>3</id><id>7</id>"))
         self.assertEqual(self.notes("check", "talker", "listener"), [])

@@ -212,8 +212,8 @@ class Check(CheckTest):
         self.assertIn("  talker publishes to listener: rt/chatter (and 2 topics of every ROS 2 node)\n", told)
 
     def test_what_later_versions_of_fast_dds_do_is_told_where_it_matters(self):
-        for products, told in (("cyclonedds fastdds", True), ("fastdds ours", True), ("fastdds fastdds", False),
-                               ("ours cyclonedds", False)):
+        for products, told in (("cyclonedds fastdds", True), ("fastdds ddssec", True), ("fastdds fastdds", False),
+                               ("ddssec cyclonedds", False)):
             a, b = products.split()
             words = ("check", "talker", "listener", "--vendor", f"A={a}", "--vendor", f"B={b}")
             done = self.run_program(*words, exit=None)
@@ -256,7 +256,7 @@ class Check(CheckTest):
 
     def test_doctor_with_a_peer_is_both_and_the_check(self):
         out = self.json("doctor", "talker", "--peer", "listener", exit=0)
-        self.assertEqual(out["result"]["peer"]["verdicts"]["ours"], "ok")
+        self.assertEqual(out["result"]["peer"]["verdicts"]["ddssec"], "ok")
         meetings = {(m["self"], m["peer"]): m["talk"] for m in out["result"]["peer"]["meetings"]}
         self.assertEqual(len(meetings), 9)
         mixed = [meetings["cyclonedds@0.10.2", "fastdds@2.9.1"],
@@ -272,7 +272,7 @@ class Check(CheckTest):
 
     def test_wrong_command_lines(self):
         self.refused("file_not_found", 3, "check", "talker", "nobody")
-        self.refused("usage", 2, "check", "talker", "listener", "--vendor", "C=ours")
+        self.refused("usage", 2, "check", "talker", "listener", "--vendor", "C=ddssec")
         self.refused("usage", 2, "check", "talker", "listener", "--require", "all")
         self.refused("usage", 2, "check", "talker", "listener", "--topics", ",")
         self.refused("usage", 2, "check", "talker", "listener", "--domain", "x")

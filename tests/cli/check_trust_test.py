@@ -49,7 +49,7 @@ class Trust(CheckTest):
             out = self.json("doctor", "talker", exit=1)
             self.assertEqual([(d["id"], d["file"]) for d in out["diagnostics"] if d["severity"] == "error"],
                              [("DOC002", "talker/crl.pem")])
-            self.assertEqual(out["result"]["verdicts"]["ours"], "fail")
+            self.assertEqual(out["result"]["verdicts"]["ddssec"], "fail")
 
     def test_a_list_of_another_ca(self):
         self.talker.put("crl.pem", self.shop.crl("foreign", self.shop.ca("foreign")))
@@ -128,7 +128,7 @@ class Trust(CheckTest):
         self.apart("DOC083", "CN=talker", "CN=listener",
                    words=("--vendor", f"{starts}=fastdds", "--vendor", f"{waits}=cyclonedds"))
         self.check("--vendor", f"{starts}=cyclonedds", "--vendor", f"{waits}=fastdds", exit=0)
-        self.check("--vendor", f"{starts}=fastdds", "--vendor", f"{waits}=ours", exit=0)
+        self.check("--vendor", f"{starts}=fastdds", "--vendor", f"{waits}=ddssec", exit=0)
 
     def subject_hash(self, name):
         def block(tag, content):
@@ -149,7 +149,7 @@ class Trust(CheckTest):
         self.assertIn("DOC085", [d["id"] for d in out["diagnostics"]])
         obstacle = out["result"]["topics"][0]["directions"][0]["obstacle"]
         self.assertIn("data_protection_kind ENCRYPT with metadata_protection_kind NONE", obstacle)
-        self.check("--vendor", "A=fastdds", "--vendor", "B=ours", exit=0)
+        self.check("--vendor", "A=fastdds", "--vendor", "B=ddssec", exit=0)
         self.check("--vendor", "fastdds", exit=0)
         if starter == "A":  # Cyclone DDS starts: the other direction works
             self.check("--vendor", "A=cyclonedds", "--vendor", "B=fastdds", exit=0)

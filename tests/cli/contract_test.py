@@ -118,7 +118,7 @@ class Contract(Transcript):
 
     def test_options_of_every_command_may_come_first(self):
         out = self.run_program("--format", "json", "-q", "--now=2026-11-21T00:00:00Z", "version").stdout
-        self.assertEqual(json.loads(out)["result"]["schema"], "ddssec/1")
+        self.assertEqual(json.loads(out)["result"]["schema"], "ddssec/2")
         self.assertEqual(self.run_program("--version").stdout, self.run_program("version").stdout)
         self.assertEqual(self.run_program("-h").stdout, self.run_program("--help").stdout)
         self.assertEqual(self.run_program("-q", "ca", "--help").stdout,

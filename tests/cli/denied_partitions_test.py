@@ -26,7 +26,7 @@ class DeniedPartitions(WithoutLists):
 
     def test_doctor_says_which_products_refuse_the_topic(self):
         out = self.json("doctor", "talker", exit=1)
-        self.assertEqual(out["result"]["verdicts"], {"cyclonedds@0.10.2": "late", "fastdds@2.9.1": "late", "ours": "ok"})
+        self.assertEqual(out["result"]["verdicts"], {"cyclonedds@0.10.2": "late", "fastdds@2.9.1": "late", "ddssec": "ok"})
         told = {vendor: one["message"] for one in self.told(out) for vendor in one["vendors"]}
         self.assertIn("Cyclone DDS 0.10.2 refuses the whole topic", told["cyclonedds@0.10.2"])
         self.assertIn("Fast DDS 2.9.1 denies it in all of them", told["fastdds@2.9.1"])

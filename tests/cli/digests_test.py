@@ -18,7 +18,7 @@ class Digests(WithoutLists):
 
     def check_refused_by_fastdds(self, folder, words):
         verdicts, told = self.verdicts(folder, 1)
-        self.assertEqual(verdicts, {"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "fail", "ours": "ok"})
+        self.assertEqual(verdicts, {"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "fail", "ddssec": "ok"})
         self.assertEqual(len(told), 1)
         self.assertIn(words, told[0])
 
@@ -43,7 +43,7 @@ class Digests(WithoutLists):
 
     def test_certificates_signed_with_sha_256_fit_all_products(self):
         folder = Folder(self.shop, self.at / "talker")
-        self.assertEqual(self.verdicts(folder, 0), ({"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ours": "ok"}, []))
+        self.assertEqual(self.verdicts(folder, 0), ({"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ddssec": "ok"}, []))
 
 
 if __name__ == "__main__":

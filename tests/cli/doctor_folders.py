@@ -5,7 +5,7 @@ import tempfile
 import golden_folders
 from transcript import WithoutLists
 
-VENDORS = ["cyclonedds@0.10.2", "fastdds@2.9.1", "ours"]
+VENDORS = ["cyclonedds@0.10.2", "fastdds@2.9.1", "ddssec"]
 
 
 class DoctorTest(WithoutLists):

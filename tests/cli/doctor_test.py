@@ -154,7 +154,7 @@ class Golden(DoctorTest):
         (libraries / "libfastdds.so.3.1.2").touch()
         (libraries / "libfastdds.so").symlink_to("libfastdds.so.3.1.2")
         found = self.notes(environment={"LD_LIBRARY_PATH": f"/nowhere:{libraries}"})
-        self.assertEqual(found, (["cyclonedds@0.10.4", "fastdds@3.1.2", "ours"], [
+        self.assertEqual(found, (["cyclonedds@0.10.4", "fastdds@3.1.2", "ddssec"], [
             "Cyclone DDS 0.10.4 is predicted as 0.10.2, the nearest older version that is known"]))
         for word in ("cyclonedds@", "cyclonedds@x", "cyclonedds@1.2.3.4", "ours@1.0", "cyclonedds@0.10.5,fastdds"):
             self.refused("usage", 2, "doctor", self.paths["correct"], "--vendor", word)
@@ -186,8 +186,8 @@ class Golden(DoctorTest):
     def test_the_product_that_is_asked_for_decides(self):
         slashes = ("subject-slashes", "--vendor")
         self.assertEqual(self.doctor(*slashes, "cyclonedds", exit=0)["diagnostics"], [])
-        out = self.doctor(*slashes, "fastdds@2.9.1", "--vendor", "ours", exit=1)
-        self.assertEqual(out["result"]["verdicts"], {"fastdds@2.9.1": "fail", "ours": "ok"})
+        out = self.doctor(*slashes, "fastdds@2.9.1", "--vendor", "ddssec", exit=1)
+        self.assertEqual(out["result"]["verdicts"], {"fastdds@2.9.1": "fail", "ddssec": "ok"})
         self.assertEqual(out["diagnostics"][0]["vendors"], ["fastdds@2.9.1"])
         self.assertEqual(self.doctor("p384", "--vendor", "all", exit=1)["result"]["vendors"], VENDORS)
 
@@ -258,7 +258,7 @@ class Golden(DoctorTest):
         folder = self.at / "delta"
         shutil.copytree(self.paths["correct"], folder)
         shutil.copy(HERE.parent / "data/nist-pkits/crls/deltaCRLCA1deltaCRL.crl", folder / "crl.pem")
-        out = self.json("doctor", "delta", "--vendor", "ours", exit=1)
+        out = self.json("doctor", "delta", "--vendor", "ddssec", exit=1)
         told = {d["id"]: d for d in out["diagnostics"]}
         self.assertEqual((list(told), told["DOC002"]["file"]), (["DOC002"], "delta/crl.pem"))
         self.assertIn("a delta revocation list", told["DOC002"]["message"])
@@ -301,7 +301,7 @@ class Golden(DoctorTest):
                       [check["title"] for check in out["result"]["checks"]])
 
     def test_what_concerns_another_product_is_left_out(self):
-        for vendor, exit, found in (("cyclonedds", 1, ["DOC107", "PERM013"]), ("ours", 0, [])):
+        for vendor, exit, found in (("cyclonedds", 1, ["DOC107", "PERM013"]), ("ddssec", 0, [])):
             out = self.doctor("grant-bracket-caret", "--vendor", vendor, exit=exit)
             self.assertEqual(sorted({d["id"] for d in out["diagnostics"]}), found)
 

@@ -3,7 +3,7 @@
 
 from transcript import AT_THAT_TIME, NOW, Transcript, main
 
-VENDORS = ("cyclonedds@0.10.2", "fastdds@2.9.1", "ours")
+VENDORS = ("cyclonedds@0.10.2", "fastdds@2.9.1", "ddssec")
 GOVERNANCE = """<?xml version="1.0" encoding="UTF-8"?>
 <dds><domain_access_rules><domain_rule>
 <domains><id>0</id></domains>
@@ -133,7 +133,7 @@ class Documents(Transcript):
         out = self.json("governance", "verify", *words, *NOW, exit=exit)
         self.assertEqual([d["id"] for d in out["diagnostics"]], [code])
         verdicts = out["result"]["verdicts"]
-        self.assertEqual(verdicts["ours"], "refuses")
+        self.assertEqual(verdicts["ddssec"], "refuses")
         self.assertEqual(verdicts[VENDORS[0]], verdicts[VENDORS[1]])
         return verdicts[VENDORS[0]]
 

@@ -34,7 +34,7 @@ class DropIn(Transcript):
     def answers(self, exit, environment):
         """What each of the three says by DOC103; of `can` the reason."""
         out = {}
-        for name, words in (("doctor", ("doctor", "demo/talker", "--vendor", "ours")),
+        for name, words in (("doctor", ("doctor", "demo/talker", "--vendor", "ddssec")),
                             ("check", ("check", "demo/talker", "demo/listener", "--topics", "Square,"))):
             told = self.json(*words, *NOW, exit=exit, environment=environment)["diagnostics"]
             out[name] = [(one["severity"], one["message"]) for one in told if "DOC103" in one["id"]]
@@ -49,7 +49,7 @@ class DropIn(Transcript):
 
     def refusals(self, environment, exit):
         """What doctor says of them; check refuses the same."""
-        words = ("doctor", "demo/talker", "--vendor", "ours")
+        words = ("doctor", "demo/talker", "--vendor", "ddssec")
         told = self.json(*words, *NOW, environment=environment, exit=exit)["diagnostics"]
         checked = self.json("check", "demo/talker", "demo/listener", *NOW, environment=environment, exit=exit)
         told = [one for one in told if one["id"] == "DOC093"]
@@ -113,7 +113,7 @@ class DropIn(Transcript):
         self.assertEqual(verdicts(1)[0], ["fail", "ok", "ok"])
 
     def test_ADomainTag_IsWarnedOf(self):
-        words = ("doctor", "demo/talker", "--vendor", "ours", *NOW)
+        words = ("doctor", "demo/talker", "--vendor", "ddssec", *NOW)
         tag = "<Discovery><Tag>Robots</Tag></Discovery>"
         told = lambda environment: [(one["severity"], one["file"]) for one in self.json(
             *words, environment=environment)["diagnostics"] if one["id"] == "DOC114"]
@@ -137,7 +137,7 @@ class DropIn(Transcript):
             self.assertIn("refuses to make a writer of topics under the topic_rule \"*\" (1612)", message)
         self.assertIn("DOC103: a Cyclone DDS process on ddssec's plugins refuses to make a writer", told["can"])
         # The title of this check is longer than the usual column.
-        table = self.run_program("doctor", "demo/talker", "--vendor", "ours", *NOW, environment=self.drop_in, exit=1).stdout
+        table = self.run_program("doctor", "demo/talker", "--vendor", "ddssec", *NOW, environment=self.drop_in, exit=1).stdout
         rows = [row for row in table.splitlines() if row.endswith((" fail", " late", " ok"))]
         self.assertGreater(len(rows), 2)
         self.assertEqual(len({row.rstrip().rfind(" ") for row in rows}), 1, table)

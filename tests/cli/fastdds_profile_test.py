@@ -47,7 +47,7 @@ class FastDdsProfile(Transcript):
     def test_a_profile_with_other_settings(self):
         self.profile.write_text('<?xml version="1.0" encoding="UTF-8"?>\n<!-- ours -->\n<dds>' + self.correct.replace(
             "<rtps>", "<domainId>0</domainId><rtps>") + "</dds>")
-        self.assertEqual(self.told(exit=0), ({"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ours": "ok"}, []))
+        self.assertEqual(self.told(exit=0), ({"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ddssec": "ok"}, []))
 
     def test_files_that_fast_dds_may_ignore(self):
         for row in DOUBTFUL:

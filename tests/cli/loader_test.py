@@ -155,7 +155,7 @@ class Loader(Transcript):
         environment = {"LD_LIBRARY_PATH": f"{self.ours}:{library_path()}"}
         out = self.json("doctor", "demo/talker", *NOW, exit=exit, environment=environment)
         file.write_text(text)
-        return ([out["result"]["verdicts"][name] for name in ("cyclonedds@0.10.2", "ours")],
+        return ([out["result"]["verdicts"][name] for name in ("cyclonedds@0.10.2", "ddssec")],
                 [one["message"] for one in out["diagnostics"] if one["id"] == "DOC102"])
 
     def test_other_names_of_a_library(self):

@@ -70,7 +70,7 @@ class LongPermissions(Transcript):
         self.write_topics(6000)
         self.sign("--no-lint")
         (told,) = self.about_length("doctor", "demo/talker", exit=1)
-        self.assertEqual((told["vendors"], told["file"]), (["ours"], "demo/talker/permissions.p7s"))
+        self.assertEqual((told["vendors"], told["file"]), (["ddssec"], "demo/talker/permissions.p7s"))
         self.assertEqual(len(self.about_length("permissions", "lint", "demo/talker", exit=1)), 1)
         because = self.json("can", "demo/talker", "publish", "t" * 200 + "1", *NOW, exit=1)["result"]["because"]
         self.assertIn("the participant does not start: PERM042", because)

@@ -35,18 +35,18 @@ class PaddedNames(WithoutLists):
 
     def test_a_padded_topic_allows_nothing_on_fastdds(self):
         self.sign(allow(" Square "))
-        self.assertEqual({vendor: self.meets(vendor) for vendor in ("ours", "cyclonedds", "fastdds")},
-                         {"ours": 0, "cyclonedds": 0, "fastdds": 1})
+        self.assertEqual({vendor: self.meets(vendor) for vendor in ("ddssec", "cyclonedds", "fastdds")},
+                         {"ddssec": 0, "cyclonedds": 0, "fastdds": 1})
 
     def test_a_padded_topic_denies_nothing_on_fastdds(self):
         self.sign(DENY.format(topic=" Square ") + allow())
-        self.assertEqual({vendor: self.meets(vendor) for vendor in ("ours", "cyclonedds", "fastdds")},
-                         {"ours": 1, "cyclonedds": 1, "fastdds": 0})
+        self.assertEqual({vendor: self.meets(vendor) for vendor in ("ddssec", "cyclonedds", "fastdds")},
+                         {"ddssec": 1, "cyclonedds": 1, "fastdds": 0})
 
     def test_a_padded_rule_covers_no_topic_on_fastdds(self):
         self.sign(governance=GOVERNANCE.replace("<topic_expression>*</topic_expression>", PADDED_RULE))
-        self.assertEqual({vendor: self.meets(vendor) for vendor in ("ours", "cyclonedds", "fastdds")},
-                         {"ours": 0, "cyclonedds": 0, "fastdds": 1})
+        self.assertEqual({vendor: self.meets(vendor) for vendor in ("ddssec", "cyclonedds", "fastdds")},
+                         {"ddssec": 0, "cyclonedds": 0, "fastdds": 1})
 
     def test_lint_says_what_becomes_of_them(self):
         for folder in self.folders:

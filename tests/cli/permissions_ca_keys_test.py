@@ -22,9 +22,9 @@ class PermissionsCaKeys(WithoutLists):
             with self.subTest(kind=kind):
                 self.make(kind)
                 out = self.json("doctor", f"{kind}/talker", exit=1)
-                self.assertEqual(out["result"]["verdicts"], {**STOCK, "ours": "fail"})
+                self.assertEqual(out["result"]["verdicts"], {**STOCK, "ddssec": "fail"})
                 told = [one for one in out["diagnostics"] if one["id"] == "DOC014"]
-                self.assertEqual([one["vendors"] for one in told], [["ours"]])
+                self.assertEqual([one["vendors"] for one in told], [["ddssec"]])
                 self.assertTrue(told[0]["message"].endswith("; ddssec's plugins refuse it"), told[0]["message"])
                 for vendor in ("cyclonedds", "fastdds"):
                     pair = (f"{kind}/talker", f"{kind}/partner", "--topics", "Square")
@@ -53,7 +53,7 @@ class PermissionsCaKeys(WithoutLists):
             file = folder.path / f"{document}.p7s"
             file.write_bytes(file.read_bytes().replace(b"2020-01-01", b"2020-01-02").replace(b">SIGN<", b">NONE<"))
             out = self.json("doctor", str(folder.path), exit=1)
-            self.assertEqual(out["result"]["verdicts"], {**dict.fromkeys(STOCK, "fail"), "ours": "fail"})
+            self.assertEqual(out["result"]["verdicts"], {**dict.fromkeys(STOCK, "fail"), "ddssec": "fail"})
             self.assertIn("DOC031", [one["id"] for one in out["diagnostics"]])
 
 

@@ -9,7 +9,7 @@ import subprocess
 from transcript import WithoutLists, main
 from workshop import GOVERNANCE, Folder, Workshop, allow, grant, openssl, permissions
 
-ALL = {"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ours": "ok"}
+ALL = {"cyclonedds@0.10.2": "ok", "fastdds@2.9.1": "ok", "ddssec": "ok"}
 
 
 class ProductRefusals(WithoutLists):
@@ -213,7 +213,7 @@ class DeltaLists(ProductRefusals):
         takes = self.exit_of(*check) == 0
         stock = dict.fromkeys(("cyclonedds@0.10.2", "fastdds@2.9.1"), "unsafe" if takes else "fail")
         verdicts, told = self.doctor("DOC023")
-        self.assertEqual(verdicts, {**stock, "ours": "fail"})
+        self.assertEqual(verdicts, {**stock, "ddssec": "fail"})
         self.assertIn("this is a delta revocation list", told[0])
         for product in ("cyclonedds", "fastdds"):
             self.talk(product, 0 if takes else 1)
@@ -249,7 +249,7 @@ class UnreadByUs(ProductRefusals):
             self.talk(product, 3)
         verdicts = self.doctor()[0]
         self.assertEqual({verdicts[one] for one in ALL if one.split("@")[0] in products}, {"unsafe"})
-        self.assertEqual(verdicts["ours"], "fail")
+        self.assertEqual(verdicts["ddssec"], "fail")
 
     def test_text_before_a_certificate_and_other_labels(self):
         for name in ("cert.pem", "identity_ca.pem", "permissions_ca.pem"):

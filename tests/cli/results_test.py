@@ -14,7 +14,7 @@ import unittest
 from member_lists import page_of
 
 CLI = pathlib.Path(__file__).resolve().parent.parent.parent / "cli"
-SCHEMA = CLI / "schema/ddssec-1.schema.json"
+SCHEMA = CLI / "schema/ddssec-2.schema.json"
 PAGE = CLI / "results.md"
 WIDTH = 110
 

@@ -173,7 +173,7 @@ class Schema(unittest.TestCase):
             self.assertIsNot(schema["additionalProperties"], True, path)
 
     def test_a_success_says_something_and_a_failure_is_no_success(self):
-        empty = {"schema": "ddssec/1", "command": "can", "ok": True, "exit": 0, "result": {},
+        empty = {"schema": "ddssec/2", "command": "can", "ok": True, "exit": 0, "result": {},
                  "diagnostics": [], "files_written": []}
         self.assertFalse(ANSWERS.is_valid(empty))
         self.assertFalse(ANSWERS.is_valid({**empty, "ok": False}))

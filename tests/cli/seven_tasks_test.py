@@ -19,7 +19,7 @@ from transcript import PROGRAM, Transcript, main  # noqa: E402
 
 # As `check` names them: with the versions that are installed.
 VENDORS = {name.split("@")[0]: name for name in forecast.installed(PROGRAM.resolve().parent.parent)}
-VENDORS["embedded"] = "ours"
+VENDORS["embedded"] = "ddssec"
 # Since 2.10 Fast DDS discovers nothing of Cyclone DDS 0.10 when secured, with any plugins.
 MEETS_CYCLONE_DDS = tuple(map(int, VENDORS["fastdds"].split("@")[1].split(".")[:2])) < (2, 10)
 

@@ -69,7 +69,7 @@ class StockSpelling(WithoutLists):
         """The verdict for the product, and how check ends for two participants on it."""
         done = self.run_program("doctor", "talker", "--format", "json", exit=None)
         verdicts = json.loads(done.stdout)["result"]["verdicts"]
-        self.assertEqual(verdicts["ours"], "fail")
+        self.assertEqual(verdicts["ddssec"], "fail")
         check = subprocess.run([PROGRAM, "check", "talker", "partner", "--topics", "Square", "--vendor", product], cwd=self.at, capture_output=True, timeout=60, check=False)
         return verdicts[f"{product}@{version}"], check.returncode
 

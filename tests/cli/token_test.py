@@ -74,7 +74,7 @@ class Token(Transcript):
             (self.at / "talker" / name).write_bytes((self.at / source).read_bytes())
         told = self.json("doctor", "talker", *NOW, exit=1)
         self.assertEqual([one["id"] for one in told["diagnostics"]], ["DOC005", "DOC023"])  # no list yet
-        self.assertEqual(told["result"]["verdicts"], {"cyclonedds@0.10.2": "fail", "fastdds@2.9.1": "ok", "ours": "ok"})
+        self.assertEqual(told["result"]["verdicts"], {"cyclonedds@0.10.2": "fail", "fastdds@2.9.1": "ok", "ddssec": "ok"})
         self.openssl("verify", *AT_THAT_TIME, "-CAfile", "ca/identity/ca.pem", "talker/cert.pem")
         self.openssl("smime", "-verify", "-text", *AT_THAT_TIME, "-in", "talker/governance.p7s", "-CAfile",
                      "ca/permissions/ca.pem", "-purpose", "any")

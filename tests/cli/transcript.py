@@ -16,7 +16,7 @@ import jsonschema
 
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
 DATA = pathlib.Path(__file__).resolve().parent.parent / "data"
-SCHEMA = json.loads((DATA.parent.parent / "cli/schema/ddssec-1.schema.json").read_text())
+SCHEMA = json.loads((DATA.parent.parent / "cli/schema/ddssec-2.schema.json").read_text())
 ANSWERS = jsonschema.Draft202012Validator(SCHEMA)
 NOW = ("--now", "2026-11-21T00:00:00Z")
 AT_THAT_TIME = ("-attime", "1795305600")  # a day after NOW, for openssl verify and smime
@@ -89,7 +89,7 @@ class Transcript(unittest.TestCase):
         for one in out["diagnostics"]:
             self.assertIn(one["severity"], severities_of(one["id"]), f"{words}: explain {one['id']} says otherwise")
         self.assertEqual((out["schema"], out["exit"], out["ok"]),
-                         ("ddssec/1", done.returncode, done.returncode == 0))
+                         ("ddssec/2", done.returncode, done.returncode == 0))
         return out
 
     def json_as_nobody(self, *words, exit):

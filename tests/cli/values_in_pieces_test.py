@@ -4,7 +4,7 @@ the comment, Cyclone DDS 0.10.2 joins the pieces."""
 
 from transcript import NOW, Transcript, main
 
-VENDORS = ["cyclonedds@0.10.2", "fastdds@2.9.1", "ours"]
+VENDORS = ["cyclonedds@0.10.2", "fastdds@2.9.1", "ddssec"]
 
 
 class Pieces(Transcript):

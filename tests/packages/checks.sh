@@ -37,7 +37,7 @@ done
 gzip -dc /usr/share/man/man1/ddssec.1.gz > manual || die "no manual page"
 grep -q '^\.TH' manual || die "the manual page is none"
 bash -n /usr/share/bash-completion/completions/ddssec || die "the completion of bash"
-for file in /usr/share/ddssec/ddssec-1.schema.json /usr/share/zsh/vendor-completions/_ddssec \
+for file in /usr/share/ddssec/ddssec-2.schema.json /usr/share/zsh/vendor-completions/_ddssec \
             /usr/share/fish/vendor_completions.d/ddssec.fish; do
   [ -s "$file" ] || die "there is no $file"
 done

@@ -50,7 +50,7 @@ TEST_F(DiagnosisTest, ADenialOfEverythingAsTheFirstRule_KeepsOurParticipantOut) 
   grant.rules.insert(grant.rules.begin(), {.allow = false, .domains = {.ranges = {{0, 0}}}});
   const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
   EXPECT_THAT(finding_of(all, Rule::DOC051).message, HasSubstr("without topics closes domain 0"));
-  EXPECT_EQ(all.outcomes(), (Outcomes{.ours = Outcome::fail}));
+  EXPECT_EQ(all.outcomes(), (Outcomes{.ddssec = Outcome::fail}));
 }
 
 TEST_F(DiagnosisTest, ADenialOfTopicsAsTheFirstRule_KeepsNoParticipantOut) {

@@ -36,10 +36,10 @@ TEST_F(DiagnosisTest, EndedCertificateOfTheCaBeforeTheValidOne_HarmsNoParticipan
     const auto not_valid = identity_ca_.renewed(other, test_random());
     ASSERT_OK(not_valid);
     write(folder.identity_ca, not_valid->pem() + identity_ca_.certificate().pem());
-    EXPECT_EQ(diagnosis(folder).outcomes().ours, Outcome::ok)
+    EXPECT_EQ(diagnosis(folder).outcomes().ddssec, Outcome::ok)
         << testing::PrintToString(rules_of(diagnosis(folder)));
     write(folder.identity_ca, not_valid->pem());
-    EXPECT_EQ(diagnosis(folder).outcomes().ours, Outcome::fail);
+    EXPECT_EQ(diagnosis(folder).outcomes().ddssec, Outcome::fail);
   }
 }
 

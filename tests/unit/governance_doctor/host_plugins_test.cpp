@@ -59,7 +59,7 @@ TEST_F(HostPlugins, PluginsOfTwoProducts_AreTold) {
   EXPECT_THAT(message(), HasSubstr("authentication: ddssec 1.2.3"));
   EXPECT_THAT(message(), HasSubstr("access control: stock, not ddssec's (" +
                                    (root_ / "system/private").string()));
-  EXPECT_EQ(said().outcomes(), (Outcomes{.ours = Outcome::unsafe}));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.ddssec = Outcome::unsafe}));
 }
 
 TEST_F(HostPlugins, PluginsOfTwoVersions_AreTold) {
@@ -73,7 +73,7 @@ TEST_F(HostPlugins, MissingPlugins_AreTold) {
   fs::remove(root_ / "system/private/libdds_security_ac.so");
   path({"ours"});
   EXPECT_THAT(message(), HasSubstr("access control: not found"));
-  EXPECT_EQ(said().outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail}));
 }
 
 TEST_F(HostPlugins, AnotherProduct_IsReportedWhereOursWereMeant) {
@@ -91,14 +91,14 @@ TEST_F(HostPlugins, AnotherProduct_IsReportedWhereOursWereMeant) {
   std::ofstream(root_ / "lib/libddssec_authentication.so") << "ddssec_";
   path({"lib"});
   EXPECT_THAT(message(), HasSubstr("under names that the configuration does not name"));
-  EXPECT_EQ(said().outcomes(), (Outcomes{.ours = Outcome::fail}));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.ddssec = Outcome::fail}));
 }
 
 TEST_F(HostPlugins, NameWithAPath_CountsAsItIs) {
   auto text = std::string(kConfiguration);
   const std::string name = "dds_security_ac";
   text.replace(text.find(name), name.size(), (root_ / "old/libdds_security_ac.so").string());
-  EXPECT_EQ(host_plugins(text, places_)[1].maker, Maker::ours);
+  EXPECT_EQ(host_plugins(text, places_)[1].maker, Maker::ddssec);
   Diagnosis judged;
   check_host_plugins(host_plugins(text, places_), places_, true, judged);
   EXPECT_THAT(rules_of(judged), ElementsAre(Rule::DOC068));  // the folder has files of two products
@@ -106,7 +106,7 @@ TEST_F(HostPlugins, NameWithAPath_CountsAsItIs) {
   const auto unloadable = host_plugins(text, places_);
   Diagnosis told;
   check_loadable(unloadable, told);
-  EXPECT_EQ(told.outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
+  EXPECT_EQ(told.outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail}));
   EXPECT_THAT(finding_of(told, Rule::DOC068).message, HasSubstr("Cyclone DDS does not start"));
   // DOC102 reports a missing file, which is no question of the loader.
   fs::remove(root_ / "old/libdds_security_ac.so");

@@ -45,7 +45,7 @@ TEST_F(InstalledVersion, TheLibrarysName_SaysIt) {
   touch("b/libfastdds.so.3.1.2");
   EXPECT_EQ(found(Vendor::cyclonedds), (Version{0, 10, 2}));
   EXPECT_EQ(found(Vendor::fastdds), (Version{3, 1, 2}));
-  EXPECT_EQ(found(Vendor::ours), std::nullopt);
+  EXPECT_EQ(found(Vendor::ddssec), std::nullopt);
 }
 
 TEST_F(InstalledVersion, Folders_AreThoseOfTheVariableAndThenTheSystems) {

@@ -62,7 +62,7 @@ TEST_F(HostPlugins, SubfolderOfTheLoader_ComesFirst) {
   EXPECT_EQ(found()[2].file, root_ / "system/glibc-hwcaps/x86-64-v3/libdds_security_crypto.so");
   places_.subfolders = {};  // those of another processor
   path({"ours"});
-  EXPECT_EQ(found()[0].maker, Maker::ours);
+  EXPECT_EQ(found()[0].maker, Maker::ddssec);
 }
 
 TEST_F(HostPlugins, PluginsOfOtherMachines_ArePassedOver) {
@@ -109,7 +109,7 @@ TEST_F(HostPlugins, LibraryCutOff_EndsTheProcess) {
   put_as("cut", octets);
   path({"cut", "ours"});
   EXPECT_THAT(message(), HasSubstr("is cut off"));
-  EXPECT_EQ(said().outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ours = Outcome::fail}));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail}));
   put_as("cut", octets + std::string(1'000'000, ' '));
   EXPECT_THAT(rules_of(said()), IsEmpty());
 }

@@ -39,7 +39,7 @@ TEST_F(MeetingTest, StockProducts_ApplyTheRuleBehindAnOpenRange) {
         .rules[0];
   };
   const auto& rules = folder.governance.model->domain_rules;
-  EXPECT_EQ(rule_of(Vendor::ours), &rules[0]);
+  EXPECT_EQ(rule_of(Vendor::ddssec), &rules[0]);
   EXPECT_EQ(rule_of(Vendor::cyclonedds), &rules[1]);
   EXPECT_EQ(rule_of(Vendor::fastdds), &rules[1]);
 }
@@ -60,9 +60,9 @@ TEST_F(MeetingTest, FastDdsVersion_MattersToCycloneDdsWithAnyPlugins) {
     return std::ranges::count(meeting({}, a, b).notes, Rule::DOC094, &Finding::rule) == 1;
   };
   EXPECT_TRUE(is_noted(Vendor::fastdds, Vendor::cyclonedds));
-  EXPECT_TRUE(is_noted(Vendor::ours, Vendor::fastdds));
+  EXPECT_TRUE(is_noted(Vendor::ddssec, Vendor::fastdds));
   EXPECT_FALSE(is_noted(Vendor::fastdds, Vendor::fastdds));
-  EXPECT_FALSE(is_noted(Vendor::ours, Vendor::cyclonedds));
+  EXPECT_FALSE(is_noted(Vendor::ddssec, Vendor::cyclonedds));
 }
 
 TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
@@ -74,8 +74,8 @@ TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
   const auto old = with(Vendor::cyclonedds, {0, 10, 5});
   EXPECT_FALSE(old.discovery_works);
   EXPECT_THAT(findings(old), testing::Contains(Rule::DOC094));
-  for (const auto& out :
-       {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ours, {}), with(Vendor::fastdds, {})}) {
+  for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ddssec, {}),
+                          with(Vendor::fastdds, {})}) {
     EXPECT_TRUE(out.discovery_works);
     EXPECT_THAT(findings(out), testing::Not(testing::Contains(Rule::DOC094)));
   }
@@ -84,7 +84,7 @@ TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
 TEST_F(MeetingTest, OneSubjectForBoth_IsLeftToChance) {
   const auto out = [&] {
     const auto folder = load_folder(talker_, kNow);
-    auto result = meet({folder, Vendor::ours, "a"}, {folder, Vendor::ours, "b"}, {.now = kNow});
+    auto result = meet({folder, Vendor::ddssec, "a"}, {folder, Vendor::ddssec, "b"}, {.now = kNow});
     return std::pair(result.starter, result.notes.at(0).rule);
   }();
   EXPECT_EQ(out.first, Starter::chance);

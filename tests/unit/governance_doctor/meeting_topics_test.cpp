@@ -36,7 +36,7 @@ TEST_F(MeetingTest, FastDds_DoesNotActOnDefaultAllow) {
   grant.default_allow = true;
   sign(listener_.permissions, to_xml(Permissions{.grants = {grant}}));
   EXPECT_TRUE(meeting({"Square"}).topics[0].directions[0].ok);
-  EXPECT_FALSE(meeting({"Square"}, Vendor::ours, Vendor::fastdds).topics[0].directions[0].ok);
+  EXPECT_FALSE(meeting({"Square"}, Vendor::ddssec, Vendor::fastdds).topics[0].directions[0].ok);
 }
 
 // Measured (row grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
@@ -59,7 +59,7 @@ TEST_F(MeetingTest, ATopicThatCycloneDdsRefuses_LeavesTheOthers) {
   EXPECT_THAT(old.topics[1].directions[0].obstacle.reason,
               HasSubstr("refuses to create the topic"));
   EXPECT_THAT(findings(old), ElementsAre(Rule::DOC086, Rule::DOC053));
-  for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ours, {})}) {
+  for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ddssec, {})}) {
     EXPECT_TRUE(out.topics[1].directions[0].ok);
     EXPECT_FALSE(out.topics[1].directions[1].ok);
   }

@@ -20,7 +20,7 @@ TEST_F(HostPlugins, OurPluginsThatCannotBeLoaded_AreTold) {
   put_file("ours", "ac", octets);
   path({"ours"});
   EXPECT_THAT(message(), HasSubstr("libnowhere.so.23 is not on this machine"));
-  EXPECT_EQ(said().outcomes(), (Outcomes{.ours = Outcome::fail}));
+  EXPECT_EQ(said().outcomes(), (Outcomes{.ddssec = Outcome::fail}));
   fs::create_directories(root_ / "ours/beside");
   std::ofstream(root_ / "ours/beside/libnowhere.so.23") << octets_of(library_header());
   EXPECT_THAT(rules_of(said()), IsEmpty());

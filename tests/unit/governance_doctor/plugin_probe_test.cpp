@@ -34,7 +34,7 @@ TEST(PluginProbe, AFolderThatDoesNotExist_IsOneFaultOfOurs) {
   Diagnosis out;
   check_plugins("/nowhere", out);
   EXPECT_THAT(rules_of(out), testing::ElementsAre(Rule::DOC070));
-  EXPECT_EQ(out.outcomes(), (Outcomes{.ours = Outcome::fail}));
+  EXPECT_EQ(out.outcomes(), (Outcomes{.ddssec = Outcome::fail}));
 }
 
 TEST(PluginProbe, AFolderWithoutLibraries_IsThreeFaultsOfOurs) {
@@ -42,7 +42,7 @@ TEST(PluginProbe, AFolderWithoutLibraries_IsThreeFaultsOfOurs) {
   Diagnosis out;
   check_plugins(folder.path(), out);
   EXPECT_THAT(rules_of(out), testing::ElementsAre(Rule::DOC070, Rule::DOC070, Rule::DOC070));
-  EXPECT_EQ(out.outcomes(), (Outcomes{.ours = Outcome::fail}));
+  EXPECT_EQ(out.outcomes(), (Outcomes{.ddssec = Outcome::fail}));
 }
 
 }  // namespace

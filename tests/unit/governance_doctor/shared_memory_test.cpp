@@ -60,7 +60,7 @@ TEST_F(SharedMemoryCheck, ProtectedSamples_MustNotPassThePluginsBy) {
   EXPECT_THAT(rules_of(said(loaded, "<CycloneDDS/>")), IsEmpty());
   const auto all = said(loaded, kOn);
   EXPECT_THAT(rules_of(all), ElementsAre(Rule::DOC100));
-  EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::unsafe, .ours = Outcome::late}));
+  EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::unsafe, .ddssec = Outcome::late}));
   EXPECT_THAT(finding_of(all, Rule::DOC100).message,
               HasSubstr("<SharedMemory><Enable>true is set in CYCLONEDDS_URI"));
 

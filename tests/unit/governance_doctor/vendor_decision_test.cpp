@@ -56,7 +56,7 @@ TEST_F(VendorDecision, OnlyFastDds_IgnoresTheDomainsOfARuleWhereItMakesAnEndpoin
   };
   EXPECT_EQ(allowed("Secret"), "yyy") << "as peers judge it";
   EXPECT_TRUE(local(Vendor::cyclonedds, "Secret").allowed);
-  EXPECT_TRUE(local(Vendor::ours, "Secret").allowed);
+  EXPECT_TRUE(local(Vendor::ddssec, "Secret").allowed);
   EXPECT_FALSE(local(Vendor::fastdds, "Secret").allowed);
   EXPECT_TRUE(local(Vendor::fastdds, "Square").allowed);
   EXPECT_EQ(local(Vendor::fastdds, "Circle").rule, &document->grants[0].rules[1]);
@@ -84,7 +84,7 @@ TEST_F(VendorDecision, Partitions_AreExpressionsToo) {
 TEST(TopicRuleAs, SeveralRules_TheFirstThatTheProductMatchesCounts) {
   const DomainRule domain{
       .topic_rules = {{.topic_expression = "rt/[^b]*"}, {.topic_expression = "*"}}};
-  EXPECT_EQ(topic_rule_as(Vendor::ours, domain, "rt/area"), &domain.topic_rules[0]);
+  EXPECT_EQ(topic_rule_as(Vendor::ddssec, domain, "rt/area"), &domain.topic_rules[0]);
   EXPECT_EQ(topic_rule_as(Vendor::cyclonedds, domain, "rt/area"), &domain.topic_rules[1]);
   EXPECT_EQ(topic_rule_as(Vendor::fastdds, domain, "rt/area"), &domain.topic_rules[0]);
 }
@@ -116,7 +116,7 @@ TEST_F(VendorDecision, OpenRange_IsOneDomainToStockProducts) {
   EXPECT_EQ(allowed("Square"), "yyy");
   const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
   const CompiledGrant compiled(document, document->grants[0], 5);
-  EXPECT_TRUE(judge_as(Vendor::ours, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
+  EXPECT_TRUE(judge_as(Vendor::ddssec, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
   for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds}) {
     EXPECT_FALSE(judge_as(vendor, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
     EXPECT_FALSE(judge_participant_as(vendor, compiled, 5).allowed);
