@@ -11,11 +11,11 @@ std::string to_string(WallTime time) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(to_time_t(time)));
 }
 
-WallTime SystemClock::now() const {
+WallTime SystemClock::calendar_seconds() const {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-std::chrono::nanoseconds SystemClock::wall() const {
+std::chrono::nanoseconds SystemClock::calendar_nanoseconds() const {
   return std::chrono::system_clock::now().time_since_epoch();
 }
 

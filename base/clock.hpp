@@ -35,10 +35,12 @@ class Clock {
   virtual ~Clock() = default;
   /// Returns the calendar time, which may jump. Certificates and permissions are checked against it
   /// at every use.
-  virtual WallTime now() const = 0;
+  virtual WallTime calendar_seconds() const = 0;
   /// Returns the calendar time in nanoseconds since 1970-01-01 00:00 UTC. Samples carry it as their
   /// timestamp.
-  virtual std::chrono::nanoseconds wall() const { return now().time_since_epoch(); }
+  virtual std::chrono::nanoseconds calendar_nanoseconds() const {
+    return calendar_seconds().time_since_epoch();
+  }
   /// Returns a time that never goes back, for timeouts and rate limits. Its start is arbitrary.
   virtual std::chrono::nanoseconds monotonic() const = 0;
   /// Returns a time like monotonic() that also counts the time during which the machine slept, if
@@ -49,8 +51,8 @@ class Clock {
 /// The operating system's clocks.
 class SystemClock final : public Clock {
  public:
-  WallTime now() const override;
-  std::chrono::nanoseconds wall() const override;
+  WallTime calendar_seconds() const override;
+  std::chrono::nanoseconds calendar_nanoseconds() const override;
   std::chrono::nanoseconds monotonic() const override;
   std::chrono::nanoseconds since_boot() const override;
 };
@@ -61,8 +63,10 @@ class ManualClock final : public Clock {
  public:
   /// `now`: the calendar time. The monotonic time begins at 0.
   explicit ManualClock(WallTime now) : now_(now) {}
-  WallTime now() const override { return now_; }
-  std::chrono::nanoseconds wall() const override { return now_.time_since_epoch() + fraction_; }
+  WallTime calendar_seconds() const override { return now_; }
+  std::chrono::nanoseconds calendar_nanoseconds() const override {
+    return now_.time_since_epoch() + fraction_;
+  }
   std::chrono::nanoseconds monotonic() const override { return monotonic_; }
   /// Moves both clocks.
   void advance(std::chrono::nanoseconds by) {

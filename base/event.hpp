@@ -49,7 +49,7 @@ struct Event {
   /// Returns a JSON object on one line, in ASCII: time, code, name, severity, peer_subject,
   /// peer_authenticated, guid, document, line, field, expected, found, hint, sentence. Each text is
   /// at most 1024 octets long, plus "..." if it was cut. `at` is the calendar time of the event
-  /// (Clock::wall), shown in UTC.
+  /// (Clock::calendar_nanoseconds), shown in UTC.
   std::string to_json(std::chrono::nanoseconds at) const;
 };
 

@@ -20,7 +20,7 @@ EventLog EventLog::of_environment() { return EventLog(std::getenv("DDSSEC_EVENT_
 
 std::optional<Event> EventLog::append(const Event& event) {
   if (!file_) return std::nullopt;
-  const auto now = SystemClock().wall();
+  const auto now = SystemClock().calendar_nanoseconds();
   if (!file_->append(event.to_json(now))) {
     if (lost_->fetch_add(1) != 0) return std::nullopt;
     return about_the_file("room for an event", "no room, or no reader that keeps up");

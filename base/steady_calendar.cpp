@@ -3,12 +3,12 @@
 namespace ddssec {
 
 SteadyCalendar::SteadyCalendar(const Clock& clock)
-    : clock_(clock), wall_(clock.wall()), elapsed_(clock.since_boot()) {}
+    : clock_(clock), wall_(clock.calendar_nanoseconds()), elapsed_(clock.since_boot()) {}
 
-std::chrono::nanoseconds SteadyCalendar::wall() const {
+std::chrono::nanoseconds SteadyCalendar::calendar_nanoseconds() const {
   const std::lock_guard lock(mutex_);
   const auto elapsed = clock_.since_boot();
-  const auto set_to = clock_.wall();
+  const auto set_to = clock_.calendar_nanoseconds();
   const auto expected = wall_ + (elapsed - elapsed_);
   const auto follow = [&] {
     wall_ = set_to;
@@ -49,7 +49,7 @@ void SteadyCalendar::set_grace(std::chrono::seconds grace) {
 }
 
 std::optional<Error> SteadyCalendar::take_report() {
-  static_cast<void>(wall());
+  static_cast<void>(calendar_nanoseconds());
   const std::lock_guard lock(mutex_);
   return std::exchange(unreported_change_, std::nullopt);
 }

@@ -26,8 +26,10 @@ class SteadyCalendar final : public Clock {
   /// `clock` must outlive this object.
   explicit SteadyCalendar(const Clock& clock);
 
-  WallTime now() const override { return std::chrono::floor<std::chrono::seconds>(at(wall())); }
-  std::chrono::nanoseconds wall() const override;
+  WallTime calendar_seconds() const override {
+    return std::chrono::floor<std::chrono::seconds>(at(calendar_nanoseconds()));
+  }
+  std::chrono::nanoseconds calendar_nanoseconds() const override;
   std::chrono::nanoseconds monotonic() const override { return clock_.monotonic(); }
   std::chrono::nanoseconds since_boot() const override { return clock_.since_boot(); }
 

@@ -47,7 +47,7 @@ bool wants_json(const std::vector<std::string>& words) {
 }
 
 Result<WallTime> time_of(const cli::Arguments& arguments) {
-  const auto now = SystemClock().now();
+  const auto now = SystemClock().calendar_seconds();
   if (!arguments.has("--now")) return now;
   const auto text = arguments.text("--now");
   if (const auto time = cli::time_from(text, now)) return *time;

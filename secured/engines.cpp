@@ -63,7 +63,7 @@ Result<rtps::SecurityOptions> Engines::security_options(const std::filesystem::p
 
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   namespace property = spi::property;
-  DDSSEC_RETURN_IF_ERROR(check_is_participant(path));
+  DDSSEC_RETURN_IF_ERROR(explain_unless_participant(path));
   const auto folder = pki::participant_folder(path);
   spi::PropertyList out;
   const auto add = [&](std::string_view name, const std::filesystem::path& file) {

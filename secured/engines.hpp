@@ -43,8 +43,8 @@ class Engines {
 ///   later.
 /// - security.properties, a file of further properties (spi/property_file.hpp), is optional.
 /// The contents of the documents are checked only when a participant is created.
-/// Errors: those of check_is_participant (participant_check.hpp), those of pki::uri_of, those of
-/// spi::read_property_file, property_without_effect (security.properties sets a property that a
+/// Errors: those of explain_unless_participant (participant_check.hpp), those of pki::uri_of, those
+/// of spi::read_property_file, property_without_effect (security.properties sets a property that a
 /// file of the folder already sets).
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& folder);
 

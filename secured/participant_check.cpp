@@ -38,7 +38,7 @@ fs::path without_slash(const fs::path& path) {
 
 }  // namespace
 
-Status check_is_participant(const fs::path& given) {
+Status explain_unless_participant(const fs::path& given) {
   const auto folder = without_slash(given.lexically_normal());
   std::error_code error;
   if (!fs::is_directory(given, error)) {

@@ -13,6 +13,6 @@ namespace ddssec::secured {
 /// Errors: file_not_found (`given` does not exist, is the folder of a CA, or contains participants'
 /// folders), file_unreadable (`given` is not a folder). The error names participants' folders that
 /// are found nearby.
-Status check_is_participant(const std::filesystem::path& given);
+Status explain_unless_participant(const std::filesystem::path& given);
 
 }  // namespace ddssec::secured

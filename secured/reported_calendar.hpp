@@ -13,12 +13,14 @@ class ReportedCalendar final : public Clock {
   /// Both arguments must outlive this object.
   ReportedCalendar(const Clock& clock, EventSink& events) : calendar_(clock), events_(events) {}
 
-  WallTime now() const override {
-    const auto out = calendar_.now();
+  WallTime calendar_seconds() const override {
+    const auto out = calendar_.calendar_seconds();
     if (auto report = calendar_.take_report()) events_.raise(Event(*std::move(report)));
     return out;
   }
-  std::chrono::nanoseconds wall() const override { return calendar_.wall(); }
+  std::chrono::nanoseconds calendar_nanoseconds() const override {
+    return calendar_.calendar_nanoseconds();
+  }
   std::chrono::nanoseconds monotonic() const override { return calendar_.monotonic(); }
   std::chrono::nanoseconds since_boot() const override { return calendar_.since_boot(); }
 

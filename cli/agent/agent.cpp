@@ -145,7 +145,7 @@ void Agent::schedule_all_now() {
 // Call this before the folders are checked: once an overlap has ended, the former CA renews no
 // certificate of a participant that has not moved.
 void Agent::end_overlaps() {
-  const auto now = context_.clock.now();
+  const auto now = context_.clock.calendar_seconds();
   auto rest = kMaxLook;
   for (const auto& overlap : overlaps_to_end(arguments_)) {
     if (signals_.is_stopped()) return;
@@ -231,9 +231,9 @@ Result<Json> Agent::run_worker(Folder& folder) {
                                                  out, lock);
                                            },
                                            lock));
-  const auto order =
-      order_line(folder.task, folder.lock ? &folder.lock->folder() : nullptr,
-                 arguments_.has("--now") ? std::optional(context_.clock.now()) : std::nullopt);
+  const auto order = order_line(
+      folder.task, folder.lock ? &folder.lock->folder() : nullptr,
+      arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt);
   const auto sent = worker.write(order, deadline_for(folder));
   if (sent != End::done) return worker_ended_error(folder, sent);
   return serve_worker(folder, worker);
@@ -348,7 +348,7 @@ Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& r
 // kMinRestOfOthers.
 void Agent::note_documents(Folder& folder, const Json& outcome) {
   const bool is_own = folder.lock->owner().user == ::geteuid();
-  const auto now = context_.clock.now();
+  const auto now = context_.clock.calendar_seconds();
   const auto next = time_from(text_in(outcome, "documents_next"));
   const auto rest = std::clamp(next.value_or(now + kMaxRest) - now,
                                is_own ? seconds(1) : kMinRestOfOthers, kMaxRest);
@@ -456,7 +456,7 @@ void Agent::note_success(Folder& folder, Json event) {
   const auto name = text_in(event, "event");
   const auto next = time_from(text_in(event, "next"));
   folder.failures = 0;
-  const auto now = context_.clock.now();
+  const auto now = context_.clock.calendar_seconds();
   const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kMaxRest);
   folder.next = context_.clock.since_boot() + rest;
   if (hooks_.documents && folder.next_documents > Moment(0))

@@ -65,7 +65,7 @@ Status check_later(const pki::Certificate& renewed, const pki::Certificate& old,
 Result<pki::Certificate> issue(const RenewalRequest& request, const pki::Certificate& old,
                                const OpenCa& ca, const Arguments& arguments,
                                const Context& context) {
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, next_validity(arguments, old, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto life,
                           within_ca(validity_after(old, wanted, now), ca.certificate(), true));
@@ -116,7 +116,7 @@ struct ExtendedByCa {
 Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
                                     const fs::path& file, CaOpener& opener,
                                     const Context& context) {
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
@@ -158,12 +158,13 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, issue(request, old, ca, arguments, context));
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(
-      ca.paths, pki::IssueLog::issued_line(renewed, home.string(), context.clock.now())));
+      ca.paths,
+      pki::IssueLog::issued_line(renewed, home.string(), context.clock.calendar_seconds())));
   RenewalListAdditions listed;
   listed.add(ca.paths, renewed);
   RenewalAnswer out{renewed.pem()};
   // The certificate is logged already, and a list that cannot be written does not undo that.
-  if (const auto written = listed.write(context.clock.now()); !written)
+  if (const auto written = listed.write(context.clock.calendar_seconds()); !written)
     out.problem = written.error();
   if (request.permissions.empty()) return out;
   auto permissions =

@@ -41,11 +41,13 @@ Result<Rights> rights_in(const DocumentsTask& task, BytesView octets) {
   const auto& file = task.files.permissions;
   DDSSEC_ASSIGN_OR_RETURN(auto cas, read_certificates(task.files.permissions_ca));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(std::move(cas)));
-  DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          with_document(verifier.verify(octets, task.clock.now()), file));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto document,
+      with_document(verifier.verify(octets, task.clock.calendar_seconds()), file));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto own,
-      with_document(own_permissions(document, task.certificate, task.clock.now()), file));
+      with_document(own_permissions(document, task.certificate, task.clock.calendar_seconds()),
+                    file));
   std::string text(as_text(document.content()));
   std::erase(text, '\r');
   return Rights{own.grant.validity, own.has_ended, document.signing_time(), std::move(text)};
@@ -62,7 +64,7 @@ std::optional<Rights> rights_in_place(const DocumentsTask& task) {
 // Permissions are due when two thirds of their validity are over. Permissions that cannot be read
 // are due now.
 WallTime due_time(const DocumentsTask& task, const std::optional<Rights>& rights) {
-  if (!rights) return task.clock.now();
+  if (!rights) return task.clock.calendar_seconds();
   const auto& time = rights->validity;
   return time.not_before + (time.not_after - time.not_before) * 2 / 3;
 }
@@ -76,7 +78,7 @@ std::unexpected<Error> older_permissions_error(const DocumentsTask& task, const 
 
 Status check_follows(const DocumentsTask& task, const Rights& next,
                      const std::optional<Rights>& former) {
-  if (next.has_ended || next.validity.not_before > task.clock.now())
+  if (next.has_ended || next.validity.not_before > task.clock.calendar_seconds())
     return fail(Code::grant_expired,
                 {.document = task.files.permissions,
                  .expected = "permissions that are valid now",
@@ -126,11 +128,12 @@ class Fetching {
     note(fetch_renewals());
     const auto rights = rights_in_place(task_);
     auto due = due_time(task_, rights);
-    if (due <= task_.clock.now()) {
+    if (due <= task_.clock.calendar_seconds()) {
       const bool is_done = note(fetch_permissions(rights));
-      due = is_done ? due_time(task_, rights_in_place(task_)) : task_.clock.now() + retry(rights);
+      due = is_done ? due_time(task_, rights_in_place(task_))
+                    : task_.clock.calendar_seconds() + retry(rights);
     }
-    const auto now = task_.clock.now();
+    const auto now = task_.clock.calendar_seconds();
     const auto next = std::clamp(due, now + seconds(1), now + kAskAgain);
     members_["documents_next"] = to_string(next);
     return members_;
@@ -185,7 +188,7 @@ class Fetching {
     FileTransaction out;
     KnownRenewals known;
     DDSSEC_RETURN_IF_ERROR(
-        put_renewals(out, task_.files, {list, {}, {}, task_.clock.now(), known}));
+        put_renewals(out, task_.files, {list, {}, {}, task_.clock.calendar_seconds(), known}));
     return note_files(out.commit_each());
   }
 
@@ -206,7 +209,7 @@ class Fetching {
                                       .expected = "number " + number_text(former) + " or later",
                                       .found = std::move(found)});
       };
-      if (!list.replaces(former, task_.clock.now())) return older(number_text(list));
+      if (!list.replaces(former, task_.clock.calendar_seconds())) return older(number_text(list));
       DDSSEC_ASSIGN_OR_RETURN(const auto revoked, list.revoked());
       DDSSEC_ASSIGN_OR_RETURN(const auto before, former.revoked());
       for (const auto& one : before)
@@ -232,7 +235,7 @@ class Fetching {
                     {.document = file,
                      .expected = "lists that an identity CA of the folder has signed",
                      .found = "one of " + list.issuer()});
-      DDSSEC_RETURN_IF_ERROR(with_document(list.check(*ca, task_.clock.now()), file));
+      DDSSEC_RETURN_IF_ERROR(with_document(list.check(*ca, task_.clock.calendar_seconds()), file));
       DDSSEC_RETURN_IF_ERROR(check_no_older(list, in_place, cas));
     }
     const auto is_there_already = [&](const pki::Crl& list) {
@@ -253,9 +256,9 @@ class Fetching {
     const auto ca = *signer_of(lists.front(), cas);
     const std::vector<pki::Crl> others(lists.begin() + 1, lists.end());
     FileTransaction out;
-    DDSSEC_RETURN_IF_ERROR(put_list(
-        out, task_.files.crl,
-        {lists.front(), ca, "CA", &task_.certificate, std::move(cas), task_.clock.now(), others}));
+    DDSSEC_RETURN_IF_ERROR(put_list(out, task_.files.crl,
+                                    {lists.front(), ca, "CA", &task_.certificate, std::move(cas),
+                                     task_.clock.calendar_seconds(), others}));
     return note_files(out.commit_each());
   }
 

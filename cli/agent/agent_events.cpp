@@ -15,7 +15,8 @@ void AgentEvents::put(Json event) {
 }
 
 void AgentEvents::report(std::string_view event, Json members) {
-  Json out = {{"schema", "ddssec/2"}, {"time", to_string(clock_.now())}, {"event", event}};
+  Json out = {
+      {"schema", "ddssec/2"}, {"time", to_string(clock_.calendar_seconds())}, {"event", event}};
   out.update(members);
   put(std::move(out));
 }

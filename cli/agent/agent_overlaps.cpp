@@ -76,7 +76,7 @@ std::vector<OverlapToEnd> overlaps_to_end(const Arguments& agent) {
 
 Result<Json> end_overlap(const OverlapToEnd& overlap, const Arguments& agent,
                          const Context& context) {
-  DDSSEC_RETURN_IF_ERROR(check_owners(overlap, agent, context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(check_owners(overlap, agent, context.clock.calendar_seconds()));
   auto words = words_by_hand(overlap, agent);
   for (const auto* option : {"--passphrase-file", "--passphrase-env"})
     if (agent.has(option)) words.insert(words.end(), {option, agent.text(option)});

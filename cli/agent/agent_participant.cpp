@@ -62,7 +62,7 @@ struct Participant {
   Bytes permissions = {};
   std::optional<WallTime> permissions_end = {};
 
-  WallTime now() const { return context.clock.now(); }
+  WallTime now() const { return context.clock.calendar_seconds(); }
 };
 
 // A permissions document with a grant for this participant.

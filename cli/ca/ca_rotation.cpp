@@ -15,7 +15,8 @@ Result<pki::Authority> new_root(const pki::Certificate& old, const std::string& 
                                 const Context& context) {
   const auto key = old.key_algorithm();
   return pki::Authority::create_root(subject, {key.kind, key.bits},
-                                     validity_like(old, context.clock.now()), context.random);
+                                     validity_like(old, context.clock.calendar_seconds()),
+                                     context.random);
 }
 
 Result<std::vector<WrittenFile>> put_in_place(FileTransaction& out, RotationResult& rotation) {

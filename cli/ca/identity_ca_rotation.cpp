@@ -75,15 +75,15 @@ struct Reissue {
     // The file needs the lists of both CAs: with a list of only one, participants of the other CA
     // are refused.
     return put_list(out, files.crl,
-                    {crl, change.ca.certificate(), "", &certificate, trusted, context.clock.now(),
-                     lists_of_former});
+                    {crl, change.ca.certificate(), "", &certificate, trusted,
+                     context.clock.calendar_seconds(), lists_of_former});
   }
 
   // Puts all files. Returns the line for the log; empty if the certificate stays.
   Result<std::string> put(FileTransaction& out, const AffectedParticipant& participant,
                           const pki::Certificate& certificate) const {
     const auto& files = participant.files;
-    const auto now = context.clock.now();
+    const auto now = context.clock.calendar_seconds();
     DDSSEC_RETURN_IF_ERROR(check_of_old_ca(participant, certificate, change, log));
     const bool has_moved = certificate.is_issued_by(change.ca.certificate());
     if (change.step == RotationStep::begin || has_moved) {
@@ -115,7 +115,7 @@ Result<std::vector<pki::Crl>> lists_beside(const CaRotation& change, const pki::
   if (change.step == RotationStep::move || (is_begin && change.is_repeated))
     return lists_of_former(change.ca_in_place.paths, *change.overlap);
   if (!is_begin) return std::vector<pki::Crl>();
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   const auto days = std::chrono::ceil<std::chrono::days>(change.overlap->until - now);
   DDSSEC_ASSIGN_OR_RETURN(const auto last,
                           next_crl(change.ca_in_place, log, now,
@@ -130,8 +130,8 @@ Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation
                                           const Context& context) {
   const auto& paths = change.ca_in_place.paths;
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto crl, routine_crl({paths, change.ca, change.trust_pem}, log, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl, routine_crl({paths, change.ca, change.trust_pem}, log,
+                                                      context.clock.calendar_seconds()));
   DDSSEC_RETURN_IF_ERROR(put_ca(out, change));
   DDSSEC_ASSIGN_OR_RETURN(const auto of_former, lists_beside(change, log, context));
   DDSSEC_RETURN_IF_ERROR(out.put_public(paths.crl, crl.pem() + to_pem(of_former)));
@@ -166,7 +166,7 @@ Result<RotationResult> rotate_identity_ca(FileTransaction& out, const CaRotation
   if (lines.empty()) DDSSEC_RETURN_IF_ERROR(drafts.check());
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(paths, lines));
-  if (auto written = renewals.write(context.clock.now()); !written)
+  if (auto written = renewals.write(context.clock.calendar_seconds()); !written)
     add_notice(std::move(written).error());
   return rotation;
 }

@@ -37,11 +37,12 @@ Result<std::vector<WrittenFile>> write_document(const std::string& xml, const Ar
   }
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signature,
-      ca.authority.sign_document(text.octets, context.clock.now(), context.random));
+      ca.authority.sign_document(text.octets, context.clock.calendar_seconds(), context.random));
   for (const auto& file : {plain, signed_path(plain)})
     DDSSEC_RETURN_IF_ERROR(check_result_place(file, arguments));
   DDSSEC_RETURN_IF_ERROR(log_signed(
-      ca.paths, signed_line(ca.certificate(), text, signed_path(plain), context.clock.now())));
+      ca.paths,
+      signed_line(ca.certificate(), text, signed_path(plain), context.clock.calendar_seconds())));
   if (arguments.has("--replace")) {
     FileTransaction both;
     DDSSEC_RETURN_IF_ERROR(both.put_public(plain, xml));

@@ -25,7 +25,7 @@ class DocumentResigner {
   // Reads the document of a file, for sign(). Errors: those of document_of().
   Result<DocumentOfCa> read(const fs::path& file) const {
     return document_of(file, change_.ca_in_place, log_, change_.takes_unlogged,
-                       context_.clock.now());
+                       context_.clock.calendar_seconds());
   }
   // Reads the document of a participant. It may be of a former key, because an earlier rotation may
   // not have reached the participant.
@@ -38,7 +38,7 @@ class DocumentResigner {
   }
 
   Status sign(const fs::path& file, const DocumentOfCa& document) {
-    const auto now = context_.clock.now();
+    const auto now = context_.clock.calendar_seconds();
     const auto text = as_bytes(document.text);
     DDSSEC_ASSIGN_OR_RETURN(const auto octets,
                             change_.ca.sign_document(text, now, context_.random));
@@ -49,7 +49,7 @@ class DocumentResigner {
     return out_.put(file, octets, 0644);
   }
 
-  WallTime now() const { return context_.clock.now(); }
+  WallTime now() const { return context_.clock.calendar_seconds(); }
   const std::string& lines() const { return lines_; }
   const std::vector<std::string>& unlogged() const { return unlogged_; }
   const RenewalListAdditions& renewals() const { return renewals_; }

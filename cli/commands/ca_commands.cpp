@@ -81,7 +81,7 @@ Result<Answer<CreatedCas>> ca_create(const Arguments& arguments, const Context& 
   if (cas.size() > 1 && in_token)
     return fail(Code::usage,
                 {.field = "--key", .note = "two CAs need two keys: make one by one, with --role"});
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(auto life, validity(arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(target));
   CaOpener opener(arguments);
@@ -230,7 +230,7 @@ Result<std::vector<std::string>> shown_roles(const Arguments& arguments) {
 Result<Answer<ShownCas>> ca_show(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto roles, shown_roles(arguments));
   const fs::path given = arguments.text("DIR");
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   std::optional<Answer<ShownCas>> out;
   std::vector<Error> errors;
   for (const auto& role : roles) {
@@ -270,8 +270,8 @@ Result<pki::Certificate> renewed_ca(const OpenCa& ca, pki::Validity life,
                           within_ca(life, above.certificate(), arguments.has("--clamp")));
   DDSSEC_ASSIGN_OR_RETURN(auto out,
                           above.authority.reissue(ca.certificate(), within, context.random));
-  DDSSEC_RETURN_IF_ERROR(
-      log_issued(above.paths, pki::IssueLog::issued_line(out, "", context.clock.now())));
+  DDSSEC_RETURN_IF_ERROR(log_issued(
+      above.paths, pki::IssueLog::issued_line(out, "", context.clock.calendar_seconds())));
   return out;
 }
 
@@ -320,13 +320,13 @@ Result<Answer<RenewedCa>> ca_renew(const Arguments& arguments, const Context& co
   CaOpener opener(arguments);
   DDSSEC_RETURN_IF_ERROR(check_ca_folder(arguments.text("DIR"), role));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(arguments.text("DIR"), role)));
-  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.calendar_seconds()));
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, renewed_ca(ca, life, arguments, context));
   FileTransaction files;
   DDSSEC_RETURN_IF_ERROR(
       files.put_public(ca.paths.certificate, renewed_trust(renewed, ca.trust_pem)));
-  DDSSEC_ASSIGN_OR_RETURN(
-      auto steps, steps_after_renewal(ca, role, arguments.text("DIR"), context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto steps, steps_after_renewal(ca, role, arguments.text("DIR"),
+                                                          context.clock.calendar_seconds()));
   Answer<RenewedCa> out{
       {.ca = CaFacts::of(renewed), .dir = arguments.text("DIR"), .steps = std::move(steps)}};
   DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(ca.paths));

@@ -75,7 +75,7 @@ Result<Successor> successor_of(const pki::Certificate& old, const Arguments& arg
   if (!arguments.has("--issuer"))
     return fail(Code::usage, {.field = "--issuer",
                               .note = "the CA is an intermediate one: the CA above it must sign"});
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto above,
                           opener.open(ca_paths(arguments.text("--issuer"), "identity")));
@@ -138,7 +138,7 @@ Result<CaRotation> with_successor(const OpenCa& old, const Successor& successor,
                     .step = step};
   if (step == RotationStep::replace) return change;
   DDSSEC_ASSIGN_OR_RETURN(const auto span_of_time, duration(arguments, "--overlap"));
-  const auto until = context.clock.now() + span_of_time;
+  const auto until = context.clock.calendar_seconds() + span_of_time;
   DDSSEC_ASSIGN_OR_RETURN(auto next,
                           pki::Certificate::bundle_from_pem(as_bytes(successor.trust_pem)));
   DDSSEC_ASSIGN_OR_RETURN(const auto former, read_certificates(old.paths.certificate));
@@ -214,8 +214,8 @@ Result<Answer<RotatedCa>> carry_out_step(const std::string& role, const Rotation
   const auto& change = work.change;
   FileTransaction out;
   const bool is_over = change.step == RotationStep::end || change.step == RotationStep::replace;
-  DDSSEC_ASSIGN_OR_RETURN(const auto away,
-                          folders_not_reached(work, role, arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto away, folders_not_reached(work, role, arguments,
+                                                               context.clock.calendar_seconds()));
   const auto& paths = change.ca_in_place.paths;
   if (is_over && !away.empty())
     DDSSEC_RETURN_IF_ERROR(out.put_public(unreached_file(paths), unreached_text(away)));
@@ -225,7 +225,7 @@ Result<Answer<RotatedCa>> carry_out_step(const std::string& role, const Rotation
                                                                 shared_documents(given), context));
   if (role == "permissions")
     DDSSEC_RETURN_IF_ERROR(
-        log_places(given, work.known.here, rotation.updated, context.clock.now()));
+        log_places(given, work.known.here, rotation.updated, context.clock.calendar_seconds()));
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, rotation));
   // If the file cannot be removed, nothing is wrong, because the former CA is no longer in the CA's
   // file.
@@ -239,7 +239,7 @@ Result<Answer<RotatedCa>> carry_out_step(const std::string& role, const Rotation
   if (change.step != RotationStep::begin) add_not_taken(role, work.known.here, rotation, report);
   report.files_written = std::move(files);
   if (writes_nothing()) {
-    const ForecastStep step{role, change, rotation.updated, context.clock.now()};
+    const ForecastStep step{role, change, rotation.updated, context.clock.calendar_seconds()};
     DDSSEC_ASSIGN_OR_RETURN(answer.result.forecast, forecast_of(step, given, work.known.here));
     report.forecast = answer.result.forecast->text();
   }
@@ -306,7 +306,7 @@ Result<Answer<RotatedCa>> ca_rotate(const Arguments& arguments, const Context& c
   DDSSEC_ASSIGN_OR_RETURN(const auto role, role_option(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto step, step_of(arguments));
   DDSSEC_RETURN_IF_ERROR(check_no_other_kind(given));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   const auto waiting = participants_missed_before(role, step, arguments, now);
   DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_places(given, role));
   CaOpener opener(arguments);

@@ -332,7 +332,7 @@ struct MayUse {
 
 Result<Answer<MayUse>> can(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto action, action_of(arguments));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_RETURN_IF_ERROR(check_participant_folder(arguments.text("SUBJECT")));
   const auto folder = load_participant(arguments.text("SUBJECT"), now);
   DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_to_ask(arguments, folder, now));

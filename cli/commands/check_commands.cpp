@@ -175,7 +175,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   DDSSEC_ASSIGN_OR_RETURN(const auto topics, topics_of(arguments));
   for (const auto& folder : folders) DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
 
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   using Kept = std::shared_ptr<const doctor::LoadedFolder>;
   const Kept kept[] = {
       std::make_shared<const doctor::LoadedFolder>(load_participant(folders[0], now)),

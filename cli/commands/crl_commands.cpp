@@ -71,7 +71,7 @@ std::string next_steps_after_date_now(const std::string& ca) {
 
 Result<Answer<NewList>> crl_new(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMaxDays));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_RETURN_IF_ERROR(check_list_date(now, ca.paths, arguments));
@@ -160,7 +160,7 @@ Result<Answer<VerifiedList>> crl_verify(const Arguments& arguments, const Contex
     const bool is_other = !is_of_ca(crl) && &crl != &first;
     answer.result.all.push_back({ListHead::of(crl), is_other});
     if (is_other) continue;
-    DDSSEC_RETURN_IF_ERROR(with_document(crl.check(ca, context.clock.now()), path));
+    DDSSEC_RETURN_IF_ERROR(with_document(crl.check(ca, context.clock.calendar_seconds()), path));
     DDSSEC_RETURN_IF_ERROR(check_whole(crl, path));
     DDSSEC_RETURN_IF_ERROR(check_not_ahead(crl, path, arguments.text("--ca")));
   }
@@ -351,7 +351,7 @@ Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
   // The lock is held until every folder has the list, so that no other command distributes a newer
   // one in between.
   DDSSEC_ASSIGN_OR_RETURN(const auto lock, lock_records(paths));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, read_certificate(paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto present, list_to_distribute(paths, ca, given, now));
   DDSSEC_RETURN_IF_ERROR(check_list_date(present.this_update(), paths, arguments));

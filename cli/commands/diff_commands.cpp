@@ -103,7 +103,7 @@ Result<Answer<PermissionsComparison>> permissions_diff(const Arguments& argument
                     sides.after.path));
   auto diff = governance::compare(before, after,
                                   {.map_subjects_by_grant_name = arguments.has("--subject-map")});
-  auto forecast = forecast_of({before, after, diff, context.clock.now()}, sides);
+  auto forecast = forecast_of({before, after, diff, context.clock.calendar_seconds()}, sides);
   Report report;
   warn_of_open_ranges(report, Rule::PERM004, before.notes, sides.before.path);
   warn_of_open_ranges(report, Rule::PERM004, after.notes, sides.after.path);

@@ -385,7 +385,7 @@ Result<Answer<DoctorResult>> doctor_of(const Arguments& arguments, const Context
   const fs::path folder = arguments.text("DIR");
   Report report;
   DDSSEC_ASSIGN_OR_RETURN(const auto products, products_of(arguments, report));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
   const auto loaded = load_participant(folder, now);
   std::optional<doctor::LoadedFolder> peer;

@@ -146,7 +146,8 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
   DDSSEC_ASSIGN_OR_RETURN(const auto document, with_document(Kind::read(octets), from));
   Report report;
   if (!arguments.has("--no-lint")) {
-    auto findings = lint_before_signing(document, signed_size(octets), context.clock.now());
+    auto findings =
+        lint_before_signing(document, signed_size(octets), context.clock.calendar_seconds());
     if (governance::has_errors(findings)) return not_signed(from, std::move(findings));
     add_findings(report, std::move(findings), from);
   }
@@ -157,20 +158,22 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
                           with_document(text_to_sign(document, octets, to, ca, arguments), from));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signed_octets,
-      with_document(ca.authority.sign_document(text.octets, context.clock.now(), context.random),
-                    from));
+      with_document(
+          ca.authority.sign_document(text.octets, context.clock.calendar_seconds(), context.random),
+          from));
   if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
                                               size > pki::kMaxSentPermissionsOctets &&
                                               !arguments.has("--no-lint"))
     return not_signed(from, {governance::too_long_for_peers(size)});
   DDSSEC_RETURN_IF_ERROR(check_result_place(to, arguments));
-  const bool is_extension = extends_former(document, to, ca, context.clock.now());
-  DDSSEC_RETURN_IF_ERROR(
-      log_signed(ca.paths, signed_line(ca.certificate(), text, to, context.clock.now())));
+  const bool is_extension = extends_former(document, to, ca, context.clock.calendar_seconds());
+  DDSSEC_RETURN_IF_ERROR(log_signed(
+      ca.paths, signed_line(ca.certificate(), text, to, context.clock.calendar_seconds())));
   DDSSEC_ASSIGN_OR_RETURN(auto written, write_result(to, signed_octets, arguments));
   report.files_written.push_back(std::move(written));
-  const auto listed =
-      is_extension ? list_signed(ca, signed_octets, to, context.clock.now()) : Status();
+  const auto listed = is_extension
+                          ? list_signed(ca, signed_octets, to, context.clock.calendar_seconds())
+                          : Status();
   if (!listed) report.errors.push_back(listed.error());
   return Answer<Signing>{{to, ca.certificate().subject(),
                           text.revision == 0 ? std::nullopt : std::optional(text.revision)},
@@ -300,7 +303,7 @@ using Verified = Answer<std::variant<Verification, Refusal>>;
 template <class Kind>
 Result<Verified> verify(const Arguments& arguments, const Context& context) {
   const auto file = document_path<Kind>(arguments.text("FILE"));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(
       const auto all,
       signature_verdicts(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));

@@ -386,7 +386,7 @@ Result<Answer<Expiry>> expiry(const Arguments& arguments, const Context& context
   if (paths.empty()) paths = {"."};
   for (const auto& path : paths) search.look_at(path);
   search.check_links();
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   const auto horizon = now + within;
   Answer<Expiry> out{{horizon}};
   std::size_t due = 0;

@@ -53,7 +53,7 @@ struct ShownIdentity {
 
 Result<Answer<ShownIdentity>> identity_show(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("PATH")));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   const bool valid = certificate.not_before() <= now && now <= certificate.not_after();
   Answer<ShownIdentity> out{
       {.subject = certificate.subject(),
@@ -208,7 +208,7 @@ Result<Answer<SignedRequest>> identity_sign_csr(const Arguments& arguments,
   const auto from = fs::is_directory(given, ignored) ? given / "request.pem" : given;
   const fs::path to =
       arguments.has("-o") ? fs::path(arguments.text("-o")) : from.parent_path() / "cert.pem";
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto responder, ocsp_responder(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto request, read_file(from, pki::kMaxCertificateOctets));

@@ -108,7 +108,7 @@ using IssueAnswer = Answer<IssuedParticipants>;
 // unchanged.
 Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& context,
                                 Findings& findings) {
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   for (const auto* option : {"--subject", "--permissions"})
     if (arguments.has(option))
       return fail(Code::usage,
@@ -176,7 +176,7 @@ struct Issued {
 };
 
 Result<Issued> issue(IssueRequest& request) {
-  const auto now = request.context.clock.now();
+  const auto now = request.context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(auto cas,
                           open_issuing_cas(request.arguments, request.spec.has_permissions(), now));
   // Reads the document again: a rotation that this command waited for may have signed it anew.
@@ -208,7 +208,8 @@ Result<IssueAnswer> create_folder(IssueRequest& request) {
   const auto& [cas, made] = issued;
   DDSSEC_RETURN_IF_ERROR(
       add_flat(folder, "", made, cas.issuers(request.spec.has_permissions()), request.governance));
-  DDSSEC_RETURN_IF_ERROR(log_participant(cas, made, request.target, request.context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(
+      log_participant(cas, made, request.target, request.context.clock.calendar_seconds()));
   return issue_answer(issued_of(request, made.self.certificate), {}, request, folder.commit());
 }
 
@@ -287,7 +288,7 @@ Status check_same(const IssueRequest& request, const pki::Certificate& certifica
 
 Status add_permissions(const IssueRequest& request, const pki::Certificate& certificate,
                        Completion& out) {
-  const auto now = request.context.clock.now();
+  const auto now = request.context.clock.calendar_seconds();
   const auto paths = ca_paths(request.arguments.text("--ca"), "permissions");
   if (!request.spec.has_permissions()) {
     if (!path_exists(request.files.permissions) && request.governance.empty()) return {};
@@ -323,7 +324,8 @@ Result<IssueAnswer> add_missing_files(IssueRequest& request) {
   DDSSEC_RETURN_IF_ERROR(add_permissions(request, certificate, out));
   if (!request.governance.empty())
     DDSSEC_RETURN_IF_ERROR(out.add(request.files.governance, request.governance, 0644, true));
-  DDSSEC_ASSIGN_OR_RETURN(const auto crl, list_for_newcomers(paths, request.context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto crl,
+                          list_for_newcomers(paths, request.context.clock.calendar_seconds()));
   if (crl) {
     DDSSEC_ASSIGN_OR_RETURN(const auto lists, file_of_lists(paths, *crl));
     DDSSEC_RETURN_IF_ERROR(out.add(request.files.crl, as_bytes(lists), 0644, false));
@@ -368,10 +370,10 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
     DDSSEC_RETURN_IF_ERROR(out.put(files.governance, request.governance, 0644));
   if (cas.list) {
     DDSSEC_ASSIGN_OR_RETURN(auto trusted, read_certificates(cas.identity.paths.certificate));
-    DDSSEC_RETURN_IF_ERROR(
-        put_list(out, files.crl,
-                 {*cas.list, cas.identity.certificate(), request.arguments.text("--ca"),
-                  &made.self.certificate, std::move(trusted), request.context.clock.now()}));
+    DDSSEC_RETURN_IF_ERROR(put_list(
+        out, files.crl,
+        {*cas.list, cas.identity.certificate(), request.arguments.text("--ca"),
+         &made.self.certificate, std::move(trusted), request.context.clock.calendar_seconds()}));
   }
   // Existing configuration files keep changes of the user, such as the network interface.
   DDSSEC_ASSIGN_OR_RETURN(const auto missing_files,
@@ -382,10 +384,11 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
   DDSSEC_RETURN_IF_ERROR(
       pem.expose([&](BytesView octets) { return out.put(files.key, octets, 0600); }));
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.certificate, made.self.certificate.pem()));
-  DDSSEC_RETURN_IF_ERROR(log_participant(cas, made, request.target, request.context.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(
+      log_participant(cas, made, request.target, request.context.clock.calendar_seconds()));
   Report report;
   report.text = former_certificate_text(request.files.certificate, request.arguments.text("--ca"),
-                                        request.context.clock.now());
+                                        request.context.clock.calendar_seconds());
   return issue_answer(issued_of(request, made.self.certificate), std::move(report), request,
                       out.commit());
 }
@@ -402,14 +405,16 @@ Result<IssueAnswer> fill_existing_folder(IssueRequest& request) {
 
 Result<IssueAnswer> issue_one(const Arguments& arguments, const Context& context,
                               Findings& findings) {
-  DDSSEC_ASSIGN_OR_RETURN(auto spec, spec_of(arguments, context.clock.now(), findings));
+  DDSSEC_ASSIGN_OR_RETURN(auto spec,
+                          spec_of(arguments, context.clock.calendar_seconds(), findings));
   const fs::path given = arguments.text("-o");
   const fs::path target = given.has_filename() ? given : given.parent_path();
   DDSSEC_RETURN_IF_ERROR(check_nameable(target));
   std::error_code ignored;
   // A symbolic link does not count as a folder, so that nothing is written elsewhere.
   const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;
-  DDSSEC_ASSIGN_OR_RETURN(auto governance, governance_of(arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(auto governance,
+                          governance_of(arguments, context.clock.calendar_seconds()));
   IssueRequest request{arguments,
                        context,
                        std::move(spec),

@@ -114,7 +114,7 @@ struct Renewal {
   fs::path recorded = {};                             // the folder that the CA's log records
   std::optional<SignedPermissions> permissions = {};  // those in the folder, if the CA signed them
 
-  WallTime now() const { return context.clock.now(); }
+  WallTime now() const { return context.clock.calendar_seconds(); }
   bool is_rekeying() const { return arguments.has("--rekey"); }
 };
 

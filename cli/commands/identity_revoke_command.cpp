@@ -283,7 +283,7 @@ std::string_view how_revoked_before(const CertificatesToRevoke& what) {
 }
 
 Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Context& context) {
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto reason, reason_of(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMaxDays));
   CaOpener opener(arguments);

@@ -174,7 +174,7 @@ Result<Members> add_members(NewFolder& folder, const Plan& plan, const Issuers& 
   Members out;
   Progress progress("participants", plan.names.size());
   const bool sros2 = plan.layout == pki::FolderLayout::sros2;
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   for (const auto& name : plan.names) {
     const ParticipantSpec spec{.name = name,
                                .subject = "CN=" + name,
@@ -244,7 +244,7 @@ std::string next_steps(const Plan& plan, const Snippets& snippets) {
 }
 
 Result<Answer<Initialised>> init(const Arguments& arguments, const Context& context) {
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto plan, plan_of(arguments, now));
   DDSSEC_RETURN_IF_ERROR(check_nameable(plan.target));
   DDSSEC_ASSIGN_OR_RETURN(auto folder, NewFolder::at(plan.target));

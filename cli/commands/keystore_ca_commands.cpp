@@ -141,7 +141,7 @@ Result<Answer<KeystoreCa>> already_split(const fs::path& keystore, const Argumen
                           read_certificates(ca_paths(keystore, "permissions").certificate));
   const auto enclaves = enclaves_of(keystore);
   const auto left = left_with_another_ca(participants_in(keystore, enclaves), to_pem(trusted),
-                                         context.clock.now());
+                                         context.clock.calendar_seconds());
   if (!left.empty()) return finish_split(keystore, enclaves, left, arguments, context);
   auto answer = answer_of(keystore, "permissions", trusted.front(), {});
   answer.result.is_new = false;
@@ -193,7 +193,7 @@ Result<Answer<KeystoreCa>> keystore_rotate(const Arguments& arguments, const Con
     return fail(Code::usage, {.field = "KEYSTORE",
                               .note = "it has one CA for both: ddssec keystore split-ca first"});
   DDSSEC_RETURN_IF_ERROR(
-      check_list_date(context.clock.now(), ca_paths(keystore, "identity"), arguments));
+      check_list_date(context.clock.calendar_seconds(), ca_paths(keystore, "identity"), arguments));
   if (role == "identity") return new_identity_ca(keystore, arguments, context);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca,
                           read_certificate(ca_paths(keystore, "permissions").certificate));

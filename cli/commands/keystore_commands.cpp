@@ -48,7 +48,7 @@ namespace fs = std::filesystem;
 
 Result<pki::Authority> make_ca(const fs::path& keystore, std::string_view role,
                                const Arguments& arguments, const Context& context) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, context.clock.calendar_seconds()));
   return pki::Authority::create_root(ca_subject(folder_name(keystore), role), {}, life,
                                      context.random);
 }
@@ -77,10 +77,11 @@ Result<Answer<CreatedKeystore>> keystore_create(const Arguments& arguments,
   const auto text = with_first_revision(xml);
   DDSSEC_ASSIGN_OR_RETURN(
       const auto document,
-      permissions.sign_document(text.octets, context.clock.now(), context.random));
+      permissions.sign_document(text.octets, context.clock.calendar_seconds(), context.random));
   DDSSEC_RETURN_IF_ERROR(add_keystore_governance(folder, xml, document));
-  const auto logged = signed_line(permissions.certificate(), text,
-                                  target / "enclaves/governance.p7s", context.clock.now());
+  const auto logged =
+      signed_line(permissions.certificate(), text, target / "enclaves/governance.p7s",
+                  context.clock.calendar_seconds());
   DDSSEC_RETURN_IF_ERROR(folder.add("private/permissions_ca.signed.jsonl", as_bytes(logged), 0600));
   DDSSEC_ASSIGN_OR_RETURN(const auto list, first_crl(identity));
   DDSSEC_RETURN_IF_ERROR(folder.add_public("public/identity_ca.crl.pem", list.pem()));
@@ -233,7 +234,7 @@ Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& contex
 // The permissions are for the name, which stays the same. The user decides whether they continue.
 Result<std::string> kept_permissions_text(const EnclaveJob& job,
                                           const pki::Certificate& certificate) {
-  const auto now = job.context.clock.now();
+  const auto now = job.context.clock.calendar_seconds();
   const auto old = [&]() -> Result<SignedPermissions> {
     const auto ca = ca_paths(job.keystore, "permissions").certificate;
     DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(job.files.permissions, ca, now));
@@ -255,7 +256,7 @@ Result<std::string> kept_permissions_text(const EnclaveJob& job,
 Result<std::vector<WrittenFile>> put_enclave(const EnclaveJob& job, EnclaveFolder& folder,
                                              const NewParticipant& made, const OpenCa& identity,
                                              const OpenCa* permissions) {
-  const auto now = job.context.clock.now();
+  const auto now = job.context.clock.calendar_seconds();
   DDSSEC_RETURN_IF_ERROR(add_enclave(folder, job.name, made));
   DDSSEC_ASSIGN_OR_RETURN(const auto list, list_for_newcomers(identity.paths, now));
   if (list) DDSSEC_RETURN_IF_ERROR(folder.add_public("crl.pem", list->pem()));
@@ -268,7 +269,7 @@ Result<std::vector<WrittenFile>> put_enclave(const EnclaveJob& job, EnclaveFolde
 }
 
 Result<Answer<MadeEnclave>> keystore_enclave(const Arguments& arguments, const Context& context) {
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto job, enclave_job(arguments, context));
   DDSSEC_ASSIGN_OR_RETURN(const auto life, validity(arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto key, key_spec(arguments));
@@ -358,7 +359,7 @@ Result<Answer<SignedForEnclave>> keystore_permission(const Arguments& arguments,
   ParticipantSpec spec{.name = name, .subject = {}, .life = {}};
   Report report;
   DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, Rights::needed, report));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto xml, with_document(permissions_xml(spec, certificate, now),
                                                         arguments.text("--permissions")));
   CaOpener opener(arguments);

@@ -209,7 +209,7 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
                                                  const Context& context) {
   const fs::path keystore = arguments.text("KEYSTORE");
   DDSSEC_RETURN_IF_ERROR(check_keystore(keystore));
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   Answer<VerifiedKeystore> out;
   auto& [result, report, has_result] = out;
   const auto enclaves = enclaves_of(keystore);
@@ -340,7 +340,8 @@ Result<Answer<ImportedKeystore>> keystore_import(const Arguments& arguments,
   const auto enclaves = enclaves_of(keystore);
   Import import{.paths = paths, .ca = ca, .log = log};
   for (const auto& name : enclaves.names) {
-    auto added = import.add(keystore / enclave_folder(name), name, context.clock.now(), out.result);
+    auto added = import.add(keystore / enclave_folder(name), name, context.clock.calendar_seconds(),
+                            out.result);
     // The user must decide which of two enclaves has the other's certificate; nothing is logged.
     if (!added && added.error().code() == Code::certificate_of_another_folder) {
       auto details = added.error().details();

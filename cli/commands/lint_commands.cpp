@@ -54,7 +54,7 @@ Result<Answer<Linted>> permissions_lint(const Arguments& arguments, const Contex
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto document, unverified_document<PermissionsKind>(file));
-  return linted(file, lint(document, {.now = context.clock.now(),
+  return linted(file, lint(document, {.now = context.clock.calendar_seconds(),
                                       .certificate = certificate ? &*certificate : nullptr,
                                       .governance = governance ? &*governance : nullptr,
                                       .signed_octets = signed_size(octets)}));

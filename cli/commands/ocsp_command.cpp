@@ -42,7 +42,7 @@ Result<Answer<FetchedResponse>> identity_ocsp(const Arguments& arguments, const 
   DDSSEC_ASSIGN_OR_RETURN(
       const auto response,
       fetch_response({files, certificate, arguments.text("--url"), std::chrono::seconds(seconds)},
-                     context.clock.now()));
+                     context.clock.calendar_seconds()));
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put(ocsp_file(files), response.octets, 0644));
   Answer<FetchedResponse> answer{{.file = ocsp_file(files),

@@ -150,13 +150,16 @@ Result<Answer<NewPermissions>> permissions_new(const Arguments& arguments, const
   Answer<NewPermissions> out{};
   auto& report = out.report;
   DDSSEC_ASSIGN_OR_RETURN(const auto rights, rights_from(arguments, report));
-  DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, certificate, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto validity,
+                          life(arguments, certificate, context.clock.calendar_seconds()));
   const auto grant = grant_of(grant_name(certificate), certificate, rights, validity);
   const auto xml = to_xml(governance::Permissions{.grants = {grant}});
   // The document is parsed, because the arguments may contain something that no document can.
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
-  add_findings(report, lint(document, {.now = context.clock.now(), .certificate = &certificate}),
-               arguments.text("-o"));
+  add_findings(
+      report,
+      lint(document, {.now = context.clock.calendar_seconds(), .certificate = &certificate}),
+      arguments.text("-o"));
   if (report.exit != Exit::done) {
     report.text = "not written: it would be of no use\n";
     out.has_result = false;

@@ -57,7 +57,7 @@ Result<Answer<PolicyPermissions>> from_ros_policy(const Arguments& arguments,
   DDSSEC_ASSIGN_OR_RETURN(auto file_policy, read_policy(file, arguments.all("--enclave")));
   const auto policy = with_options(std::move(file_policy), arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto domain_id, domain_of(arguments));
-  DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, context.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto validity, life(arguments, context.clock.calendar_seconds()));
   const governance::RosPermissionsOptions options{
       .domain = domain_id,
       .validity = validity,
@@ -66,7 +66,7 @@ Result<Answer<PolicyPermissions>> from_ros_policy(const Arguments& arguments,
   const auto xml =
       as_sros2 ? sros2_permissions(policy, options) : to_xml(permissions_of(policy, options));
   DDSSEC_ASSIGN_OR_RETURN(const auto document, governance::read_permissions(as_bytes(xml)));
-  auto findings = lint(document, {.now = context.clock.now()});
+  auto findings = lint(document, {.now = context.clock.calendar_seconds()});
   for (auto& finding : findings) finding.severity = std::min(finding.severity, Severity::warning);
   Answer<PolicyPermissions> out{};
   auto& report = out.report;

@@ -408,7 +408,8 @@ Result<Answer<ShownPermissions>> permissions_show(const Arguments& arguments,
   Answer<ShownPermissions> out{{file}};
   for (const auto& grant : document.grants)
     if (!subject || is_for(grant, *subject))
-      out.result.grants.push_back({grant, grant.validity.contains(context.clock.now())});
+      out.result.grants.push_back(
+          {grant, grant.validity.contains(context.clock.calendar_seconds())});
   if (subject && out.result.grants.empty())
     return fail(Code::no_grant_for_subject,
                 {.document = file, .expected = arguments.text("--subject")});

@@ -232,7 +232,7 @@ Result<Answer<TrustStatus>> trust_status(const Arguments& arguments, const Conte
   auto answers = ask_all(folder, pid);
   const auto wanted = arguments.text("DIR");
   const auto of = without_links(wanted);
-  const auto now = to_string(context.clock.now());
+  const auto now = to_string(context.clock.calendar_seconds());
   Answer<TrustStatus> answer{{.now = now}};
   auto& [result, report, has_result] = answer;
   report.errors = std::move(answers.errors);

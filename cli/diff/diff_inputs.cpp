@@ -61,7 +61,7 @@ std::string_view trust(const DiffSide& side) {
 
 Result<DiffSides> diff_sides(fs::path (*document)(const fs::path&), const Arguments& arguments,
                              const Context& context) {
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(auto before, read_side(document(arguments.text("OLD")), arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(auto after, read_side(document(arguments.text("NEW")), arguments, now));
   return DiffSides{std::move(before), std::move(after)};

@@ -132,7 +132,7 @@ Result<NewParticipant> make_participant(const ParticipantSpec& spec, const Issue
       .self = std::move(issued), .permissions_xml = {}, .permissions = {}, .dropin = spec.dropin};
   DDSSEC_RETURN_IF_ERROR(check_not_of_ca(out.self.certificate, issuers));
   if (!spec.has_permissions() || issuers.permissions == nullptr) return out;
-  const auto now = context.clock.now();
+  const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(out.permissions_xml, permissions_xml(spec, out.self.certificate, now));
   DDSSEC_ASSIGN_OR_RETURN(
       out.permissions,

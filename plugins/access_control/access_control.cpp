@@ -178,10 +178,10 @@ class AccessControlPlugin final : public spi::AccessControl {
                                                      const EndpointRequest& request) override;
 
   std::optional<WallTime> next_expiry() override;
-  std::vector<PermissionsHandle> expire(PermissionsHandle local) override;
+  std::vector<PermissionsHandle> poll(PermissionsHandle local) override;
 
  private:
-  LoadContext context() { return {documents_, options_, services_.clock.now()}; }
+  LoadContext context() { return {documents_, options_, services_.clock.calendar_seconds()}; }
 
   // Raises the one event of a refusal.
   std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {},
@@ -277,7 +277,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   // With this, next_expiry knows the end before the first check. An error comes again at that
   // check.
   if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
-  if (const auto listed = holder->follow_list(services_.clock.now()))
+  if (const auto listed = holder->follow_list(services_.clock.calendar_seconds()))
     services_.events.raise(event_about(holder->peer_subject(), *listed));
   return add(std::move(holder));
 }
@@ -293,7 +293,8 @@ Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
     return refuse(status.error().with_document(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
   if (!judged) return refuse(judged.error().with_document(name), *holder);
-  const auto taken = holder->adopt_presented(*std::move(judged), services_.clock.now());
+  const auto taken =
+      holder->adopt_presented(*std::move(judged), services_.clock.calendar_seconds());
   if (!taken) return refuse(taken.error().with_document(name), *holder);
   if (!*taken) return {};
   const auto end = holder->ends();
@@ -410,7 +411,7 @@ void AccessControlPlugin::renew_documents(const Entries& all, PermissionsHandle 
         services_.events.raise(event_about({}, event));
   };
   renew();
-  const WallTime now = services_.clock.now();
+  const WallTime now = services_.clock.calendar_seconds();
   const auto ends = [&](const auto& one) { return one.second->newly_ended(now).has_value(); };
   if (std::ranges::none_of(own, ends)) return;
   for (const auto& [handle, holder] : own) holder->force_poll();
@@ -426,7 +427,7 @@ void AccessControlPlugin::note_documents(PermissionsHandle local) noexcept {
     if (!holder || holder->remote()) return;
     const auto identity = holder->participant()->identity.value;
     services_.documents->note_participant(identity, {}, holder->subject());
-    services_.documents->note(identity, holder->documents(), services_.clock.now());
+    services_.documents->note(identity, holder->documents(), services_.clock.calendar_seconds());
   } catch (...) {
     // If memory is short, the next look notes them.
   }
@@ -445,7 +446,7 @@ void AccessControlPlugin::forget_documents(const PermissionsHolder& gone) {
   services_.documents->forget(gone.participant()->identity.value, kOurs);
 }
 
-std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle local) {
+std::vector<PermissionsHandle> AccessControlPlugin::poll(PermissionsHandle local) {
   const auto all = handles_.all();
   const Holder own = handles_.find(local);
   renew_documents(all, local);
@@ -457,7 +458,7 @@ std::vector<PermissionsHandle> AccessControlPlugin::expire(PermissionsHandle loc
   follow_renewal_lists(judged, documents_, services_);
   for (const auto& [handle, holder] : all)
     if (!local || handle == local) note_documents(handle);
-  const WallTime now = services_.clock.now();
+  const WallTime now = services_.clock.calendar_seconds();
   // If there is not enough memory to report them, none is marked: the next call finds them again.
   std::vector<PermissionsHandle> ended;
   Participants gone;

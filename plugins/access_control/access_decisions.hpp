@@ -16,7 +16,7 @@ class AccessDecisions {
       : clock_(clock), accepts_relays_(accept_relays) {}
 
   Result<SharedGrant> grant_now(PermissionsHolder& holder) const {
-    return holder.grant(clock_.now());
+    return holder.grant(clock_.calendar_seconds());
   }
   Status participant(PermissionsHolder& holder) const;
   Status topic(PermissionsHolder& holder, std::string_view name) const;

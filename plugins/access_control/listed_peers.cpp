@@ -7,7 +7,7 @@ namespace {
 
 // Extends the permissions of peers. Returns true if a peer ends.
 bool follow(const Entries& entries, const EngineServices& services) {
-  const WallTime now = services.clock.now();
+  const WallTime now = services.clock.calendar_seconds();
   bool one_ends = false;
   for (const auto& [handle, holder] : entries) {
     if (!holder->remote()) continue;

@@ -207,7 +207,7 @@ Status OwnDocuments::take_authorities(const Renewal& now,
   DDSSEC_ASSIGN_OR_RETURN(basis.ca, PermissionsCa::of(next));
   if (const auto* const allowed = basis.allowed_algorithms())
     for (const auto& ca : next) DDSSEC_RETURN_IF_ERROR(check_authority(*allowed, ca));
-  const auto time = now.clock.now();
+  const auto time = now.clock.calendar_seconds();
   const auto fits_governance = [&](BytesView file) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, basis, file));
     basis = std::move(judged.basis);
@@ -261,7 +261,7 @@ Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, 
                                                             BytesView file) const {
   Judged out{basis};
   DDSSEC_ASSIGN_OR_RETURN(auto verified, compile_governance({*basis.ca, now.participant, options_},
-                                                            file, now.clock.now()));
+                                                            file, now.clock.calendar_seconds()));
   DDSSEC_ASSIGN_OR_RETURN(const auto change, now.participant.check_governance(*verified.rules));
   out.basis.governance = std::move(verified.rules);
   out.basis.governance_digest = verified.digest;
@@ -314,7 +314,7 @@ void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& even
 
 void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& events) {
   const auto looked = permissions_.poll(now.clock.monotonic(), [&](BytesView file) -> Status {
-    const auto time = now.clock.now();
+    const auto time = now.clock.calendar_seconds();
     const auto basis = now.participant.basis();
     DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*basis->ca, file, time));
     return now.holder.adopt(std::move(document), file, time);
@@ -342,7 +342,7 @@ void OwnDocuments::verify_some(const Renewal& now, ListedFiles& list) const {
       verifies_all_ ? list.waiting.size() : std::min(list.waiting.size(), kMaxVerifiedInAPoll);
   const auto end = list.waiting.begin() + static_cast<std::ptrdiff_t>(count);
   for (auto file = list.waiting.begin(); file != end; ++file) {
-    auto document = now.documents.permissions(*ca, *file, now.clock.now());
+    auto document = now.documents.permissions(*ca, *file, now.clock.calendar_seconds());
     if (document)
       list.verified.push_back({sha256(*file), *std::move(document)});
     else if (!list.fault)

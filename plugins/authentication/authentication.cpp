@@ -23,13 +23,14 @@ constexpr auto kStartAgain =
 Event event_of_end(const IdentityTable::Ended& ended, WallTime now) {
   const bool is_own = ended.peer.subject.empty();
   auto out = event_about(
-      ended.peer, Error(ended.with_ours ? Code::session_outlived_documents : Code::identity_ended,
-                        {.document = ended.whose,
-                         .field = "notAfter",
-                         .expected = "a time before " + to_string(ended.end),
-                         .found = to_string(now),
-                         .note = ended.note,
-                         .hint = is_own ? kStartAgain : ""}));
+      ended.peer,
+      Error(ended.own_certificate_ended ? Code::session_outlived_documents : Code::identity_ended,
+            {.document = ended.whose,
+             .field = "notAfter",
+             .expected = "a time before " + to_string(ended.end),
+             .found = to_string(now),
+             .note = ended.note,
+             .hint = is_own ? kStartAgain : ""}));
   if (!is_own) out.severity = std::min(out.severity, Severity::warning);
   return out;
 }
@@ -46,7 +47,7 @@ Result<PkiDh::LocalIdentity> PkiDh::validate_local_identity(DomainId,
 
 Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properties,
                                                const Guid& candidate) {
-  const WallTime now = services_.clock.now();
+  const WallTime now = services_.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(auto files, IdentityFiles::load(properties, stores_, now));
   const auto no_list = files.revocation_lists.absence();
   auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
@@ -91,7 +92,7 @@ Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
   if (auth_request) {
     DDSSEC_ASSIGN_OR_RETURN(announced, read_auth_request(*auth_request));
   }
-  DDSSEC_RETURN_IF_ERROR(identity->verify(services_.clock.now()));
+  DDSSEC_RETURN_IF_ERROR(identity->verify(services_.clock.calendar_seconds()));
   const auto kept = kept_requests_.challenge(local, guid, services_.clock.monotonic());
   auto own_challenge = kept.value_or(spi::Challenge{});
   if (!kept) DDSSEC_RETURN_IF_ERROR(services_.random.fill(own_challenge));
@@ -154,7 +155,7 @@ Revocations PkiDh::look_at_files(IdentityHandle local) {
   const auto is_own = [&](IdentityHandle handle) {
     return std::ranges::find(own, handle, &IdentityTable::OurOwn::handle) != own.end();
   };
-  const auto ended = table_.ended_by(services_.clock.now(), local);
+  const auto ended = table_.ended_by(services_.clock.calendar_seconds(), local);
   if (std::ranges::none_of(revocations.identities, is_own, &IdentityTable::Revoked::handle) &&
       std::ranges::none_of(ended, is_own, &IdentityTable::Ended::handle))
     return revocations;
@@ -163,11 +164,11 @@ Revocations PkiDh::look_at_files(IdentityHandle local) {
   return find_revocations(table_, local, stores_, services_);
 }
 
-std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
+std::vector<IdentityHandle> PkiDh::poll(IdentityHandle local) {
   drop_credentials_given_out();
   const auto revocations = look_at_files(local);
   note_documents_in_use(local);
-  const auto now = services_.clock.now();
+  const auto now = services_.clock.calendar_seconds();
   auto all = table_.ended_by(now, local);
   follow_renewal_lists(table_, all, services_);
   // If there is not enough memory to report them, none is marked: the next call finds them again.
@@ -188,7 +189,7 @@ std::vector<IdentityHandle> PkiDh::expire(IdentityHandle local) {
   }
   for (const auto& ended : all) {
     tell(ended.handle);
-    if (ended.with_ours && !has_outlived(all, ended)) continue;
+    if (ended.own_certificate_ended && !has_outlived(all, ended)) continue;
     events.push_back(event_of_end(ended, now));
     note_end(ended.handle, events.back().error, now);
   }

@@ -134,8 +134,9 @@ class IdentityTable {
     PeerName peer;      ///< the subject is empty for a local identity
     std::string whose;  ///< the subject whose certificate ended
     WallTime end;
-    bool with_ours = false;  ///< true for a remote one whose session our certificate ended
-    std::string note = {};   ///< the reason why the renewal list does not help
+    bool own_certificate_ended =
+        false;              ///< true for a remote one whose session our certificate ended
+    std::string note = {};  ///< the reason why the renewal list does not help
   };
   /// Returns identities that expired at `now` or earlier and are not marked yet: those of one local
   /// identity and its remote ones, or of all (nil).

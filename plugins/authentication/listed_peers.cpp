@@ -52,7 +52,7 @@ Error listed(const pki::ChainValid& chain) {
 // peer's certificate, which may be blank.
 std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
                                   const LocalIdentity& local, const EngineServices& services) {
-  const auto now = services.clock.now();
+  const auto now = services.clock.calendar_seconds();
   const auto found = followed_peer(peer, local, now);
   if (!found.peer) return found.why_not;
   const auto own = followed_own(peer, local, now);

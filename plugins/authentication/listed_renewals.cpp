@@ -113,9 +113,9 @@ Result<std::optional<Error>> ListedRenewals::poll(const Clock& clock, const Trus
   bool was_judged = false;
   const auto taken = watch_.poll(clock.monotonic(), [&](const pki::RenewalList& list) {
     was_judged = true;
-    return adopt(list, trust, clock.now());
+    return adopt(list, trust, clock.calendar_seconds());
   });
-  if (!was_judged) verify_some(list_, trust, clock.now());
+  if (!was_judged) verify_some(list_, trust, clock.calendar_seconds());
   DDSSEC_RETURN_IF_ERROR(taken);
   if (*taken) is_reported_ = false;
   return note_verified(trust);

@@ -91,7 +91,7 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
   const std::scoped_lock lock(renewal_mutex_);
   const auto trust = own_trust();
   return revocation_lists_.poll(clock, trust->anchors(), [&](const std::vector<pki::Crl>& lists) {
-    return adopt(lists, stores, clock.now());
+    return adopt(lists, stores, clock.calendar_seconds());
   });
 }
 
@@ -191,7 +191,8 @@ Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
                           watch_.poll(clock.monotonic(), {former->certificate, former->key},
                                       [&](const IdentityWatch::Found& one) {
-                                        return check_renewed(one, *own_trust(), clock.now());
+                                        return check_renewed(one, *own_trust(),
+                                                             clock.calendar_seconds());
                                       }));
   if (!found) return false;
   const std::scoped_lock presenting(mutex_);
@@ -206,7 +207,7 @@ Result<bool> LocalIdentity::renew_ocsp_response(const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto own = certificate();
   const auto trust = own_trust();
-  auto taken = ocsp_response_.poll(clock.monotonic(), {own, *trust, clock.now()});
+  auto taken = ocsp_response_.poll(clock.monotonic(), {own, *trust, clock.calendar_seconds()});
   const bool is_revoked = !taken && taken.error().code() == Code::ocsp_revoked;
   const std::scoped_lock presenting(mutex_);
   ocsp_in_force_ = ocsp_response_.in_force();
@@ -255,7 +256,8 @@ Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustSt
   AuthoritiesTaken taken;
   const auto former = own_trust();
   const auto take = [&](const std::vector<pki::Certificate>& next) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(taken.identity, take_authorities(next, stores, clock.now()));
+    DDSSEC_ASSIGN_OR_RETURN(taken.identity,
+                            take_authorities(next, stores, clock.calendar_seconds()));
     return {};
   };
   DDSSEC_ASSIGN_OR_RETURN(taken.authorities,

@@ -66,7 +66,7 @@ class PkiDh final : public spi::Authentication {
   Status return_handshake_handle(HandshakeHandle handshake) override;
   Status return_identity_handle(IdentityHandle identity) override;
   std::optional<WallTime> next_expiry() override { return table_.next_end(); }
-  std::vector<IdentityHandle> expire(IdentityHandle local) override;
+  std::vector<IdentityHandle> poll(IdentityHandle local) override;
 
  private:
   Revocations look_at_files(IdentityHandle local);
@@ -134,7 +134,7 @@ class PkiDh final : public spi::Authentication {
   KeptRequests kept_requests_{services_.random};
   std::mutex noting_mutex_;  ///< prevents an identity that has left from being noted again
   std::mutex given_out_mutex_;
-  /// Handles whose credentials were given out since the last `expire`.
+  /// Handles whose credentials were given out since the last `poll`.
   std::vector<HandshakeHandle> given_out_;
 };
 

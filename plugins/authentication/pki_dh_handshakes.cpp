@@ -30,7 +30,7 @@ Status check_participant_data_size(BytesView participant_data) {
 }  // namespace
 
 Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
-  const WallTime now = services_.clock.now();
+  const WallTime now = services_.clock.calendar_seconds();
   DDSSEC_RETURN_IF_ERROR(pair.local->verify(now));
   return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
                           pair.announced_challenge, now};
@@ -89,14 +89,14 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
                      std::move(unproven)};
   pair->handshakes.reserve(pair->handshakes.size() + 1);
   const auto handle = kept.handle = table_.add_handshake(pair);
-  kept.unproven.belongs_to(handle);
+  kept.unproven.assign_to(handle);
   make_room(*pair);
   pair->handshakes.push_back(std::move(kept));
   return {handle, outcome.result, std::move(outcome.message)};
 }
 
 Token PkiDh::presented_token(const Token& message, const Pair& pair, const Presented& own) const {
-  return with_ocsp_response(message, *pair.local, own, services_.clock.now());
+  return with_ocsp_response(message, *pair.local, own, services_.clock.calendar_seconds());
 }
 
 PkiDh::Outline PkiDh::outline(const Token& message) const {
@@ -215,8 +215,8 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
 
 // If our certificate was renewed, the one of this handshake may have ended since it began.
 Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto own,
-                          pair.local->verify(done.own->certificate, services_.clock.now()));
+  DDSSEC_ASSIGN_OR_RETURN(const auto own, pair.local->verify(done.own->certificate,
+                                                             services_.clock.calendar_seconds()));
   return table_.note_authenticated(
       pair.remote_handle,
       {done.peer.chain(), own, done.peer.keeps_session(), done.peer.reads_lists()});

@@ -59,15 +59,16 @@ Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
   using Offered = Result<std::optional<Token>>;
   return with_session(
       handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
-        return next_offer(done, *pair.local, handshake.offer, services_.clock.now());
+        return next_offer(done, *pair.local, handshake.offer, services_.clock.calendar_seconds());
       });
 }
 
 Result<JudgedOffer> PkiDh::judge_peer_offer(const Pair& pair, const Established& session,
                                             const Token& offer) const {
   const auto trust = pair.local->peer_trust();
-  auto judged = judge_offer(session, offer, pair.remote_guid,
-                            {*trust, pair.local->ocsp_policy(), services_.clock.now()});
+  auto judged =
+      judge_offer(session, offer, pair.remote_guid,
+                  {*trust, pair.local->ocsp_policy(), services_.clock.calendar_seconds()});
   if (judged) return judged;
   return reported(Result<JudgedOffer>(std::unexpected(judged.error().with_document(
                       "renewed documents of " + session.peer.certificate().subject()))),

@@ -32,7 +32,8 @@ void renew_ocsp_response(LocalIdentity& identity, const EngineServices& services
   if (!renewed && renewed.error().code() != Code::ocsp_revoked)
     services.events.raise(event_about(us, renewed.error()));
   if (!renewed || !*renewed) return;
-  const auto response = identity.ocsp_response_for(identity.certificate(), services.clock.now());
+  const auto response =
+      identity.ocsp_response_for(identity.certificate(), services.clock.calendar_seconds());
   services.events.raise(event_about(
       us, Error(Code::ocsp_response_renewed,
                 {.document = identity.ocsp_response_path(),
@@ -66,8 +67,8 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
     look_at_renewal_list(identity, services);
     renew_ocsp_response(identity, services);
     if (!is_renewed && !taken.authorities) continue;
-    const auto chain = identity.verify(services.clock.now());
-    if (!chain) continue;  // it has just ended, and `expire` reports that
+    const auto chain = identity.verify(services.clock.calendar_seconds());
+    if (!chain) continue;  // it has just ended, and `poll` reports that
     table.note_renewed(local.handle, *chain);
     if (is_renewed)
       services.events.raise(
@@ -82,7 +83,8 @@ void note_documents(const IdentityTable& table, spi::IdentityHandle which,
     const auto& identity = *local.identity;
     services.documents->note_participant(local.handle.value, identity.guid().to_string(),
                                          identity.certificate().subject());
-    services.documents->note(local.handle.value, identity.documents(), services.clock.now());
+    services.documents->note(local.handle.value, identity.documents(),
+                             services.clock.calendar_seconds());
   }
 }
 

@@ -216,7 +216,7 @@ Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Ce
   Result<bool> out = false;
   for (auto& place : places_) {
     if (!place.watch.may_have_changed(clock.monotonic())) continue;
-    auto renewed = look_at(place, {anchors, clock.now(), accept});
+    auto renewed = look_at(place, {anchors, clock.calendar_seconds(), accept});
     if (!renewed) {
       if (out) out = std::move(renewed);
       continue;

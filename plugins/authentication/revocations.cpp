@@ -44,7 +44,7 @@ bool is_about_time_or_lists(Code code) {
 // issued its certificate. For a peer that stays, the end of the session is computed again.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
                                 const LocalIdentity& whose, const EngineServices& services) {
-  const auto now = services.clock.now();
+  const auto now = services.clock.calendar_seconds();
   const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
   if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
   if (!verdict && follow_renewal_list(table, peer, whose, services)) return std::nullopt;
@@ -83,7 +83,7 @@ std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const Tru
 
 void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
            const EngineServices& services, Revocations& out) {
-  const auto now = services.clock.now();
+  const auto now = services.clock.calendar_seconds();
   // This waits for handshake steps that began under the former lists, so that no peer authenticates
   // under these after the judgement.
   for (const auto& pair : table.pairs_of(local.handle)) const std::scoped_lock wait(pair->mutex);

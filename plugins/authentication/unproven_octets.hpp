@@ -50,7 +50,7 @@ class UnprovenOctets {
     std::size_t free_octets() const { return of_ == nullptr ? octets_ : 0; }
     /// Names the handshake that holds the octets. Before it is named, the share counts, but is not
     /// dropped.
-    void belongs_to(spi::HandshakeHandle handshake) const noexcept {
+    void assign_to(spi::HandshakeHandle handshake) const noexcept {
       if (of_ != nullptr) of_->note_owner(id_, handshake);
     }
 

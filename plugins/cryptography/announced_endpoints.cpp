@@ -35,7 +35,7 @@ std::size_t AnnouncedOctets::sum(Heard heard) const {
   return sums_.at(std::to_underlying(heard));
 }
 
-std::shared_ptr<AnnouncedOctets> AnnouncementAccounts::of(std::uint64_t subject) {
+std::shared_ptr<AnnouncedOctets> AnnouncementAccounts::of(SubjectId subject) {
   const std::lock_guard lock(mutex_);
   std::erase_if(accounts_, [](const auto& entry) { return entry.second.expired(); });
   auto& known = accounts_[subject];

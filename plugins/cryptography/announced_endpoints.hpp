@@ -15,6 +15,7 @@
 #include "base/ids.hpp"
 #include "base/result.hpp"
 #include "plugins/cryptography/builtin_names.hpp"
+#include "plugins/cryptography/subject_id.hpp"
 
 namespace ddssec::cryptography {
 
@@ -44,7 +45,7 @@ class AnnouncedOctets {
 /// Thread-safe.
 class AnnouncementAccounts {
  public:
-  std::shared_ptr<AnnouncedOctets> of(std::uint64_t subject);
+  std::shared_ptr<AnnouncedOctets> of(SubjectId subject);
 
  private:
   std::mutex mutex_;

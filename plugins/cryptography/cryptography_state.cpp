@@ -26,7 +26,7 @@ CryptographyState::CryptographyState(const EngineServices& given, const AeadBack
       keys(key_services(aead, retired_objects, services.random, options)),
       registry(first_generation) {}
 
-std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
+SubjectId subject_of(std::int64_t identity, const Pair& pair) {
   if (!pair.peer_prefix) return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(identity);
   std::uint64_t subject = 0;
   for (std::size_t i = 0; i < 6; ++i) subject = subject << 8 | pair.peer_prefix->octets[i];
@@ -34,18 +34,19 @@ std::uint64_t subject_of(std::int64_t identity, const Pair& pair) {
 }
 
 Status CryptographyState::claim_place(RemoteEndpoint& reader, const Pair& pair) {
-  if (reader.kind() != EntityKind::remote_reader || !reader.receiver_key || reader.place) return {};
+  if (reader.kind() != EntityKind::remote_reader || !reader.receiver_key || reader.place_subject)
+    return {};
   const auto subject = subject_of(reader.participant.identity, pair);
   if (auto status = reader.local.receivers.claim(subject); !status) {
     report(status.error(), pair.peer_prefix);
     return status;
   }
-  reader.place = subject;
+  reader.place_subject = subject;
   return {};
 }
 
 void CryptographyState::release_place(RemoteEndpoint& reader) noexcept {
-  if (const auto place = std::exchange(reader.place, std::nullopt))
+  if (const auto place = std::exchange(reader.place_subject, std::nullopt))
     reader.local.receivers.release(*place);
 }
 

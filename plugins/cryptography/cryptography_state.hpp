@@ -7,6 +7,7 @@
 #include "base/engine_services.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cryptography/entities.hpp"
+#include "plugins/cryptography/subject_id.hpp"
 #include "plugins/cryptography/token_ledger.hpp"
 
 namespace ddssec::cryptography {
@@ -67,7 +68,7 @@ struct CryptographyState {
 /// the certificate's subject (DDS-Security 1.2, clause 10.3.3). A participant without a proven
 /// prefix has its own places. It is identified by its identity handle, with a bit set that six
 /// octets cannot have.
-std::uint64_t subject_of(std::int64_t identity, const Pair& pair);
+SubjectId subject_of(std::int64_t identity, const Pair& pair);
 
 /// Returns the peer with that prefix that has authenticated with the local participant; nullptr if
 /// there is none. Empty while another thread changes the peers.

@@ -32,6 +32,7 @@
 #include "plugins/cryptography/registry.hpp"
 #include "plugins/cryptography/routes.hpp"
 #include "plugins/cryptography/send_key.hpp"
+#include "plugins/cryptography/subject_id.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/cryptography.hpp"
 
@@ -118,7 +119,7 @@ struct Pair final : Retirable {
   /// Local key for the remote participant; nullptr if it is not needed.
   std::unique_ptr<ReceiverKey> receiver_key;
   /// Subject whose place it takes among the local participant's receivers.
-  std::optional<std::uint64_t> place = {};
+  std::optional<SubjectId> place_subject = {};
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   Published<RemoteKeys> remote_keys;
@@ -126,7 +127,7 @@ struct Pair final : Retirable {
   FragmentedTokens fragmented_tokens;  ///< key token messages that went to the peer in fragments
 
   /// True if the peer uses ddssec: of all products, only ddssec announces ChaCha20-Poly1305.
-  bool is_with_ours() const { return (peer_ciphers & spi::kChaCha20Poly1305Bit) != 0; }
+  bool peer_uses_ddssec() const { return (peer_ciphers & spi::kChaCha20Poly1305Bit) != 0; }
 };
 
 /// Maps a local participant's handle to its pair. There are as many rows as local participants in
@@ -226,9 +227,9 @@ struct RemoteEndpoint final : Entity {
   Published<RemoteKeys> remote_keys;
   std::atomic<std::uint64_t> route = 0;  ///< number of its only valid route; 0 if there is none
   /// Subject whose place it takes among the local writer's receivers.
-  std::optional<std::uint64_t> place = {};
+  std::optional<SubjectId> place_subject = {};
   /// Subject for which the local endpoint counts the match; empty if it is not counted.
-  std::optional<std::uint64_t> share = {};
+  std::optional<SubjectId> match_subject = {};
   bool is_in_crowd = false;  ///< DiscoveryWork counts the match
 };
 

@@ -15,7 +15,7 @@ void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
   state_.release_place(endpoint);
-  endpoint.local.matches.release(endpoint.share);
+  endpoint.local.matches.release(endpoint.match_subject);
   if (endpoint.is_in_crowd)
     endpoint.participant.discovery.work.note_end_of_match(endpoint.local.handle(),
                                                           endpoint.local.matched.size());
@@ -63,7 +63,7 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
     const auto found = state_.local_participant(spi::ParticipantCryptoHandle{local});
     if (!found) continue;
     (*found)->matched.erase(participant.handle());
-    (*found)->receivers.release(pair->place);
+    (*found)->receivers.release(pair->place_subject);
   }
   by_identity_.erase(participant.identity);
   drop(participant);

@@ -147,7 +147,7 @@ Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender, const
 void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender, const Pair& pair,
                      BytesView submessage) {
   if (state.host_checks_sources || sender.kind() != EntityKind::local_writer ||
-      !pair.is_with_ours() || !writer_of_data(submessage))
+      !pair.peer_uses_ddssec() || !writer_of_data(submessage))
     return;
   const auto piece = read_data_piece(submessage);
   if (!piece) return;

@@ -13,7 +13,7 @@ namespace {
 spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
   auto material = key.material().clone();
   const ReadGuard guard;  // a sending thread may change to the next session
-  if (to.is_with_ours()) material.position = key.position();
+  if (to.peer_uses_ddssec()) material.position = key.position();
   if (receiver != nullptr) {
     material.receiver_key_id = receiver->id();
     material.receiver_key = receiver->master().clone();
@@ -192,7 +192,7 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
     return fail(Code::key_revision_not_enabled, {.found = material.kind.to_string()});
   const auto traits = *traits_of(material.kind);
   DDSSEC_RETURN_IF_ERROR(check_cipher(traits, from));
-  if (material.position && !from.is_with_ours()) return fail(Code::key_material_length);
+  if (material.position && !from.peer_uses_ddssec()) return fail(Code::key_material_length);
   return std::make_unique<ReceiveKey>(std::move(material), traits, state_.keys);
 }
 
@@ -373,7 +373,7 @@ Status KeyExchange::set(Local local, Remote remote, std::span<const spi::Token> 
   // A place is taken now and not at the announcement. A host that trusts unprotected discovery also
   // registers readers that an attacker invented in the peer's name. It sends nothing to a reader
   // whose tokens have not come.
-  const bool had_place = endpoint.place.has_value();
+  const bool had_place = endpoint.place_subject.has_value();
   DDSSEC_RETURN_IF_ERROR(state_.claim_place(endpoint, *pair));
   Rollback release([&] {
     if (!had_place) state_.release_place(endpoint);

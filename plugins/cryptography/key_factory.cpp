@@ -211,7 +211,7 @@ Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remo
     state_.report(status.error(), fresh.peer_prefix);
     return status;
   }
-  fresh.place = subject;
+  fresh.place_subject = subject;
   return {};
 }
 
@@ -234,10 +234,10 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
       former->permissions = remote_permissions;
       return spi::ParticipantCryptoHandle{by_identity_.at(remote_identity.value)->handle()};
     }
-    participant->receivers.release(former->place);
+    participant->receivers.release(former->place_subject);
   }
   DDSSEC_RETURN_IF_ERROR(claim_place(*participant, remote_identity, *fresh));
-  Rollback release([&] { participant->receivers.release(fresh->place); });
+  Rollback release([&] { participant->receivers.release(fresh->place_subject); });
   DDSSEC_ASSIGN_OR_RETURN(auto* const remote, remote_with_identity(remote_identity));
   const auto subject = subject_of(remote_identity.value, *fresh);
   remote->discovery.announced.set_account(state_.announcements.of(subject));
@@ -396,7 +396,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
     state_.report(status.error(), pair.peer_prefix);
     return status;
   }
-  remote.share = subject;
+  remote.match_subject = subject;
   if (remote.kind() == EntityKind::remote_reader) {
     work.note_match(local.handle(), local.matched.size(), cause_at(local, now), now);
     remote.is_in_crowd = true;

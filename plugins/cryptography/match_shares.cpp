@@ -5,7 +5,7 @@
 
 namespace ddssec::cryptography {
 
-Status MatchShares::claim(std::uint64_t subject) {
+Status MatchShares::claim(SubjectId subject) {
   auto& count = of_subject_[subject];
   if (count >= kMaxOfSubject)
     return fail(Code::too_many_matches,
@@ -16,7 +16,7 @@ Status MatchShares::claim(std::uint64_t subject) {
   return {};
 }
 
-void MatchShares::release(std::optional<std::uint64_t>& share) noexcept {
+void MatchShares::release(std::optional<SubjectId>& share) noexcept {
   const auto subject = std::exchange(share, std::nullopt);
   const auto found = subject ? of_subject_.find(*subject) : of_subject_.end();
   if (found != of_subject_.end() && --found->second == 0) of_subject_.erase(found);

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "base/result.hpp"
+#include "plugins/cryptography/subject_id.hpp"
 
 namespace ddssec::cryptography {
 
@@ -18,12 +19,12 @@ class MatchShares {
   static constexpr std::size_t kMaxOfSubject = 1024;
 
   /// Counts one more match of the subject. Error: too_many_matches.
-  Status claim(std::uint64_t subject);
+  Status claim(SubjectId subject);
   /// Ends the match if it was counted; `share` is empty afterwards.
-  void release(std::optional<std::uint64_t>& share) noexcept;
+  void release(std::optional<SubjectId>& share) noexcept;
 
  private:
-  std::unordered_map<std::uint64_t, std::size_t> of_subject_;
+  std::unordered_map<SubjectId, std::size_t> of_subject_;
 };
 
 }  // namespace ddssec::cryptography

@@ -11,7 +11,7 @@ std::unexpected<Error> ReceiverPlaces::refuse(std::size_t limit, std::string_vie
                .expected = "at most " + std::to_string(limit) + std::string(whose)});
 }
 
-Status ReceiverPlaces::claim(std::uint64_t subject) {
+Status ReceiverPlaces::claim(SubjectId subject) {
   if (all_ >= max_) return refuse(max_, "");
   auto& count = of_subject_[subject];
   if (count >= share_of(max_)) return refuse(share_of(max_), " of one certificate");
@@ -19,7 +19,7 @@ Status ReceiverPlaces::claim(std::uint64_t subject) {
   return {};
 }
 
-void ReceiverPlaces::release(std::uint64_t subject) noexcept {
+void ReceiverPlaces::release(SubjectId subject) noexcept {
   const auto found = of_subject_.find(subject);
   if (found == of_subject_.end()) return;
   --all_;

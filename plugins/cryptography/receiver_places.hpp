@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/result.hpp"
+#include "plugins/cryptography/subject_id.hpp"
 
 namespace ddssec::cryptography {
 
@@ -33,10 +34,10 @@ class ReceiverPlaces {
       : max_(limit), of_(of) {}
 
   /// Takes a place for one more receiver of a certificate's subject. Error: receiver_places_taken.
-  Status claim(std::uint64_t subject);
-  void release(std::uint64_t subject) noexcept;
+  Status claim(SubjectId subject);
+  void release(SubjectId subject) noexcept;
   /// Releases the place if there is one; `place` is empty afterwards.
-  void release(std::optional<std::uint64_t>& place) noexcept {
+  void release(std::optional<SubjectId>& place) noexcept {
     if (const auto taken = std::exchange(place, std::nullopt)) release(*taken);
   }
 
@@ -45,7 +46,7 @@ class ReceiverPlaces {
 
   std::size_t max_;
   std::string_view of_;
-  std::unordered_map<std::uint64_t, std::size_t> of_subject_;
+  std::unordered_map<SubjectId, std::size_t> of_subject_;
   std::size_t all_ = 0;
 };
 

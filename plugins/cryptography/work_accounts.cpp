@@ -17,7 +17,7 @@ bool WorkAccount::is_too_large(MonotonicTime now) const {
   return debt_.is_too_large(now);
 }
 
-std::shared_ptr<WorkAccount> WorkAccounts::of(std::uint64_t subject, MonotonicTime now) {
+std::shared_ptr<WorkAccount> WorkAccounts::of(SubjectId subject, MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   std::erase_if(accounts_, [&](const auto& entry) {
     return entry.second.use_count() == 1 && entry.second->is_paid(now);

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "plugins/cryptography/subject_id.hpp"
 #include "plugins/cryptography/work_debt.hpp"
 
 namespace ddssec::cryptography {
@@ -30,7 +31,7 @@ class WorkAccount {
 /// debts. A participant that leaves takes no debt with it. Thread-safe.
 class WorkAccounts {
  public:
-  std::shared_ptr<WorkAccount> of(std::uint64_t subject, MonotonicTime now);
+  std::shared_ptr<WorkAccount> of(SubjectId subject, MonotonicTime now);
   std::size_t size() const;
 
  private:

@@ -463,7 +463,7 @@ void AccessControlAdapter::judge_endpoints() {
 // counts as another one that is still valid.
 void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
   std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
-  const auto expired = engine_->expire();
+  const auto expired = engine_->poll();
   judge_endpoints();
   for (const auto handle : expired) ended.emplace_back(handle, facts_.identity_of(handle));
   for (const auto& [handle, own] : ended) {

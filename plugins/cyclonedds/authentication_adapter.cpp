@@ -423,7 +423,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                     [this, revoke](const std::stop_token& stop) {
                       report_clock_steps(*host_, PluginKind::authentication);
                       present_renewed_permissions();
-                      const auto ended = remotes_.to_revoke(engine_->expire());
+                      const auto ended = remotes_.to_revoke(engine_->poll());
                       for (const auto local : ended.locals) {
                         cut_off_access_control(local);
                         cut_off_cryptography(local);

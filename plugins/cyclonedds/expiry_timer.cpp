@@ -38,7 +38,7 @@ void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
 std::chrono::milliseconds ExpiryTimer::next_wait(const Tasks& tasks) const {
   const auto next = tasks.next_expiry();
   if (!next) return longest_wait_;
-  const std::chrono::milliseconds left = *next - clock_.now();
+  const std::chrono::milliseconds left = *next - clock_.calendar_seconds();
   // The clock has whole seconds, and the last one may be nearly over, so the check comes rather too
   // early than too late.
   return std::clamp(left,

@@ -43,14 +43,14 @@ class RemoteIdentities {
   /// the engine.
   std::vector<spi::IdentityHandle> take(spi::IdentityHandle identity);
 
-  /// True if `expire` has reported this local participant.
+  /// True if `poll` has reported this local participant.
   bool has_ended(spi::IdentityHandle local) const;
 
   struct ToRevoke {
     std::vector<spi::IdentityHandle> remotes = {};  ///< the host's handles
     std::vector<spi::IdentityHandle> locals = {};
   };
-  /// Converts the result of the engine's `expire` to the host's handles. The host can remove a
+  /// Converts the result of the engine's `poll` to the host's handles. The host can remove a
   /// remote participant only for all local ones. So a remote participant that is reported only
   /// because a local participant ended stays for the others that have met it.
   ToRevoke to_revoke(std::span<const spi::IdentityHandle> ended);

@@ -143,7 +143,7 @@ class AccessControl {
   /// Authentication::set_permissions_credential_and_token (DDS-Security 1.2, clause 9.4.2.9.18).
   virtual Result<Token> permissions_credential_token(PermissionsHandle local) = 0;
 
-  /// Returns the number of times that `expire` has taken renewed permissions of a local
+  /// Returns the number of times that `poll` has taken renewed permissions of a local
   /// participant. When it grows, the host passes the new permissions_credential_token to
   /// authentication. 0 for any other handle.
   virtual std::uint64_t renewals(PermissionsHandle) { return 0; }
@@ -161,7 +161,7 @@ class AccessControl {
   };
   /// Returns the version in force. Empty for an unknown handle.
   virtual std::optional<GovernanceVersion> governance_version(PermissionsHandle) { return {}; }
-  /// Returns the version of a document that `expire` has taken, and that protects topics in use or
+  /// Returns the version of a document that `poll` has taken, and that protects topics in use or
   /// the whole domain more. It waits until the host has changed what it protects. Until then the
   /// document in force decides everything. Empty if none waits.
   virtual std::optional<GovernanceVersion> pending_governance(PermissionsHandle) { return {}; }
@@ -218,12 +218,12 @@ class AccessControl {
   /// participants from the files that their properties name, if these have changed. No other call
   /// reads files later on. Then raises the events for permissions that ended or whose CA was
   /// removed from the file, and returns their handles, each once. The host then revokes them. As
-  /// with Authentication::expire, a local participant's handle is followed by those of its peers.
+  /// with Authentication::poll, a local participant's handle is followed by those of its peers.
   /// An exception are peers for whose remote identity another local participant has permissions
   /// too: a host that gives all its participants one remote identity (Cyclone DDS) can only remove
   /// such a peer for all of them. If `local` is not nil, only that handle and those of its peers
   /// are checked.
-  virtual std::vector<PermissionsHandle> expire(PermissionsHandle local = {}) = 0;
+  virtual std::vector<PermissionsHandle> poll(PermissionsHandle local = {}) = 0;
 };
 
 }  // namespace ddssec::spi

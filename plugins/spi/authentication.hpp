@@ -37,7 +37,7 @@ inline bool refusal_passes(Code code) {
 /// Nothing that happens to one pair affects another. Only verified documents are shared.
 ///
 /// Thread-safe. A call reads files in only two cases: validate_local_identity reads the configured
-/// files, and `expire` reads those of them that have changed: a revocation list, the identity CAs,
+/// files, and `poll` reads those of them that have changed: a revocation list, the identity CAs,
 /// the certificate and its key. No call does other I/O, waits, or calls back into the host. The
 /// host is responsible for retransmission: it sends the same token again. A refused message changes
 /// nothing: an honest message still succeeds afterwards.
@@ -153,7 +153,7 @@ class Authentication {
   /// the handshake. Error: handshake_not_finished before ok or ok_final_message.
   virtual Result<std::shared_ptr<const SharedSecret>> shared_secret(HandshakeHandle handshake) = 0;
   /// Returns the peer's c.id and c.perm as binary properties (DDS-Security 1.2, clauses 9.3.2.11.8
-  /// and 10.3.2.3). The first `expire` after this call drops them, because peers choose how large
+  /// and 10.3.2.3). The first `poll` after this call drops them, because peers choose how large
   /// they are. Errors: handshake_not_finished, credential_given_out (already dropped).
   virtual Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) = 0;
 
@@ -196,7 +196,7 @@ class Authentication {
   virtual Status return_identity_handle(IdentityHandle identity) = 0;
 
   /// Returns the time when the next certificate in use expires; empty if none does. The host calls
-  /// `expire` at that time, and also once a second, because the clock may be set, or a certificate
+  /// `poll` at that time, and also once a second, because the clock may be set, or a certificate
   /// may be revoked or renewed.
   virtual std::optional<WallTime> next_expiry() = 0;
   /// First takes other identity CAs of a local identity, and a renewed certificate. Handshakes that
@@ -211,7 +211,7 @@ class Authentication {
   ///
   /// If `local` is not nil, only that identity and its remote ones are checked, for a host that
   /// must not touch other users of the engine.
-  virtual std::vector<IdentityHandle> expire(IdentityHandle local = {}) = 0;
+  virtual std::vector<IdentityHandle> poll(IdentityHandle local = {}) = 0;
   /// The number of times that the same documents are offered to a peer that does not answer.
   static constexpr int kMaxOffers = 3;
 };

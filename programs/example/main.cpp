@@ -65,8 +65,8 @@ class ExampleSet {
  public:
   explicit ExampleSet(const Options& options)
       : options_(options),
-        validity_{clock_.now() - std::chrono::hours(24),
-                  clock_.now() + std::chrono::days(options.days)} {}
+        validity_{clock_.calendar_seconds() - std::chrono::hours(24),
+                  clock_.calendar_seconds() + std::chrono::days(options.days)} {}
 
   Status make() {
     DDSSEC_ASSIGN_OR_RETURN(const auto authorities, make_authorities());
@@ -130,7 +130,7 @@ class ExampleSet {
   Status sign(const pki::Credential& signer, const fs::path& document, const fs::path& to) {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(document));
     DDSSEC_ASSIGN_OR_RETURN(const auto signed_document,
-                            pki::sign_document(signer, octets, clock_.now(), random_));
+                            pki::sign_document(signer, octets, clock_.calendar_seconds(), random_));
     return write_file(to, signed_document);
   }
 

@@ -44,7 +44,7 @@ class ParticipantContext {
   const std::shared_ptr<ProcessPeers>& process_peers() const { return process_peers_; }
   const EngineServices& services() const { return services_; }
   MonotonicTime now() const { return services_.clock.monotonic(); }
-  Moment moment() const { return {now(), Time::from(services_.clock.wall())}; }
+  Moment moment() const { return {now(), Time::from(services_.clock.calendar_nanoseconds())}; }
 
   // The caller holds the lock:
   RtpsParticipant& protocol() const { return *protocol_; }

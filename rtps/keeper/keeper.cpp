@@ -99,9 +99,9 @@ Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
                                                const EngineServices& services) {
   DDSSEC_ASSIGN_OR_RETURN(auto store,
                           DurableStore::open(keeps.store, services.events, keeps.store_octets,
-                                             Time::from(services.clock.wall())));
+                                             Time::from(services.clock.calendar_nanoseconds())));
   DDSSEC_RETURN_IF_ERROR(check_store_security(*store, options.security.has_value(),
-                                              Time::from(services.clock.wall())));
+                                              Time::from(services.clock.calendar_nanoseconds())));
   auto domain_tag = options.domain_tag;
   DDSSEC_ASSIGN_OR_RETURN(auto participant,
                           DomainParticipant::create(std::move(options), services));

@@ -232,8 +232,8 @@ void Security::expire() {
   next_expiry_ = core_.now + kExpiryPeriod;
   end_former_keys(core_);
   auto& own = *core_.own;
-  const auto identities = own.plugins().authentication.expire(own.identity());
-  const auto permissions = own.plugins().access_control.expire(own.permissions());
+  const auto identities = own.plugins().authentication.poll(own.identity());
+  const auto permissions = own.plugins().access_control.poll(own.permissions());
   const bool rights_changed = own.present_renewed_permissions();
   const auto ended = [&](spi::IdentityHandle identity, spi::PermissionsHandle handle) {
     return (identity && std::ranges::find(identities, identity) != identities.end()) ||

@@ -67,7 +67,7 @@ class Permissive final : public spi::AccessControl {
     return real_->return_permissions_handle(permissions);
   }
   std::optional<WallTime> next_expiry() override { return {}; }
-  List<Permissions> expire(Permissions) override { return {}; }
+  List<Permissions> poll(Permissions) override { return {}; }
 
   std::unique_ptr<spi::AccessControl> real_;
   const std::string borrowed_;

@@ -178,7 +178,7 @@ void Node::add_sparse_writer(std::string_view topic, std::int64_t numbers) {
   const auto guid = endpoints_.back()->end().guid;
   auto* writer = participant_->local_endpoints().writer(guid);
   if (writer == nullptr) return;
-  const auto time = Time::from(clock_.wall());
+  const auto time = Time::from(clock_.calendar_nanoseconds());
   for (std::int64_t number = 1; number <= numbers; ++number) {
     const bool stays = number == 1 || number == numbers;
     const auto octets = stays ? payload_of(guid, {number}) : Bytes{0, 1, 0, 0};
@@ -267,7 +267,7 @@ void Node::write(Endpoint& endpoint) {
   const SequenceNumber number{around_.ledger.count(guid) + 1};
   const auto octets = payload_of(guid, number);
   if (!writer->history().has_room(octets.size())) return;
-  const auto time = Time::from(clock_.wall());
+  const auto time = Time::from(clock_.calendar_nanoseconds());
   StatusInfo status;
   status.disposed = dice_.chance(100);
   if (subject_.is_honest())

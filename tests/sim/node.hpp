@@ -75,7 +75,7 @@ class Node final : private Transport, private EventSink {
   void receive(const Datagram& datagram);
   void advance(MonotonicTime by);
   /// Sets its calendar.
-  void set_calendar(seconds by) { clock_.set(clock_.now() + by); }
+  void set_calendar(seconds by) { clock_.set(clock_.calendar_seconds() + by); }
   /// Makes it do nothing until then. Datagrams that arrive wait in its socket.
   void sleep_until(MonotonicTime when) { asleep_until_ = when; }
   void write(Endpoint& endpoint);

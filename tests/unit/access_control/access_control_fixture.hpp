@@ -156,7 +156,7 @@ class AccessControlTest : public testing::Test {
   /// As a host does every few seconds. Returns whose permissions have ended.
   std::vector<spi::PermissionsHandle> poll(std::chrono::seconds after = 5s) {
     clock.advance(after);
-    return plugin->expire();
+    return plugin->poll();
   }
   /// As often as a host would in a quarter of a minute. Returns the events of that time.
   std::vector<Code> codes_after_looking() {

@@ -213,7 +213,7 @@ class AlgorithmsOfLaterCas : public ListedAlgorithms {
   void put(const std::string& text) {
     folder_.replace("identity_ca.pem", text);
     clock.advance(5s);
-    plugin->expire();
+    plugin->poll();
   }
 
   const test::TemporaryFolder folder_;

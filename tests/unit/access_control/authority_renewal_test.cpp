@@ -339,7 +339,7 @@ TEST_F(PermissionsCaRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) 
   for (int i = 0; i < 50; ++i) {
     folder_.replace("permissions_ca.pem", "nonsense " + std::to_string(i));
     clock.advance(100ms);
-    plugin->expire();
+    plugin->poll();
   }
   EXPECT_THAT(log.all, testing::SizeIs(testing::AllOf(testing::Ge(2u), testing::Le(5u))));
 }

@@ -82,9 +82,9 @@ TEST_F(ListedPeers, AClockThatGoesBack_EndsNoExtension) {
   put({document({"t"}, 0s, 24h)});
   poll(30s);
   clock.set(kNow + 1s);
-  EXPECT_THAT(plugin->expire(), IsEmpty());
+  EXPECT_THAT(plugin->poll(), IsEmpty());
   clock.set(kNow - 1s);
-  EXPECT_THAT(plugin->expire(), IsEmpty());
+  EXPECT_THAT(plugin->poll(), IsEmpty());
   EXPECT_TRUE(may_publish("t"));
 }
 

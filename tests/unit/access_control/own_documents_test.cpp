@@ -138,10 +138,10 @@ TEST_F(OwnDocumentsRenewal, DocumentPutBetweenTheLastLookAndTheEnd_IsTakenByAllW
   const auto second = from_file();
   ASSERT_TRUE(second);
   clock.advance(24h - 3s);
-  EXPECT_THAT(plugin->expire(), IsEmpty());
+  EXPECT_THAT(plugin->poll(), IsEmpty());
   folder_.replace("permissions.p7s", document({"t", "u"}, 1h, 48h));
   clock.advance(3s);
-  EXPECT_THAT(plugin->expire(), IsEmpty());
+  EXPECT_THAT(plugin->poll(), IsEmpty());
   EXPECT_TRUE(may_publish("u"));
   EXPECT_EQ(plugin->renewals(*second), 1u);
 }

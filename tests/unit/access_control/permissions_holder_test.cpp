@@ -49,16 +49,16 @@ TEST_F(PermissionsExpiry, EndedGrant_IsReportedOnceAndDeniesAlways) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 10s);
   EXPECT_TRUE(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "t"}));
   clock.advance(9s);
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->poll().empty());
   clock.advance(1s);
   EXPECT_REFUSED(plugin->check_remote_datawriter(*peer, 0, {.topic_name = "t"}), grant_expired);
   EXPECT_REFUSED(plugin->check_remote_participant(*peer, 0), grant_expired);
-  EXPECT_EQ(plugin->expire(), std::vector{*peer});
+  EXPECT_EQ(plugin->poll(), std::vector{*peer});
   ASSERT_EQ(log.all.size(), 1u);
   EXPECT_EQ(log.all[0].error.code(), Code::grant_expired);
   EXPECT_EQ(log.all[0].peer_subject, kListener);
   EXPECT_NE(log.all[0].error.to_sentence().find("2026-11-21T00:00:10Z"), std::string::npos);
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->poll().empty());
   EXPECT_EQ(plugin->next_expiry(), kNow + 24h);
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
 }
@@ -71,8 +71,8 @@ TEST_F(PermissionsExpiry, OwnPermissions_AreWarnedOfBeforeTheirEnd) {
   for (int day = 1; day < 100; ++day) {
     log.all.clear();
     clock.advance(24h);
-    EXPECT_TRUE(plugin->expire().empty());
-    EXPECT_TRUE(plugin->expire().empty());
+    EXPECT_TRUE(plugin->poll().empty());
+    EXPECT_TRUE(plugin->poll().empty());
     if (log.all.empty()) continue;
     EXPECT_EQ(log.only(), Code::permissions_end_soon);
     days.push_back(100 - day);
@@ -96,7 +96,7 @@ TEST_F(PermissionsExpiry, CaThatEndsBeforeThePermissions_IsWarnedOf) {
   for (int day = 1; day < 100; ++day) {
     log.all.clear();
     clock.advance(24h);
-    EXPECT_TRUE(plugin->expire().empty());
+    EXPECT_TRUE(plugin->poll().empty());
     if (log.all.empty()) continue;
     EXPECT_EQ(log.only(), Code::permissions_end_soon);
     days.push_back(100 - day);
@@ -111,7 +111,7 @@ TEST_F(PermissionsExpiry, OwnPermissionsThatAnotherGrantFollows_AreNotWarnedOf) 
   ASSERT_OK(local(signed_permissions({first, second})));
   for (int day = 1; day < 100; ++day) {
     clock.advance(24h);
-    plugin->expire();
+    plugin->poll();
   }
   EXPECT_TRUE(log.all.empty());
 }
@@ -122,7 +122,7 @@ TEST_F(PermissionsExpiry, PeersPermissions_AreNotOurs) {
   of_peer.validity = {kNow - 24h * 20, kNow + 25h};
   ASSERT_OK(remote(signed_permissions({of_peer})));
   clock.advance(2h);
-  plugin->expire();
+  plugin->poll();
   EXPECT_TRUE(log.all.empty());
 }
 
@@ -140,11 +140,11 @@ TEST_F(PermissionsExpiry, ClockThatJumps_IsFollowed) {
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
   clock.set(kNow - 48h);
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->poll().empty());
   EXPECT_REFUSED(local(open_permissions(kTalker)), certificate_not_yet_valid);
   clock.set(kNow + 25h);
   EXPECT_REFUSED(plugin->check_create_participant(*own, 0), grant_expired);
-  EXPECT_EQ(plugin->expire().size(), 1u);
+  EXPECT_EQ(plugin->poll().size(), 1u);
 }
 
 TEST_F(PermissionsExpiry, AnotherGrantOfTheDocument_TakesOver) {
@@ -155,7 +155,7 @@ TEST_F(PermissionsExpiry, AnotherGrantOfTheDocument_TakesOver) {
   ASSERT_TRUE(own);
   EXPECT_EQ(plugin->next_expiry(), kNow + 10s);
   clock.advance(10s);
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->poll().empty());
   EXPECT_EQ(plugin->next_expiry(), kNow + 24h);
   EXPECT_TRUE(plugin->check_create_participant(*own, 0));
 }
@@ -166,8 +166,8 @@ TEST_F(PermissionsExpiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame)
   ASSERT_TRUE(own);
   const auto first_then = [&](governance::GrantRule rule, bool default_allow) {
     auto first = grant(kListener, {publish_rule(true, {"t", "u"})}), next = first;
-    first.validity.not_after = clock.now() + 10s;
-    next.validity.not_before = clock.now() + 5s;
+    first.validity.not_after = clock.calendar_seconds() + 10s;
+    next.validity.not_before = clock.calendar_seconds() + 5s;
     next.rules = {std::move(rule)};
     next.default_allow = default_allow;
     next.line = 99;
@@ -181,15 +181,15 @@ TEST_F(PermissionsExpiry, EndOfAPeersGrant_EndsThePeerUnlessTheNextGivesTheSame)
                               first_then(subscribe_rule(true, {"t", "u"}), false),
                               first_then(publish_rule(false, {"t", "u"}), false),
                               first_then(publish_rule(true, {"t", "u"}), true)};
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->poll().empty());
   clock.advance(10s);
   EXPECT_REFUSED(plugin->check_remote_datawriter(others[0], 0, {.topic_name = "t"}), grant_expired);
   log.all.clear();
-  EXPECT_EQ(plugin->expire(), others);
+  EXPECT_EQ(plugin->poll(), others);
   EXPECT_EQ(log.all.size(), others.size());
   for (const auto& event : log.all) EXPECT_EQ(event.error.code(), Code::grant_expired);
   EXPECT_TRUE(plugin->check_remote_datawriter(same, 0, {.topic_name = "u"}));
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_TRUE(plugin->poll().empty());
 }
 
 // T2 (docs/attacks.md): an expired CA is accepted. Here the permissions CA ends.
@@ -204,7 +204,7 @@ TEST_F(PermissionsExpiry, EndOfThePermissionsCa_EndsWhatItSigned) {
   EXPECT_EQ(plugin->next_expiry(), kNow + 11s);
   clock.advance(11s);
   EXPECT_REFUSED(plugin->check_create_participant(*own, 0), certificate_expired);
-  EXPECT_EQ(plugin->expire(), std::vector{*own});
+  EXPECT_EQ(plugin->poll(), std::vector{*own});
 }
 
 // Cyclone DDS keeps the writers of a participant that it deleted, so their readers must go.
@@ -215,8 +215,8 @@ TEST_F(PermissionsExpiry, EndOfALocalParticipant_EndsItsPeersUnlessAnotherHasThe
   const auto peer = remote(open_permissions(kListener));
   ASSERT_TRUE(own && peer);
   clock.advance(10s);
-  EXPECT_EQ(plugin->expire(), (std::vector{*own, *peer}));
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_EQ(plugin->poll(), (std::vector{*own, *peer}));
+  EXPECT_TRUE(plugin->poll().empty());
 }
 
 TEST_F(PermissionsExpiry, EndOfALocalParticipant_LeavesThePeersOfAnother) {
@@ -234,14 +234,14 @@ TEST_F(PermissionsExpiry, EndOfALocalParticipant_LeavesThePeersOfAnother) {
       steady, kRemoteIdentity, permissions_token(),
       credential(authorities().listener, open_permissions(kListener))));
   clock.advance(10s);
-  EXPECT_EQ(plugin->expire(), std::vector{*own});
+  EXPECT_EQ(plugin->poll(), std::vector{*own});
 }
 
 TEST_F(PermissionsExpiry, LocalParticipantsThatEndTogether_EndThePeersTheyShare) {
   TwoLocals two(*this, brief());
   clock.advance(10s);
-  EXPECT_EQ(plugin->expire(), (std::vector{two.first, two.second, two.at_first, two.at_second}));
-  EXPECT_TRUE(plugin->expire().empty());
+  EXPECT_EQ(plugin->poll(), (std::vector{two.first, two.second, two.at_first, two.at_second}));
+  EXPECT_TRUE(plugin->poll().empty());
 }
 
 // A host that has one participant must not get the events of another host's participant, nor take
@@ -249,10 +249,10 @@ TEST_F(PermissionsExpiry, LocalParticipantsThatEndTogether_EndThePeersTheyShare)
 TEST_F(PermissionsExpiry, EndOfALocalParticipant_IsToldToItsOwnHostOnly) {
   TwoLocals two(*this, brief(), spi::IdentityHandle{9});
   clock.advance(10s);
-  EXPECT_EQ(plugin->expire(two.second), (std::vector{two.second, two.at_second}));
-  EXPECT_EQ(plugin->expire(two.first), (std::vector{two.first, two.at_first}));
-  EXPECT_TRUE(plugin->expire().empty());
-  EXPECT_TRUE(plugin->expire({99}).empty());
+  EXPECT_EQ(plugin->poll(two.second), (std::vector{two.second, two.at_second}));
+  EXPECT_EQ(plugin->poll(two.first), (std::vector{two.first, two.at_first}));
+  EXPECT_TRUE(plugin->poll().empty());
+  EXPECT_TRUE(plugin->poll({99}).empty());
 }
 
 TEST_F(PermissionsExpiry, EndOfAPeer_IsToldToEachHostThatKnowsIt) {
@@ -260,8 +260,8 @@ TEST_F(PermissionsExpiry, EndOfAPeer_IsToldToEachHostThatKnowsIt) {
   ends.validity.not_after = kNow + 10s;
   TwoLocals two(*this, open_permissions(kTalker), kRemoteIdentity, signed_permissions({ends}));
   clock.advance(10s);
-  EXPECT_EQ(plugin->expire(two.first), std::vector{two.at_first});
-  EXPECT_EQ(plugin->expire(two.second), std::vector{two.at_second});
+  EXPECT_EQ(plugin->poll(two.first), std::vector{two.at_first});
+  EXPECT_EQ(plugin->poll(two.second), std::vector{two.at_second});
 }
 
 TEST_F(PermissionsExpiry, PluginWithoutParticipants_HasNoNextEnd) {

@@ -35,9 +35,9 @@ TEST_F(ShownPermissions, Taken_CountFromThenOnUnderTheSameHandle) {
   EXPECT_FALSE(may_match("t")) << "what was announced before is judged anew";
   EXPECT_TRUE(may_publish("u"));
   clock.advance(13h);
-  EXPECT_THAT(plugin->expire(), IsEmpty()) << "the former end does not count";
+  EXPECT_THAT(plugin->poll(), IsEmpty()) << "the former end does not count";
   clock.advance(12h);
-  plugin->expire();
+  plugin->poll();
   clock.advance(24h);
   EXPECT_FALSE(may_publish("u"));
 }
@@ -97,7 +97,7 @@ TEST_F(ShownPermissions, InvalidNow_AreRefused) {
 
 TEST_F(ShownPermissions, PeerThatHasEnded_IsRefused) {
   clock.advance(13h);
-  EXPECT_THAT(plugin->expire(), ElementsAre(peer_));
+  EXPECT_THAT(plugin->poll(), ElementsAre(peer_));
   EXPECT_REFUSED(show(document({"t"}, 12h, 48h)), permissions_renewal_refused);
 }
 

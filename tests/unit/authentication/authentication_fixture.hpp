@@ -102,7 +102,7 @@ struct Engine {
   /// As a host does every few seconds. Returns which identities have ended.
   std::vector<spi::IdentityHandle> poll(std::chrono::seconds after = std::chrono::seconds(5)) {
     clock.advance(after);
-    return plugin->expire();
+    return plugin->poll();
   }
   /// As often as a host would in a quarter of a minute. Returns the events of that time; `ended`
   /// has the identities that ended in it.

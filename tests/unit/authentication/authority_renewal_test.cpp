@@ -166,7 +166,7 @@ struct RelativeIdentityPaths : testing::Test {
     engine.events.all.clear();
     for (int i = 0; i < 3; ++i) {
       engine.clock.advance(5s);
-      EXPECT_THAT(engine->expire(), IsEmpty());
+      EXPECT_THAT(engine->poll(), IsEmpty());
     }
     std::vector<std::pair<Code, std::string>> out;
     for (const auto& event : engine.events.all)
@@ -293,14 +293,14 @@ TEST_F(IdentityCaRenewal, RevocationList_IsTakenTogetherWithItsCa) {
   other.events.all.clear();
   for (int i = 0; i < 3; ++i) {
     other.clock.advance(5s);
-    EXPECT_THAT(other->expire(), IsEmpty());
+    EXPECT_THAT(other->poll(), IsEmpty());
   }
   std::vector<Code> codes;
   for (const auto& event : other.events.all) codes.push_back(event.error.code());
   EXPECT_THAT(codes, ElementsAre(Code::identity_ca_renewed, Code::identity_renewed));
   folder_.replace("crl.pem", pem({2, {next.certificate}}, new_ca()));
   other.clock.advance(5s);
-  EXPECT_THAT(other->expire(), ElementsAre(alone.handle)) << "later lists do not count";
+  EXPECT_THAT(other->poll(), ElementsAre(alone.handle)) << "later lists do not count";
 }
 
 TEST_F(IdentityCaRenewal, ListsOfBothCas_CountDuringTheOverlap) {
@@ -312,11 +312,11 @@ TEST_F(IdentityCaRenewal, ListsOfBothCas_CountDuringTheOverlap) {
   put({&old_ca(), &new_ca()});
   for (int i = 0; i < 3; ++i) {
     other.clock.advance(5s);
-    EXPECT_THAT(other->expire(), IsEmpty());
+    EXPECT_THAT(other->poll(), IsEmpty());
   }
   folder_.replace("crl.pem", pem({5, {identity.certificate}}, old_ca()) + pem({}, new_ca()));
   other.clock.advance(5s);
-  EXPECT_THAT(other->expire(), ElementsAre(alone.handle));
+  EXPECT_THAT(other->poll(), ElementsAre(alone.handle));
 }
 
 // ---- what is refused
@@ -399,7 +399,7 @@ TEST_F(IdentityCaRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
   for (int i = 0; i < 50; ++i) {
     folder_.replace("identity_ca.pem", "nonsense " + std::to_string(i));
     engine().clock.advance(100ms);
-    engine()->expire();
+    engine()->poll();
   }
   EXPECT_THAT(events(), testing::SizeIs(testing::AllOf(testing::Ge(2u), testing::Le(5u))));
 }
@@ -444,7 +444,7 @@ TEST_F(IdentityCaRenewal, IntervalOfZero_MeansNever) {
   other.events.all.clear();
   put({&old_ca(), &new_ca()});
   other.clock.advance(60s);
-  other->expire();
+  other->poll();
   EXPECT_THAT(other.events.all, IsEmpty());
 }
 
@@ -459,7 +459,7 @@ TEST_F(IdentityCaRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
   put({&old_ca(), &new_ca()});
   for (int i = 0; i < 3; ++i) {
     other.clock.advance(5s);
-    other->expire();
+    other->poll();
   }
   ASSERT_EQ(other.events.all.size(), 1u);
   EXPECT_EQ(other.events.all.front().error.code(), Code::identity_ca_renewal_refused);
@@ -484,7 +484,7 @@ TEST(AuthorityRenewalOfOneKey, CaThatLivesLonger_MovesTheEndOfSessions) {
   EXPECT_THAT(engine.codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
   EXPECT_EQ(engine->next_expiry(), kYear.not_after);
   engine.clock.advance(days(31));
-  EXPECT_THAT(engine->expire(), IsEmpty());
+  EXPECT_THAT(engine->poll(), IsEmpty());
 }
 
 }  // namespace

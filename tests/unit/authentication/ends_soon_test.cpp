@@ -22,8 +22,8 @@ class Alone {
     engine_.events.all.clear();
     for (int i = 0; i < count; ++i) {
       engine_.clock.advance(days(1));
-      engine_->expire();
-      engine_->expire();
+      engine_->poll();
+      engine_->poll();
     }
     return engine_.events.codes();
   }
@@ -109,7 +109,7 @@ TEST(EndsSoon, PeersCertificate_IsNotOurs) {
                   make_identity(test_ca(), "CN=bob,O=Example", {}, {kNow, kNow + days(8)}, 1));
   pairing.expect_success();
   pairing.first_engine.clock.advance(days(7) + 1h);
-  EXPECT_TRUE(pairing.first_engine->expire().empty());
+  EXPECT_TRUE(pairing.first_engine->poll().empty());
   EXPECT_TRUE(pairing.first_engine.events.all.empty());
 }
 

@@ -88,7 +88,7 @@ TEST_F(Renewal, KeyInTheProperties_StaysAndTheCertificateMustBeForIt) {
   const auto look_there = [&] {
     for (int i = 0; i < 3; ++i) {
       other.clock.advance(5s);
-      other->expire();
+      other->poll();
     }
   };
   folder_.replace("cert.pem", renewed(3).certificate.pem());
@@ -108,7 +108,7 @@ TEST_F(Renewal, IntervalOfZero_MeansNever) {
   other.events.all.clear();
   put(renewed());
   other.clock.advance(60s);
-  other->expire();
+  other->poll();
   EXPECT_THAT(other.events.all, IsEmpty());
 }
 
@@ -139,7 +139,7 @@ TEST_F(Renewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
   for (int i = 0; i < 50; ++i) {
     folder_.replace("cert.pem", "nonsense " + std::to_string(i));
     engine().clock.advance(100ms);
-    engine()->expire();
+    engine()->poll();
   }
   EXPECT_THAT(events(), testing::SizeIs(testing::AllOf(testing::Ge(2u), testing::Le(5u))));
 }

@@ -29,14 +29,13 @@ TEST(IdentityExpiry, EndedIdentities_AreRevokedOnce) {
   EXPECT_EQ(pairing.first_engine->next_expiry(), kNow + 10s);
   EXPECT_EQ(pairing.second_engine->next_expiry(), kNow + 10s);
   ending.advance(9s);
-  EXPECT_TRUE(pairing.first_engine->expire().empty());
-  EXPECT_TRUE(pairing.second_engine->expire().empty());
+  EXPECT_TRUE(pairing.first_engine->poll().empty());
+  EXPECT_TRUE(pairing.second_engine->poll().empty());
   ending.advance(1s);
-  EXPECT_EQ(pairing.first_engine->expire(), std::vector{ending.bob_at_alice()});
-  EXPECT_EQ(pairing.second_engine->expire(),
-            (std::vector{pairing.b.handle, ending.alice_at_bob()}));
-  EXPECT_TRUE(pairing.first_engine->expire().empty());
-  EXPECT_TRUE(pairing.second_engine->expire().empty());
+  EXPECT_EQ(pairing.first_engine->poll(), std::vector{ending.bob_at_alice()});
+  EXPECT_EQ(pairing.second_engine->poll(), (std::vector{pairing.b.handle, ending.alice_at_bob()}));
+  EXPECT_TRUE(pairing.first_engine->poll().empty());
+  EXPECT_TRUE(pairing.second_engine->poll().empty());
   EXPECT_EQ(pairing.first_engine->next_expiry(), kYear.not_after);
 
   ASSERT_EQ(pairing.first_engine.events.all.size(), 1u);
@@ -53,8 +52,8 @@ TEST(IdentityExpiry, AnEndedIdentity_IsRefusedEverywhere) {
   auto& pairing = ending.pairing;
   pairing.expect_success();
   ending.advance(10s);
-  pairing.first_engine->expire();
-  pairing.second_engine->expire();
+  pairing.first_engine->poll();
+  pairing.second_engine->poll();
   EXPECT_CODE(pairing.a.discover(pairing.b), identity_ended);
   EXPECT_CODE(pairing.b.discover(pairing.a), identity_ended);
   EXPECT_CODE(pairing.two.request(), identity_ended);
@@ -72,9 +71,9 @@ TEST(IdentityExpiry, CalendarThatIsSet_IsFollowed) {
   auto& pairing = ending.pairing;
   pairing.expect_success();
   pairing.first_engine.clock.set(kNow - 12h);
-  EXPECT_TRUE(pairing.first_engine->expire().empty());
+  EXPECT_TRUE(pairing.first_engine->poll().empty());
   pairing.first_engine.clock.set(kNow + 1001h);
-  EXPECT_EQ(pairing.first_engine->expire(), std::vector{ending.bob_at_alice()});
+  EXPECT_EQ(pairing.first_engine->poll(), std::vector{ending.bob_at_alice()});
 }
 
 TEST(IdentityExpiry, EveryStep_JudgesAgain) {
@@ -105,7 +104,7 @@ TEST(IdentityExpiry, EndOfTheCa_Counts) {
   Participant alice(engine, make_identity(ca, "CN=alice"), 1);
   EXPECT_EQ(engine->next_expiry(), kNow + 5s);
   engine.clock.advance(5s);
-  EXPECT_EQ(engine->expire(), std::vector{alice.handle});
+  EXPECT_EQ(engine->poll(), std::vector{alice.handle});
   EXPECT_EQ(engine.events.all.at(0).error.details().document, "CN=Short CA");
 }
 

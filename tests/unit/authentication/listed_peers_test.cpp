@@ -98,12 +98,12 @@ class OwnListed : public testing::Test {
   void renew(const pki::Certificate& next) {
     second_.clock.advance(5s);
     folder_.replace("cert.pem", next.pem());
-    EXPECT_THAT(second_->expire(), IsEmpty());
+    EXPECT_THAT(second_->poll(), IsEmpty());
   }
   std::vector<Code> codes_at_the_end() {
     second_.events.all.clear();
     second_.clock.advance(15s);
-    ended_ = second_->expire();
+    ended_ = second_->poll();
     return second_.events.codes();
   }
 
@@ -166,7 +166,7 @@ TEST(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) {
   Pairing::expect_finish_of(two, *request, *reply);
   const auto poll = [&] {
     first.clock.advance(5s);
-    return first->expire();
+    return first->poll();
   };
   const auto own = make_identity(new_ca, kAlice, {}, {kNow, kNow + 400 * 24h});
   put_own(own);

@@ -228,7 +228,7 @@ TEST(ListedPlace, PlaceInTheProperty_IsReadInsteadOfTheUsualOne) {
   Pairing pairing(identity, bob_with(kShort));
   pairing.expect_success();
   pairing.first_engine.clock.advance(20s);
-  EXPECT_THAT(pairing.first_engine->expire(), IsEmpty());
+  EXPECT_THAT(pairing.first_engine->poll(), IsEmpty());
 }
 
 TEST(ListedPlace, UriThatNamesNoFile_IsRefused) {

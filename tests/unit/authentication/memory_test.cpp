@@ -40,7 +40,7 @@ struct Scene {
   std::size_t poll() {
     pairing.first_engine.clock.advance(5s);
     try {
-      return pairing.first_engine->expire().size();
+      return pairing.first_engine->poll().size();
     } catch (const std::bad_alloc&) {
       return 0;
     }

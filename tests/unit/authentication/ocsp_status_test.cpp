@@ -194,7 +194,7 @@ TEST(RenewalListUnderOcsp, ListWithoutTheDemandedResponse_KeepsNoPeer) {
     const auto& high = alice_is_low ? short_lived.certificate : alice().certificate;
     ASSERT_OK(meeting.meet(Meeting::replace(good(low)), Meeting::replace(good(high))));
     pairing.first_engine.clock.advance(20s);
-    EXPECT_EQ(pairing.first_engine->expire().size(), policy == std::string_view("hard") ? 1u : 0u);
+    EXPECT_EQ(pairing.first_engine->poll().size(), policy == std::string_view("hard") ? 1u : 0u);
   }
 }
 

@@ -39,7 +39,7 @@ TEST(OwnOcsp, LaterResponse_IsTaken) {
   const auto response = response_about(own.certificate);
   folder.replace(alice_begins ? "ocsp.der" : "bob.der", std::string(as_text(response)));
   engine.clock.advance(6s);
-  EXPECT_TRUE(engine->expire().empty());
+  EXPECT_TRUE(engine->poll().empty());
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
   // The request is the same, because it still waits for its reply.
   const auto request = two.request();
@@ -56,7 +56,7 @@ struct OwnOcspFile : testing::Test {
   }
   std::vector<IdentityHandle> poll() {
     engine.clock.advance(1s);
-    return engine->expire();
+    return engine->poll();
   }
   const test::TemporaryFolder folder;
   Identity identity = with_file(alice(), folder);

@@ -12,10 +12,10 @@ TEST(PkiDhSessions, TheCredential_IsDroppedOnceItWasGivenOut) {
   ASSERT_OK(rep);
   pairing.expect_finish(*req, *rep);
   auto& low = *pairing.two.low.engine;
-  low->expire();  // must not expire the credential before it was given out
+  low->poll();  // must not expire the credential before it was given out
   EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
   EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
-  low->expire();
+  low->poll();
   EXPECT_CODE(low->authenticated_peer_credential_token(req->handle), credential_given_out);
   EXPECT_TRUE(low->shared_secret(req->handle));
   // Another handshake has a credential of its own.

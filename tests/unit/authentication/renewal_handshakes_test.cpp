@@ -39,7 +39,7 @@ TEST_F(Renewal, RequestThatWasSent_IsRepeatedForAWhileAndThenMadeAnew) {
   const auto next = renewed(3);
   put(next);
   engine().clock.advance(1s);
-  engine()->expire();
+  engine()->poll();
   EXPECT_EQ(events().back().error.code(), Code::identity_renewed);
   EXPECT_EQ(with.two.request()->handle, first->handle);
   engine().clock.advance(kPendingAge);
@@ -60,7 +60,7 @@ TEST_F(Renewal, RequestThatComesAgain_IsAnsweredAnewAfterAWhile) {
   const auto next = renewed(3);
   put(next);
   engine().clock.advance(1s);
-  engine()->expire();
+  engine()->poll();
   EXPECT_EQ(with.two.reply(*request->message)->handle, first->handle);
   engine().clock.advance(kPendingAge);
   const auto second = with.two.reply(*request->message);

@@ -58,7 +58,7 @@ TEST_F(Renewal, RevokedCertificate_IsRefused) {
   put(next);
   for (int i = 0; i < 3; ++i) {
     other.clock.advance(5s);
-    EXPECT_THAT(other->expire(), IsEmpty());
+    EXPECT_THAT(other->poll(), IsEmpty());
   }
   ASSERT_EQ(other.events.all.size(), 1u);
   EXPECT_EQ(other.events.all.back().error.code(), Code::identity_renewal_refused);
@@ -74,7 +74,7 @@ TEST_F(Renewal, ListWithTheFormerCertificate_DoesNotEndUs) {
   folder_.replace("crl.pem", pem({2, {first_of_alice().certificate}}, long_lived_ca()));
   for (int i = 0; i < 3; ++i) {
     other.clock.advance(5s);
-    EXPECT_THAT(other->expire(), IsEmpty());
+    EXPECT_THAT(other->poll(), IsEmpty());
   }
 }
 
@@ -103,13 +103,13 @@ TEST_F(Renewal, CertificateThatComesTooLate_IsNotTaken) {
 TEST_F(Renewal, CertificateOfTheLastSecond_IsTaken) {
   put(renewed(0, {kNow, kNow + days(900)}));
   engine().clock.advance(kYear.not_after - kNow + 10s);
-  EXPECT_THAT(engine()->expire(), IsEmpty());
+  EXPECT_THAT(engine()->poll(), IsEmpty());
   EXPECT_EQ(events().back().error.code(), Code::identity_renewed);
 }
 
 TEST_F(Renewal, Warnings_FollowTheNewEnd) {
   engine().clock.advance(days(340));
-  engine()->expire();
+  engine()->poll();
   EXPECT_EQ(events().back().error.code(), Code::identity_ends_soon);
   put(renewed(0, {kNow + days(340), kNow + days(440)}));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
@@ -157,7 +157,7 @@ TEST_F(RenewalWithBob, PeerOnTheOtherSide_EndsUsAtTheSameTime) {
   bobs.clock.advance(days(30) + 1s);
   const auto alice_at_bob =
       &pairing_.two.low == &pairing_.a ? pairing_.two.low_at_high : pairing_.two.high_at_low;
-  EXPECT_THAT(bobs->expire(), ElementsAre(alice_at_bob));
+  EXPECT_THAT(bobs->poll(), ElementsAre(alice_at_bob));
 }
 
 // Fast DDS judges no certificate again during a session, and answers no handshake that begins

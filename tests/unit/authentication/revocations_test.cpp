@@ -26,7 +26,7 @@ class RunningRevocation : public testing::Test {
     std::vector<IdentityHandle> ended;
     for (int i = 0; i < 3; ++i) {
       engine().clock.advance(5s);
-      for (const auto handle : engine()->expire()) ended.push_back(handle);
+      for (const auto handle : engine()->poll()) ended.push_back(handle);
     }
     return ended;
   }
@@ -131,8 +131,8 @@ TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
   ASSERT_OK(other.at_high(reply->handle, *final->message));
   folder_.replace("crl.pem", pem({2, {bob().certificate}}));
   engine().clock.advance(5s);
-  EXPECT_TRUE(engine()->expire(second.handle).empty());
-  EXPECT_EQ(engine()->expire(pairing_.a.handle), std::vector{bob_at_alice()});
+  EXPECT_TRUE(engine()->poll(second.handle).empty());
+  EXPECT_EQ(engine()->poll(pairing_.a.handle), std::vector{bob_at_alice()});
   EXPECT_TRUE(wait().empty());
   EXPECT_TRUE(second.discover(pairing_.b));
 }
@@ -265,10 +265,10 @@ TEST_F(RunningRevocation, AFileThatIsJustBeingWritten_IsNoReasonToComplain) {
   wait();
   folder_.write("crl.pem", whole.substr(0, whole.size() / 2));
   engine().clock.advance(5s);
-  EXPECT_TRUE(engine()->expire().empty());
+  EXPECT_TRUE(engine()->poll().empty());
   folder_.write("crl.pem", whole);
   engine().clock.advance(5s);
-  EXPECT_EQ(engine()->expire(), std::vector{bob_at_alice()});
+  EXPECT_EQ(engine()->poll(), std::vector{bob_at_alice()});
   EXPECT_EQ(codes(), (std::vector{Code::crl_renewed, Code::certificate_revoked}));
 }
 
@@ -295,7 +295,7 @@ TEST(RevokedAuthority, RevokedCa_EndsThePeersItIssued) {
   auto& engine = pairing.first_engine;
   const auto poll = [&] {
     engine.clock.advance(5s);
-    return engine->expire();
+    return engine->poll();
   };
   folder.replace("crl.pem", pem({2, {cas.sub.certificate()}}, cas.root) + pem({}, cas.sub));
   EXPECT_EQ(poll().size(), 1u);
@@ -326,7 +326,7 @@ TEST(RevokedAuthority, ListOfEachCa_MustStay) {
   folder.replace("crl.pem", pem({2}, cas.root));
   for (int i = 0; i < 3; ++i) {
     engine.clock.advance(5s);
-    EXPECT_TRUE(engine->expire().empty());
+    EXPECT_TRUE(engine->poll().empty());
   }
   ASSERT_EQ(engine.events.all.size(), 1u);
   EXPECT_EQ(engine.events.all[0].error.code(), Code::crl_missing);
@@ -353,7 +353,7 @@ TEST(ManyRevoked, ManyRevokedPeers_EndAtOnce) {
   }
   folder.replace("crl.pem", pem(list));
   ours.clock.advance(5s);
-  EXPECT_EQ(ours->expire().size(), kPeers / 2u);
+  EXPECT_EQ(ours->poll().size(), kPeers / 2u);
 }
 
 // Lists arrive while other threads shake hands. Each peer that is revoked at the end is out.
@@ -376,7 +376,7 @@ TEST(ManyRevoked, RevocationDuringHandshakes_EndsEveryRevokedPeer) {
       const auto final = two.at_low(request->handle, *reply->message);
       is_in = final && two.at_high(reply->handle, *final->message);
     });
-    const auto ended = pairing.first_engine->expire();
+    const auto ended = pairing.first_engine->poll();
     hands.join();
     if (revokes)
       EXPECT_TRUE(!is_in || !ended.empty());

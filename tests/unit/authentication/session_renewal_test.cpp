@@ -56,7 +56,7 @@ class SessionRenewal : public testing::Test {
     for (int i = 0; i < 2; ++i) {
       alice().clock.advance(5s);
       bob().clock.advance(5s);
-      alice()->expire();
+      alice()->poll();
     }
   }
   std::optional<Token> offer() { return alice()->offer_renewal(at_alice_).value(); }
@@ -83,8 +83,8 @@ class SessionRenewal : public testing::Test {
     EXPECT_EQ(bob()->next_expiry(), kShort.not_after);
   }
   std::vector<IdentityHandle> ended(Engine& engine, WallTime at) {
-    engine.clock.advance(at - engine.clock.now());
-    return engine->expire();
+    engine.clock.advance(at - engine.clock.calendar_seconds());
+    return engine->poll();
   }
   Engine& alice() { return pairing_.first_engine; }
   Engine& bob() { return pairing_.second_engine; }

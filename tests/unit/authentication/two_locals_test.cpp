@@ -184,10 +184,10 @@ TEST(TwoLocals, TheEndOfTheRemote_IsToldToEach) {
   Handshake(world.of_first).all();
   Handshake(world.of_second).all();
   world.advance(10s);
-  EXPECT_EQ(world.ours->expire(world.first.handle), std::vector{world.remote_of_first()});
-  EXPECT_TRUE(world.ours->expire(world.first.handle).empty());
-  EXPECT_EQ(world.ours->expire(world.second.handle), std::vector{world.remote_of_second()});
-  EXPECT_TRUE(world.ours->expire().empty());
+  EXPECT_EQ(world.ours->poll(world.first.handle), std::vector{world.remote_of_first()});
+  EXPECT_TRUE(world.ours->poll(world.first.handle).empty());
+  EXPECT_EQ(world.ours->poll(world.second.handle), std::vector{world.remote_of_second()});
+  EXPECT_TRUE(world.ours->poll().empty());
 }
 
 TEST(TwoLocals, HostThatAsksForAll_IsToldOfAll) {
@@ -195,8 +195,8 @@ TEST(TwoLocals, HostThatAsksForAll_IsToldOfAll) {
   Handshake(world.of_first).all();
   Handshake(world.of_second).all();
   world.advance(10s);
-  EXPECT_EQ(world.ours->expire(), (std::vector{world.remote_of_first(), world.remote_of_second()}));
-  EXPECT_TRUE(world.ours->expire(world.second.handle).empty());
+  EXPECT_EQ(world.ours->poll(), (std::vector{world.remote_of_first(), world.remote_of_second()}));
+  EXPECT_TRUE(world.ours->poll(world.second.handle).empty());
 }
 
 TEST(TwoLocals, EndOfOne_LeavesTheOthersRemote) {
@@ -205,10 +205,10 @@ TEST(TwoLocals, EndOfOne_LeavesTheOthersRemote) {
   Handshake second(world.of_second), again(world.of_second);
   second.all();
   world.advance(10s);
-  EXPECT_TRUE(world.ours->expire(world.second.handle).empty());
-  EXPECT_EQ(world.ours->expire(world.first.handle),
+  EXPECT_TRUE(world.ours->poll(world.second.handle).empty());
+  EXPECT_EQ(world.ours->poll(world.first.handle),
             (std::vector{world.first.handle, world.remote_of_first()}));
-  EXPECT_TRUE(world.ours->expire().empty());
+  EXPECT_TRUE(world.ours->poll().empty());
   second.expect_one_secret();
   EXPECT_TRUE(world.second.discover(world.remote));
   again.all();

@@ -15,7 +15,7 @@ struct UnprovenOctetsTest : testing::Test {
   std::vector<HandshakeHandle> add(std::uint8_t subject, std::size_t count) {
     auto share = octets.claim(Sha256Digest{subject}, count, 0);
     const HandshakeHandle owner{++last};
-    share.belongs_to(owner);
+    share.assign_to(owner);
     held.push_back(std::move(share));
     return octets.excess(random, owner);
   }

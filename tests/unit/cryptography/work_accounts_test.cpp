@@ -28,7 +28,7 @@ TEST(WorkAccounts, ParticipantsOfOneCertificate_HaveOneDebt) {
 
 TEST(WorkAccounts, PaidOnesWithoutParticipants_AreForgotten) {
   WorkAccounts accounts;
-  for (std::uint64_t subject = 0; subject < 1000; ++subject) accounts.of(subject, 1s);
+  for (SubjectId subject = 0; subject < 1000; ++subject) accounts.of(subject, 1s);
   EXPECT_EQ(accounts.size(), 1u);
 }
 

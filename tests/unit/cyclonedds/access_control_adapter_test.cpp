@@ -277,7 +277,7 @@ TEST_F(AccessControlAdapterTest, Permissions_AreReturned) {
 std::atomic<DDS_Security_PermissionsHandle> revoked_permissions{0};
 
 TEST_F(AccessControlAdapterTest, ExpiredPermissions_AreRevokedThroughTheListener) {
-  ON_CALL(engine, expire).WillByDefault(Return(std::vector<Handle>{{41}}));
+  ON_CALL(engine, poll).WillByDefault(Return(std::vector<Handle>{{41}}));
   ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
   const dds_security_access_control_listener listener{
       [](const dds_security_access_control*,

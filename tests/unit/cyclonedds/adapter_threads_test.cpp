@@ -24,7 +24,7 @@ struct Mortal : MockAuthentication {
   }
   Status return_identity_handle(spi::IdentityHandle) override { return {}; }
   std::optional<WallTime> next_expiry() override { return WallTime(); }
-  std::vector<spi::IdentityHandle> expire(spi::IdentityHandle) override {
+  std::vector<spi::IdentityHandle> poll(spi::IdentityHandle) override {
     return {{last_identity.load()}};
   }
 };

@@ -372,7 +372,7 @@ std::atomic<const dds_security_authentication*> revoking_plugin{nullptr};
 
 TEST_F(AuthenticationAdapterTest, ExpiredIdentity_IsRevokedThroughTheListener) {
   harness.adapter.remotes().note({1}, {{{0x81}}, kEntityIdParticipant}, {31});
-  ON_CALL(engine, expire).WillByDefault(Return(std::vector<spi::IdentityHandle>{{31}}));
+  ON_CALL(engine, poll).WillByDefault(Return(std::vector<spi::IdentityHandle>{{31}}));
   ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
   const dds_security_authentication_listener listener{
       [](const dds_security_authentication* plugin,

@@ -40,7 +40,7 @@ class MockAuthentication : public spi::Authentication {
   MOCK_METHOD(Status, return_handshake_handle, (spi::HandshakeHandle), (override));
   MOCK_METHOD(Status, return_identity_handle, (spi::IdentityHandle), (override));
   MOCK_METHOD(std::optional<WallTime>, next_expiry, (), (override));
-  MOCK_METHOD(std::vector<spi::IdentityHandle>, expire, (spi::IdentityHandle), (override));
+  MOCK_METHOD(std::vector<spi::IdentityHandle>, poll, (spi::IdentityHandle), (override));
 };
 
 class MockAccessControl : public spi::AccessControl {
@@ -82,7 +82,7 @@ class MockAccessControl : public spi::AccessControl {
               (Handle, const spi::EndpointRequest&), (override));
   MOCK_METHOD(Status, return_permissions_handle, (Handle), (override));
   MOCK_METHOD(std::optional<WallTime>, next_expiry, (), (override));
-  MOCK_METHOD(std::vector<Handle>, expire, (Handle), (override));
+  MOCK_METHOD(std::vector<Handle>, poll, (Handle), (override));
 };
 
 class MockCryptography : public spi::Cryptography,

@@ -213,7 +213,7 @@ TEST_P(Policies, SourceTimestampOrder_AnOlderSampleDoesNotComeLate) {
   ASSERT_TRUE(match(one, reader));
   ASSERT_TRUE(match(two, reader));
   const auto at = [&](std::chrono::nanoseconds offset) {
-    return Time::from(clock.wall() + offset);
+    return Time::from(clock.calendar_nanoseconds() + offset);
   };
   ASSERT_TRUE(succeeds(one.write_w_timestamp({"a", 2}, {}, at(2s))));
   run(10ms);

@@ -176,7 +176,7 @@ TEST_P(QueryMatchesTest, SourceOrder_SamplesOfAnInstanceStayInOrder) {
   start(qos);
   auto& found = query("value >= 100");
   auto& late = another_writer();  // another writer, because the times of one writer never go back
-  const auto begin = clock.wall();
+  const auto begin = clock.calendar_nanoseconds();
   const auto write_at = [&](DataWriter<Reading>& from, int i) {
     for (const int value : {i, 100 + i})
       ASSERT_TRUE(from.write_w_timestamp({"one", value}, {}, Time::from(begin + i * 1ms)));

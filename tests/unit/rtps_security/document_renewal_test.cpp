@@ -183,7 +183,7 @@ TEST(DocumentRenewal, ARightThatIsGivenAgainBeforeThePeerHears_MatchesAgain) {
 // The two must meet again once the clock is right.
 TEST(DocumentRenewal, ClockThatWasWrongForAWhile_SeparatesNoPeersForGood) {
   Renewed two(Short::permissions);
-  const auto before = two.b.clock.now();
+  const auto before = two.b.clock.calendar_seconds();
   two.b.clock.set(before + 13h);
   two.world.run(2000);
   EXPECT_EQ(two.b.listener.matched, 0);

@@ -67,8 +67,8 @@ class ForwardingAuthentication : public spi::Authentication {
     return real_->return_identity_handle(identity);
   }
   std::optional<WallTime> next_expiry() override { return real_->next_expiry(); }
-  std::vector<spi::IdentityHandle> expire(spi::IdentityHandle local) override {
-    return real_->expire(local);
+  std::vector<spi::IdentityHandle> poll(spi::IdentityHandle local) override {
+    return real_->poll(local);
   }
 
  private:

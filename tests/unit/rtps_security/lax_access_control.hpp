@@ -83,8 +83,8 @@ class LaxAccessControl final : public spi::AccessControl {
     return real_->return_permissions_handle(permissions);
   }
   std::optional<WallTime> next_expiry() override { return real_->next_expiry(); }
-  std::vector<spi::PermissionsHandle> expire(spi::PermissionsHandle local) override {
-    return real_->expire(local);
+  std::vector<spi::PermissionsHandle> poll(spi::PermissionsHandle local) override {
+    return real_->poll(local);
   }
 
  private:

@@ -37,7 +37,7 @@ using rtps::testing::properties_of;
 // A clock with the calendar of the documents, whose monotonic time passes.
 struct TestClock final : Clock {
   SystemClock system;
-  WallTime now() const override { return pki::kNow; }
+  WallTime calendar_seconds() const override { return pki::kNow; }
   std::chrono::nanoseconds monotonic() const override { return system.monotonic(); }
 };
 
