@@ -10,10 +10,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxOfAnswerText = 1024;
+constexpr std::size_t kMaxAnswerTextOctets = 1024;
 constexpr std::size_t kMaxOfAnswerPath = 4096;
 
-std::string shortened(std::string text, std::size_t max_size = kMaxOfAnswerText) {
+std::string shortened(std::string text, std::size_t max_size = kMaxAnswerTextOctets) {
   if (text.size() <= max_size) return text;
   text.resize(max_size);
   return text.append("...");

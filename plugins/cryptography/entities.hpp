@@ -189,8 +189,8 @@ struct LocalEndpoint final : Entity {
   bool is_volatile = false;  ///< ParticipantVolatileMessageSecure: keys of the key exchange
   bool is_discovery_protected = false;  ///< true if its announcements come under a key
   /// The thread that made it. The host matches a new endpoint with all known ones in that thread.
-  const pthread_t maker = pthread_self();
-  MonotonicTime made{};  ///< when it was made
+  const pthread_t creating_thread = pthread_self();
+  MonotonicTime created_at{};
   /// Decides which peers get keys; nullptr if there is no check here.
   std::shared_ptr<const spi::MatchGate> gate = {};
   Cipher cipher = Cipher::aes256_gcm;
@@ -199,7 +199,7 @@ struct LocalEndpoint final : Entity {
   std::unordered_map<std::int64_t, std::shared_ptr<PeerKey>> peer_keys;  ///< by participant
   std::unique_ptr<SendKey> next_submessage_key = {}, next_payload_key = {};
   /// A reader's key that is sent but never used, because only payloads are protected.
-  std::optional<KeyMaterial> token_only;
+  std::optional<KeyMaterial> unused_reader_key;
   std::unordered_set<std::int64_t> matched;  ///< remote endpoints
   ReceiverPlaces receivers;                  ///< a writer's receivers that each need a MAC
   MatchShares matches;
@@ -230,7 +230,7 @@ struct RemoteEndpoint final : Entity {
   std::optional<SubjectId> place_subject = {};
   /// Subject for which the local endpoint counts the match; empty if it is not counted.
   std::optional<SubjectId> match_subject = {};
-  bool is_in_crowd = false;  ///< DiscoveryWork counts the match
+  bool is_counted_by_discovery_work = false;  ///< DiscoveryWork counts the match
 };
 
 }  // namespace ddssec::cryptography

@@ -16,7 +16,7 @@ void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   endpoint.participant.endpoints.erase(endpoint.handle());
   state_.release_place(endpoint);
   endpoint.local.matches.release(endpoint.match_subject);
-  if (endpoint.is_in_crowd)
+  if (endpoint.is_counted_by_discovery_work)
     endpoint.participant.discovery.work.note_end_of_match(endpoint.local.handle(),
                                                           endpoint.local.matched.size());
   release_peer_key(endpoint);

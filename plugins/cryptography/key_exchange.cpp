@@ -288,7 +288,7 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
     tokens.push_back(token_for(*key, endpoint.receiver_key.get(), *pair));
   if (const auto* key = revised ? own.next_payload_key.get() : own.payload_key.read())
     tokens.push_back(token_for(*key, nullptr, *pair));
-  if (const auto& material = own.token_only; material && !revised)
+  if (const auto& material = own.unused_reader_key; material && !revised)
     tokens.push_back(crypto_token(*material));
   return tokens;
 }

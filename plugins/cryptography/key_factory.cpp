@@ -31,7 +31,8 @@ bool same_key_exchange(const Pair& a, const Pair& b) {
 // once. A listener makes endpoints in the thread that later also matches what peers announce.
 DiscoveryWork::Cause cause_at(const LocalEndpoint& local, MonotonicTime now) {
   constexpr MonotonicTime kNew = std::chrono::seconds(10);
-  const bool is_new = pthread_equal(local.maker, pthread_self()) != 0 && now - local.made < kNew;
+  const bool is_new =
+      pthread_equal(local.creating_thread, pthread_self()) != 0 && now - local.created_at < kNew;
   return is_new ? DiscoveryWork::Cause::host : DiscoveryWork::Cause::peer;
 }
 
@@ -274,7 +275,7 @@ Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
   } else if (!protects_submessages)
   // Fast DDS 2.9 matches its writer only after a token of the reader, even if it needs none.
   {
-    DDSSEC_ASSIGN_OR_RETURN(endpoint.token_only, fresh_material(false, Cipher::aes256_gcm));
+    DDSSEC_ASSIGN_OR_RETURN(endpoint.unused_reader_key, fresh_material(false, Cipher::aes256_gcm));
   }
   return {};
 }
@@ -285,7 +286,7 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
   const std::lock_guard lock(state_.mutex);
   DDSSEC_ASSIGN_OR_RETURN(auto* const parent, state_.local_participant(participant));
   auto endpoint = std::make_unique<LocalEndpoint>(kind, *parent);
-  endpoint->made = state_.services.clock.monotonic();
+  endpoint->created_at = state_.services.clock.monotonic();
   endpoint->is_volatile = is_volatile(kind, properties);
   endpoint->is_builtin = attributes.is_builtin;
   endpoint->submessage =
@@ -399,7 +400,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
   remote.match_subject = subject;
   if (remote.kind() == EntityKind::remote_reader) {
     work.note_match(local.handle(), local.matched.size(), cause_at(local, now), now);
-    remote.is_in_crowd = true;
+    remote.is_counted_by_discovery_work = true;
   }
   return {};
 }

@@ -14,9 +14,9 @@ std::vector<KeyHash> EndedInstances::add(const KeyHash& key, const GuidPrefix& i
   octets_ += price;
   places_[key] = {identity, std::prev(share.oldest_first.end())};
   std::vector<KeyHash> out;
-  while (shares_.contains(identity) && shares_[identity].octets > kOctetsOfOne)
+  while (shares_.contains(identity) && shares_[identity].octets > kMaxOctetsPerIdentity)
     out.push_back(take_oldest(identity));
-  while (octets_ > kOctetsOfAll) out.push_back(take_oldest(largest()));
+  while (octets_ > kMaxOctets) out.push_back(take_oldest(largest()));
   return out;
 }
 

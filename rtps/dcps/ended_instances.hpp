@@ -18,8 +18,9 @@ namespace ddssec::rtps {
 /// until its turn, and forgetting it has no effect.
 class EndedInstances {
  public:
-  static constexpr std::size_t kOctetsOfOne = std::size_t{256} << 10;  ///< limit for one identity
-  static constexpr std::size_t kOctetsOfAll = std::size_t{8} << 20;
+  static constexpr std::size_t kMaxOctetsPerIdentity = std::size_t{256}
+                                                       << 10;  ///< limit for one identity
+  static constexpr std::size_t kMaxOctets = std::size_t{8} << 20;
   static constexpr std::size_t kPrice = 512;  ///< added to the octets of each instance
 
   /// Adds an instance that has ended. Returns the instances that the reader must forget.

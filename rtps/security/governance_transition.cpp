@@ -207,14 +207,15 @@ Status GovernanceTransition::add_second_protections() {
 void GovernanceTransition::note_all_former() {
   for (auto& [prefix, peer] : core_.peers)
     if (auto* association = peer.state.association())
-      association->governance.is_of_former = !has_changed(peer);
+      association->governance.was_associated_under_former = !has_changed(peer);
 }
 
 std::vector<GuidPrefix> GovernanceTransition::peers_of_former() {
   std::vector<GuidPrefix> out;
   for (auto& [prefix, peer] : core_.peers) {
     auto* association = peer.state.association();
-    if (association == nullptr || !std::exchange(association->governance.is_of_former, false))
+    if (association == nullptr ||
+        !std::exchange(association->governance.was_associated_under_former, false))
       continue;
     if (!has_changed(peer)) out.push_back(prefix);
   }

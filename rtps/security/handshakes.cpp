@@ -35,7 +35,7 @@ void make_room_for_answer(SecurityCore& core, const HandshakeAccount& account) {
 
 MonotonicTime pause_after_refusal(const Peer& peer) {
   constexpr int kMaxDoublings = 4;
-  const auto pause = Handshakes::kRefusedPause * (1 << std::min(peer.refusals, kMaxDoublings));
+  const auto pause = Handshakes::kMinRefusedPause * (1 << std::min(peer.refusals, kMaxDoublings));
   return std::min<MonotonicTime>(pause, Handshakes::kMaxRefusedPause);
 }
 
@@ -100,7 +100,7 @@ void Handshakes::note_announced(Peer& peer) {
 
 void Handshakes::try_again(Peer& peer) {
   if (!peer.state.is<peer::Refused>()) return;
-  peer.again_at = core_.now + kRefusedPause;
+  peer.next_attempt_at = core_.now + kMinRefusedPause;
   if (!budgets_.may_begin(peer.source, core_.now)) return;
   peer.state.announce_again(handshake_with(peer.data));
   schedule(peer);
@@ -109,7 +109,7 @@ void Handshakes::try_again(Peer& peer) {
 void Handshakes::try_all_again() {
   for (auto& [prefix, peer] : core_.peers) {
     peer.refusals = 0;
-    peer.again_at = core_.now;
+    peer.next_attempt_at = core_.now;
     schedule(peer);
   }
 }
@@ -150,7 +150,7 @@ void Handshakes::note_credit(Peer& peer, std::size_t octets) {
   if (peer.deferred_octets > core_.sender.amplification_limit().left(peer.prefix(), addresses))
     return messages_.add_credit(peer, addresses);
   peer.deferred_octets = 0;
-  peer.may_go_on = true;
+  peer.may_send_deferred = true;
   handshake->start_at(core_.now);
   schedule(peer);
 }
@@ -161,7 +161,7 @@ void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   // The sender may have new documents, or may only repeat itself. So the refused peer gets another
   // try, but not sooner than after a pause.
   const auto pause =
-      std::max<MonotonicTime>(kRefusedPause, (peer->again_at - peer->refused_at) / 4);
+      std::max<MonotonicTime>(kMinRefusedPause, (peer->next_attempt_at - peer->refused_at) / 4);
   if (core_.now >= peer->refused_at + pause) try_again(*peer);
   auto* handshake = peer->state.handshake();
   if (handshake == nullptr) return;
@@ -226,8 +226,8 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
 // share of their own. In a flood in the name of an honest peer, its messages are processed as often
 // as any other.
 bool Handshakes::may_spend(Peer& peer, Effort effort) {
-  const bool is_low_rate =
-      effort != Effort::memory && peer.low_rate_budget.try_spend(core_.now) && !peer.has_failed;
+  const bool is_low_rate = effort != Effort::memory && peer.low_rate_budget.try_spend(core_.now) &&
+                           !peer.was_counted_as_failed;
   return budgets_.may_process(effort, is_low_rate, core_.now);
 }
 
@@ -308,7 +308,7 @@ Error Handshakes::no_place_error(const Peer& peer) {
               {.document = "the certificate of participant " + peer.name(),
                .expected = "no more participants than places are free",
                .found = "one more than " + std::to_string(subjects_.count(peer.prefix()))});
-  if (!peer.has_failed) core_.raise(error, peer, EventOrigin::its_keys);
+  if (!peer.was_counted_as_failed) core_.raise(error, peer, EventOrigin::its_keys);
   return error;
 }
 
@@ -378,7 +378,7 @@ void Handshakes::refuse(Peer& peer) {
   if (!peer.state.refuse(admission_.admits_unauthenticated())) return;
   note_failure(peer);
   peer.refused_at = core_.now;
-  peer.again_at = core_.now + pause_after_refusal(peer);
+  peer.next_attempt_at = core_.now + pause_after_refusal(peer);
   ++peer.refusals;
   schedule(peer);
   if (!was_admitted) core_.host.on_unauthenticated(GuidPrefix(peer.prefix()));

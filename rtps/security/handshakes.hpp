@@ -25,7 +25,7 @@ struct AnnouncedAddresses {
 class Handshakes {
  public:
   /// The number of messages that a peer is sent for one announcement before it has sent any.
-  static constexpr int kMessagesUnasked = 2;
+  static constexpr int kMaxUnaskedMessages = 2;
   /// The number of participants that can be authenticated at a time. One certificate never gets the
   /// last places.
   static constexpr std::size_t kMaxAuthenticated = 480;
@@ -38,7 +38,7 @@ class Handshakes {
   static constexpr MonotonicTime kAdmissionTimeout = std::chrono::seconds(3);
   /// If a peer's keys have not arrived this long after its handshake, another handshake is
   /// requested.
-  static constexpr MonotonicTime kConfirmation = std::chrono::seconds(10);
+  static constexpr MonotonicTime kKeysTimeout = std::chrono::seconds(10);
   /// Where messages are not protected, a peer without participant tokens counts as joined after
   /// this time, if the key exchange works. OpenDDS sends no participant tokens in that case.
   static constexpr MonotonicTime kTokenTimeout = std::chrono::seconds(1);
@@ -51,7 +51,7 @@ class Handshakes {
 
   /// The first and the longest time for which a refused peer waits for another try. The time
   /// doubles with each refusal.
-  static constexpr MonotonicTime kRefusedPause = std::chrono::seconds(5);
+  static constexpr MonotonicTime kMinRefusedPause = std::chrono::seconds(5);
   static constexpr MonotonicTime kMaxRefusedPause = std::chrono::seconds(60);
 
   Handshakes(SecurityCore& core, const Admission& admission, CryptoTokenExchange& exchange,
@@ -109,7 +109,7 @@ class Handshakes {
   void try_later(Peer& peer);
   void refuse(Peer& peer);
   void note_failure(Peer& peer) {
-    if (!std::exchange(peer.has_failed, true)) ++core_.counters.failed;
+    if (!std::exchange(peer.was_counted_as_failed, true)) ++core_.counters.failed;
   }
   /// Gives a refused peer another try. Does nothing if too many handshakes begin.
   void try_again(Peer& peer);

@@ -41,7 +41,7 @@ void Handshakes::tick() {
         continue;
       }
       const auto prefix = at->first;
-      if (core_.now >= at->second.again_at) try_again(at->second);
+      if (core_.now >= at->second.next_attempt_at) try_again(at->second);
       if (at->second.state.handshake() != nullptr) tick(at->second);
       if (const auto* peer = core_.find(prefix)) schedule(*peer);
       at = core_.peers.upper_bound(prefix);
@@ -79,11 +79,11 @@ bool Handshakes::may_tick(Peer& peer) {
     handshake.start_at(core_.now + HandshakeBudgets::kStartPeriod);
     return false;
   }
-  if (std::exchange(peer.may_go_on, false)) return true;
+  if (std::exchange(peer.may_send_deferred, false)) return true;
   const bool is_silent = handshake.started() && !peer.has_spoken;
   // One announcement is not answered again and again, because its sender may not exist.
   const bool was_heard =
-      !is_silent || handshake.repetitions() < kMessagesUnasked || peer.was_announced;
+      !is_silent || handshake.repetitions() < kMaxUnaskedMessages || peer.was_announced;
   if (!was_heard || (is_silent && !budgets_.may_repeat_unasked(peer.source, core_.now))) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
     return false;
@@ -98,7 +98,7 @@ void Handshakes::tick_association(Peer& peer) {
   if (peer.state.joined() != nullptr) return end_probe(peer);
   const auto since = peer.state.awaiting_keys()->since;
   if (needs_no_tokens(core_, peer) && now >= since + kTokenTimeout) return exchange_.join(peer);
-  if (now < since + kConfirmation) return;
+  if (now < since + kKeysTimeout) return;
   peer.state.ask_again(now);
   core_.host.on_unconfirmed(GuidPrefix(peer.prefix()));
   peer.state.handshake()->begin_again(now);
@@ -108,7 +108,7 @@ MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
   if (const auto* joined = peer.state.joined()) return joined->probe_deadline;
   const auto* awaiting = peer.state.awaiting_keys();
   if (awaiting == nullptr) return kNever;
-  return awaiting->since + (needs_no_tokens(core_, peer) ? kTokenTimeout : kConfirmation);
+  return awaiting->since + (needs_no_tokens(core_, peer) ? kTokenTimeout : kKeysTimeout);
 }
 
 void Handshakes::end_probe(Peer& peer) {
@@ -154,7 +154,7 @@ void Handshakes::admit_meanwhile(Peer& peer) {
 }
 
 MonotonicTime Handshakes::next_of(const Peer& peer) const {
-  const auto again = peer.state.is<peer::Refused>() ? peer.again_at : kNever;
+  const auto again = peer.state.is<peer::Refused>() ? peer.next_attempt_at : kNever;
   const auto* handshake = peer.state.handshake();
   if (handshake == nullptr) return again;
   return std::min({again, handshake->next_tick(), next_admission(peer), next_of_association(peer)});

@@ -68,7 +68,7 @@ struct GovernanceOfPeer {
   bool wants_keys = false;
   WorkBudget repetitions{3, std::chrono::seconds(5), {}};
   /// It was associated when another governance came into force here, which it did not have.
-  bool is_of_former = false;
+  bool was_associated_under_former = false;
   WorkBudget answers{3, std::chrono::seconds(5), {}};
 };
 
@@ -208,14 +208,14 @@ struct Peer {
   bool was_announced = true;  ///< since a message was last repeated to it
   /// Octets of a message that waits until that many may be sent to the peer; 0: none waits.
   std::size_t deferred_octets = 0;
-  bool may_go_on = false;  ///< the message that was held back may be sent now
+  bool may_send_deferred = false;  ///< the message that was held back may be sent now
   /// Octets that the expected answers to queries will allow sending to it.
   std::size_t expected_answer_octets = 0;
-  bool has_spoken = false;  ///< has sent at least one handshake message
-  bool has_failed = false;  ///< something of it was refused, and that was counted
-  int refusals = 0;         ///< how often it was refused since the local documents were renewed
+  bool has_spoken = false;             ///< has sent at least one handshake message
+  bool was_counted_as_failed = false;  ///< something of it was refused, and that was counted
+  int refusals = 0;  ///< how often it was refused since the local documents were renewed
   /// When it was refused, and when it gets another try.
-  MonotonicTime refused_at = {}, again_at = kNever;
+  MonotonicTime refused_at = {}, next_attempt_at = kNever;
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
   std::string name() const { return data.guid.to_string(); }

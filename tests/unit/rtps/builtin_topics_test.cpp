@@ -165,7 +165,7 @@ TEST_P(BuiltinTopicsTest, EndpointsThatCameAndWent_TakeABoundedPlace) {
   }
   clock.advance(50ms), carry();
   EXPECT_TRUE(builtin->read(out));
-  EXPECT_LT(out.size(), 2 * EndedInstances::kOctetsOfOne / 4096 + 2);
+  EXPECT_LT(out.size(), 2 * EndedInstances::kMaxOctetsPerIdentity / 4096 + 2);
   EXPECT_GT(out.size(), 40u) << "the latest are still told";
   EXPECT_TRUE(std::ranges::any_of(out, [&](const auto& sample) {
     return sample.data.guid == guid &&

@@ -17,7 +17,7 @@ KeyHash key(std::size_t number) {
   return out;
 }
 // Four instances of this size fit into an identity's share.
-constexpr auto kQuarter = EndedInstances::kOctetsOfOne / 4 - EndedInstances::kPrice;
+constexpr auto kQuarter = EndedInstances::kMaxOctetsPerIdentity / 4 - EndedInstances::kPrice;
 
 TEST(EndedInstancesTest, TheOldestOfTheSameIdentity_GivesWay) {
   EndedInstances ended;
@@ -38,14 +38,14 @@ TEST(EndedInstancesTest, OneThatIsThereAgain_TakesNoPlace) {
 
 TEST(EndedInstancesTest, FullMemory_TheIdentityWithMostGivesWay) {
   EndedInstances ended;
-  constexpr auto kShares = EndedInstances::kOctetsOfAll / EndedInstances::kOctetsOfOne;
+  constexpr auto kShares = EndedInstances::kMaxOctets / EndedInstances::kMaxOctetsPerIdentity;
   for (std::size_t of = 0; of < kShares; ++of)
     for (std::size_t i = 0; i < 4; ++i)
       EXPECT_THAT(ended.add(key(4 * of + i), identity(static_cast<std::uint8_t>(of)), kQuarter),
                   IsEmpty());
-  EXPECT_EQ(ended.octets(), EndedInstances::kOctetsOfAll);
+  EXPECT_EQ(ended.octets(), EndedInstances::kMaxOctets);
   EXPECT_THAT(ended.add(key(1000), identity(200), 0), ElementsAre(key(0)));
-  EXPECT_LE(ended.octets(), EndedInstances::kOctetsOfAll);
+  EXPECT_LE(ended.octets(), EndedInstances::kMaxOctets);
   EXPECT_EQ(ended.take_all().size(), 4 * kShares);
   EXPECT_EQ(ended.octets(), 0u);
 }

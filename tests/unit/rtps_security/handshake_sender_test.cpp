@@ -187,7 +187,7 @@ TEST_F(CopiedProof, FromAnotherHost_DoesNotPartThePairForGood) {
   ASSERT_TRUE(pair.world.run_until([&] { return asker_is_misled(); }, 1000));
   const auto begin = pair.world.now;
   ASSERT_TRUE(pair.world.run_until([&] { return know_each_other(pair); }));
-  EXPECT_LT(pair.world.now - begin, Handshakes::kConfirmation + seconds(5));
+  EXPECT_LT(pair.world.now - begin, Handshakes::kKeysTimeout + seconds(5));
   EXPECT_FALSE(asker_is_misled());
 }
 
