@@ -17,7 +17,7 @@ std::string Error::hint() const {
   return own.empty() ? std::string(info(code_).hint) : own;
 }
 
-Error Error::with_document(std::string document) const {
+Error Error::with_default_document(std::string document) const {
   ErrorDetails copy = details();
   if (copy.document.empty()) copy.document = std::move(document);
   return Error(code_, std::move(copy));

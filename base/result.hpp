@@ -41,7 +41,7 @@ class Error {
   std::string hint() const;
 
   /// Returns the same error, with `document` filled in if it had none.
-  Error with_document(std::string document) const;
+  Error with_default_document(std::string document) const;
 
   /// Tells what happened, with the expected and the found value; without place and hint.
   std::string message() const;
@@ -69,9 +69,9 @@ inline std::unexpected<Error> fail(Code code, ErrorDetails details) {
 
 /// Returns the result; an error without a document gets this one.
 template <class T>
-Result<T> with_document(Result<T> result, std::string document) {
+Result<T> with_default_document(Result<T> result, std::string document) {
   if (result) return result;
-  return std::unexpected(result.error().with_document(std::move(document)));
+  return std::unexpected(result.error().with_default_document(std::move(document)));
 }
 
 }  // namespace ddssec

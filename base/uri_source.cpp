@@ -122,7 +122,7 @@ Error too_many_octets_error(Code code, std::size_t max_octets, std::size_t found
 }
 
 Result<Bytes> load_uri(std::string_view uri, std::string_view property, std::size_t max_octets) {
-  return with_document(load_unnamed(uri, max_octets), std::string(property));
+  return with_default_document(load_unnamed(uri, max_octets), std::string(property));
 }
 
 Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property,

@@ -63,13 +63,13 @@ class Policies {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_(file));
     octets_ += octets.size();
     if (octets_ > kMaxXmlOctets) return fail(Code::xml_too_large, {.document = file});
-    DDSSEC_ASSIGN_OR_RETURN(auto document, with_document(XmlDocument::parse(octets), file));
+    DDSSEC_ASSIGN_OR_RETURN(auto document, with_default_document(XmlDocument::parse(octets), file));
     return Node{documents_.emplace_back(std::move(document)).root(), file};
   }
 
   // The children; includes are replaced by their content.
   Result<std::vector<Node>> children(const Node& parent, int depth = 0) {
-    DDSSEC_RETURN_IF_ERROR(with_document(parent.element.check_no_text(), parent.file));
+    DDSSEC_RETURN_IF_ERROR(with_default_document(parent.element.check_no_text(), parent.file));
     std::vector<Node> out;
     for (auto child = parent.element.first_child(); child; child = child.next_sibling()) {
       const Node node{child, parent.file};
@@ -246,7 +246,7 @@ class Reader {
     RosElement out{.kind = words->kind, .first = first, .second = second};
     DDSSEC_ASSIGN_OR_RETURN(const auto nodes, named_children(node, words->item));
     for (const auto& item : nodes) {
-      DDSSEC_ASSIGN_OR_RETURN(auto name, with_document(item.element.raw_text(), item.file));
+      DDSSEC_ASSIGN_OR_RETURN(auto name, with_default_document(item.element.raw_text(), item.file));
       if (name.empty()) return refuse(Code::element_empty, item, "a name", "");
       out.names.push_back(std::move(name));
     }

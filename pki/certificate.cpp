@@ -96,8 +96,8 @@ Result<std::unique_ptr<const PkiAccess::CertificateImpl>> finish(X509Ptr x509, B
   out->subject_one_line = one_line(subject);
   out->issuer = name_rfc2253(issuer);
   DDSSEC_ASSIGN_OR_RETURN(
-      out->key, with_document(judge_key(X509_get0_pubkey(x509.get()), key_type(x509.get())),
-                              "certificate of " + out->subject));
+      out->key, with_default_document(judge_key(X509_get0_pubkey(x509.get()), key_type(x509.get())),
+                                      "certificate of " + out->subject));
   DDSSEC_ASSIGN_OR_RETURN(out->not_before, time_of(X509_get0_notBefore(x509.get()), "notBefore"));
   DDSSEC_ASSIGN_OR_RETURN(out->not_after, time_of(X509_get0_notAfter(x509.get()), "notAfter"));
   const unsigned char* name_der = nullptr;

@@ -9,7 +9,7 @@ Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
                                 std::size_t max_octets) {
   if (!names_token(uri)) return load_uri(uri, property, max_octets);
   DDSSEC_ASSIGN_OR_RETURN(const auto held,
-                          with_document(token_certificate(uri), std::string(property)));
+                          with_default_document(token_certificate(uri), std::string(property)));
   const BioPtr bio(BIO_new(BIO_s_mem()));
   if (!bio || PEM_write_bio_X509(bio.get(), held.get()) != 1)
     return openssl_failure(Code::internal);

@@ -211,8 +211,9 @@ void ChainVerifier::Impl::drop_superseded() {
     return std::ranges::any_of(anchors, [&](const auto& ca) { return crl.is_signed_by(ca); });
   };
   const auto takes_place_of = [&](const Crl& crl, const Crl& former) {
-    return !crl.is_copy_of(former) && crl.supersedes(former) && !former.supersedes(crl) &&
-           is_genuine(crl) && (have_common_signer(crl, former, anchors) || !is_genuine(former));
+    return !crl.is_copy_of(former) && crl.is_not_older_than(former) &&
+           !former.is_not_older_than(crl) && is_genuine(crl) &&
+           (have_common_signer(crl, former, anchors) || !is_genuine(former));
   };
   const auto all = crls;
   std::erase_if(crls, [&](const Crl& former) {
@@ -384,7 +385,7 @@ Result<ChainValid> ChainVerifier::verify(const Certificate& certificate, WallTim
   return proof;
 }
 
-bool ChainVerifier::may_be_revoked(const Certificate& certificate) const {
+bool ChainVerifier::is_on_any_list(const Certificate& certificate) const {
   return impl_->is_listed(certificate) ||
          std::ranges::any_of(anchors(), [&](const auto& ca) { return impl_->is_listed(ca); });
 }

@@ -70,7 +70,7 @@ class ChainVerifier {
 
   /// True if a configured list names the certificate or one of the CAs. If not, `verify` does not
   /// fail with certificate_revoked. Costs one lookup in each list.
-  bool may_be_revoked(const Certificate& certificate) const;
+  bool is_on_any_list(const Certificate& certificate) const;
 
   /// Returns the certificates of the CA file, in its order. Valid as long as this object.
   const std::vector<Certificate>& anchors() const;

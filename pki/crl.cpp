@@ -232,7 +232,7 @@ Result<std::vector<Revocation>> Crl::revoked() const {
   return out;
 }
 
-bool Crl::supersedes(const Crl& former) const {
+bool Crl::is_not_older_than(const Crl& former) const {
   const auto* mine = impl_->crl.get();
   const auto* other = former.impl_->crl.get();
   if (!have_same_scope(mine, other)) return false;
@@ -241,8 +241,8 @@ bool Crl::supersedes(const Crl& former) const {
   return this_update() >= former.this_update();
 }
 
-bool Crl::replaces(const Crl& former, WallTime now) const {
-  if (supersedes(former)) return true;
+bool Crl::may_replace_at(const Crl& former, WallTime now) const {
+  if (is_not_older_than(former)) return true;
   const auto mine = number(), other = former.number();
   if (former.this_update() <= now || !mine || !other || *mine <= *other ||
       !have_same_scope(impl_->crl.get(), former.impl_->crl.get()))
@@ -258,7 +258,7 @@ std::string Crl::authority_key_id() const {
   return id ? key_id_text(id->keyid) : std::string();
 }
 
-bool Crl::seems_of_same_ca(const Crl& other) const {
+bool Crl::may_be_from_same_ca(const Crl& other) const {
   const auto mine = authority_key_id(), others = other.authority_key_id();
   return issuer() == other.issuer() && (mine.empty() || others.empty() || mine == others);
 }

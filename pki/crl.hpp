@@ -83,19 +83,19 @@ class Crl {
 
   /// True if this list may replace `former`: it has the same issuer and scope, and neither its
   /// number nor its thisUpdate is lower (RFC 5280 5.2.3, 5.2.5). Does not check the signature.
-  bool supersedes(const Crl& former) const;
+  bool is_not_older_than(const Crl& former) const;
 
-  /// True if this list supersedes `former`. Also true if `former` is dated after `now` (the clock
-  /// was ahead when it was made), and this list has a higher number and contains all entries of
-  /// `former`. A wrong clock therefore never loses a revocation. Does not check the signature.
-  bool replaces(const Crl& former, WallTime now) const;
+  /// True if this list is not older than `former`. Also true if `former` is dated after `now` (the
+  /// clock was ahead when it was made), and this list has a higher number and contains all entries
+  /// of `former`. A wrong clock therefore never loses a revocation. Does not check the signature.
+  bool may_replace_at(const Crl& former, WallTime now) const;
 
   /// Returns the identifier of the key that the list names as its signer (authorityKeyIdentifier),
   /// in hexadecimal digits; empty if it names none.
   std::string authority_key_id() const;
 
   /// True if both have the same issuer name and do not name different keys as signers.
-  bool seems_of_same_ca(const Crl& other) const;
+  bool may_be_from_same_ca(const Crl& other) const;
 
   /// True if its issuer has the name of `ca`. The caller must still check that `ca` signed it.
   bool is_named_after(const Certificate& ca) const;

@@ -99,7 +99,7 @@ Result<PrivateKey> PrivateKey::from_pem(const KeyPem& pem, const Passphrase* pas
 
 Result<PrivateKey> PrivateKey::load(std::string_view uri, std::string_view property,
                                     const Passphrase* passphrase) {
-  return with_document(from_uri(uri, passphrase), std::string(property));
+  return with_default_document(from_uri(uri, passphrase), std::string(property));
 }
 
 Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {

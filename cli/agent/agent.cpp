@@ -492,7 +492,7 @@ void Agent::note_failure(Folder& folder, const Error& error) {
   members["failures"] = folder.failures;
   members["again_in"] = folder.is_paused ? Json() : Json(wait.count());
   events_.report("failed", folder.task.folder, std::move(members));
-  errors_.push_back(error.with_document(folder.task.folder));
+  errors_.push_back(error.with_default_document(folder.task.folder));
 }
 
 }  // namespace ddssec::cli

@@ -122,10 +122,10 @@ Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certific
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           pki::DocumentVerifier::make(std::move(certificates)));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          with_document(verifier.verify(old_octets, now), file));
+                          with_default_document(verifier.verify(old_octets, now), file));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, document.signer(), file));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
-                          with_document(own_permissions(document, renewed, now), file));
+                          with_default_document(own_permissions(document, renewed, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
   if (old.grant.validity.not_after >= renewed.not_after()) return ExtendedByCa{};
   if (old.has_ended)
@@ -210,12 +210,12 @@ Status check_passphrase(const Arguments& arguments) {
 
 Result<std::vector<pki::Crl>> read_lists(const fs::path& file) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
-  return with_document(pki::Crl::all_from(octets), file);
+  return with_default_document(pki::Crl::all_from(octets), file);
 }
 
 Status check_not_on(const pki::ChainVerifier& verifier, const pki::Certificate& certificate,
                     const fs::path& file) {
-  if (!verifier.may_be_revoked(certificate)) return {};
+  if (!verifier.is_on_any_list(certificate)) return {};
   return fail(Code::certificate_revoked,
               {.document = file,
                .found = fmt::format("{}, serial {}", certificate.subject(), certificate.serial())});
@@ -233,10 +233,11 @@ Status check_not_on_lists(const TrustedRequesters& trusted, const pki::Certifica
   }
   DDSSEC_RETURN_IF_ERROR(check_trust_file(file));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, read_lists(file));
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
-                          with_document(pki::ChainVerifier::make(std::move(cas), std::move(lists),
-                                                                 pki::CrlPolicy::soft_fail),
-                                        trusted.trust));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto verifier,
+      with_default_document(
+          pki::ChainVerifier::make(std::move(cas), std::move(lists), pki::CrlPolicy::soft_fail),
+          trusted.trust));
   return check_not_on(verifier, certificate, file);
 }
 

@@ -43,11 +43,11 @@ Result<Rights> rights_in(const DocumentsTask& task, BytesView octets) {
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(std::move(cas)));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto document,
-      with_document(verifier.verify(octets, task.clock.calendar_seconds()), file));
+      with_default_document(verifier.verify(octets, task.clock.calendar_seconds()), file));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto own,
-      with_document(own_permissions(document, task.certificate, task.clock.calendar_seconds()),
-                    file));
+      with_default_document(
+          own_permissions(document, task.certificate, task.clock.calendar_seconds()), file));
   std::string text(as_text(document.content()));
   std::erase(text, '\r');
   return Rights{own.grant.validity, own.has_ended, document.signing_time(), std::move(text)};
@@ -209,7 +209,8 @@ class Fetching {
                                       .expected = "number " + number_text(former) + " or later",
                                       .found = std::move(found)});
       };
-      if (!list.replaces(former, task_.clock.calendar_seconds())) return older(number_text(list));
+      if (!list.may_replace_at(former, task_.clock.calendar_seconds()))
+        return older(number_text(list));
       DDSSEC_ASSIGN_OR_RETURN(const auto revoked, list.revoked());
       DDSSEC_ASSIGN_OR_RETURN(const auto before, former.revoked());
       for (const auto& one : before)
@@ -223,7 +224,7 @@ class Fetching {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("crl"));
     const auto& file = task_.files.crl;
     if (octets.empty()) return {};
-    DDSSEC_ASSIGN_OR_RETURN(auto lists, with_document(pki::Crl::all_from(octets), file));
+    DDSSEC_ASSIGN_OR_RETURN(auto lists, with_default_document(pki::Crl::all_from(octets), file));
     if (lists.empty())
       return fail(Code::crl_malformed, {.document = file, .note = "the hook wrote no list"});
     DDSSEC_ASSIGN_OR_RETURN(auto cas, read_certificates(task_.files.identity_ca));
@@ -235,7 +236,8 @@ class Fetching {
                     {.document = file,
                      .expected = "lists that an identity CA of the folder has signed",
                      .found = "one of " + list.issuer()});
-      DDSSEC_RETURN_IF_ERROR(with_document(list.check(*ca, task_.clock.calendar_seconds()), file));
+      DDSSEC_RETURN_IF_ERROR(
+          with_default_document(list.check(*ca, task_.clock.calendar_seconds()), file));
       DDSSEC_RETURN_IF_ERROR(check_no_older(list, in_place, cas));
     }
     const auto is_there_already = [&](const pki::Crl& list) {

@@ -76,11 +76,12 @@ Result<Permissions> verified_permissions(const Participant& self, BytesView octe
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(files.permissions_ca));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           pki::DocumentVerifier::make(std::move(certificates)));
-  DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          with_document(verifier.verify(octets, self.now()), files.permissions));
   DDSSEC_ASSIGN_OR_RETURN(
-      auto own,
-      with_document(own_permissions(document, self.certificate, self.now()), files.permissions));
+      const auto document,
+      with_default_document(verifier.verify(octets, self.now()), files.permissions));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto own, with_default_document(own_permissions(document, self.certificate, self.now()),
+                                      files.permissions));
   std::string text(as_text(document.content()));
   std::erase(text, '\r');
   return Permissions{std::move(own.grant), std::move(text)};
@@ -156,7 +157,7 @@ Result<pki::PrivateKey> present_key(const Participant& self) {
     return fail(Code::pkcs11_pin_wrong,
                 {.document = files.key, .note = "not tried: a token has refused a PIN before"});
   DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(files.key, nullptr));
-  DDSSEC_RETURN_IF_ERROR(with_document(key.matches(self.certificate), files.key));
+  DDSSEC_RETURN_IF_ERROR(with_default_document(key.matches(self.certificate), files.key));
   return key;
 }
 
@@ -165,7 +166,7 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
   if (self.task.is_rekeying) {
     if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
     DDSSEC_ASSIGN_OR_RETURN(const auto present, read_key(files.key, nullptr));
-    DDSSEC_RETURN_IF_ERROR(with_document(present.matches(self.certificate), files.key));
+    DDSSEC_RETURN_IF_ERROR(with_default_document(present.matches(self.certificate), files.key));
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }
@@ -209,7 +210,7 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self) {
   if (path_exists(files.crl)) {
     DDSSEC_ASSIGN_OR_RETURN(lists, read_lists(files.crl));
   }
-  return with_document(
+  return with_default_document(
       pki::ChainVerifier::make(std::move(anchors), std::move(lists), pki::CrlPolicy::soft_fail),
       files.identity_ca);
 }
@@ -350,7 +351,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
 Status check_key(const Participant& self) {
   if (self.files.key.extension() == ".p11") return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(self.files.key, nullptr));
-  return with_document(key.matches(self.certificate), self.files.key);
+  return with_default_document(key.matches(self.certificate), self.files.key);
 }
 
 Status check_permissions(const Participant& self) {

@@ -55,7 +55,7 @@ Result<pki::PrivateKey> CaOpener::key(const fs::path& path) {
   DDSSEC_RETURN_IF_ERROR(prepare(path));
   if (path.extension() == ".p11") {
     DDSSEC_ASSIGN_OR_RETURN(const auto uri, pki::uri_of(path));
-    return with_document(token_key(uri, arguments_), path);
+    return with_default_document(token_key(uri, arguments_), path);
   }
   return read_key(path, passphrase_ ? &*passphrase_ : nullptr);
 }
@@ -70,8 +70,8 @@ Result<OpenCa> CaOpener::open(const CaPaths& paths) {
   DDSSEC_ASSIGN_OR_RETURN(const auto trust, read_certificates(paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(paths.key));
   DDSSEC_ASSIGN_OR_RETURN(
-      auto authority,
-      with_document(pki::Authority::load(trust.front(), std::move(own_key)), paths.certificate));
+      auto authority, with_default_document(pki::Authority::load(trust.front(), std::move(own_key)),
+                                            paths.certificate));
   return OpenCa{paths, std::move(authority), to_pem(trust), std::move(lock)};
 }
 
@@ -83,7 +83,7 @@ Result<OpenCa> CaOpener::open(std::string_view role) {
 
 Result<std::vector<pki::Certificate>> read_certificates(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxBundleOctets));
-  return with_document(pki::Certificate::bundle_from_pem(octets), path);
+  return with_default_document(pki::Certificate::bundle_from_pem(octets), path);
 }
 
 std::string to_pem(const std::vector<pki::Certificate>& certificates) {

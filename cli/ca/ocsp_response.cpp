@@ -52,13 +52,13 @@ Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime no
   const auto& issuer = *ca;
   DDSSEC_ASSIGN_OR_RETURN(
       const auto verifier,
-      with_document(pki::ChainVerifier::make(std::move(anchors)), files.identity_ca));
+      with_default_document(pki::ChainVerifier::make(std::move(anchors)), files.identity_ca));
   DDSSEC_ASSIGN_OR_RETURN(auto octets, pki::fetch_ocsp({certificate, issuer}, url, longest));
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto good,
-      with_document(pki::judge_ocsp(octets, certificate, verifier, now), "answer of " + url));
+  DDSSEC_ASSIGN_OR_RETURN(const auto good,
+                          with_default_document(pki::judge_ocsp(octets, certificate, verifier, now),
+                                                "answer of " + url));
   DDSSEC_RETURN_IF_ERROR(
-      with_document(check_later(good, wanted, verifier, now), "answer of " + url));
+      with_default_document(check_later(good, wanted, verifier, now), "answer of " + url));
   return FetchedResponse{std::move(octets), good, std::move(url)};
 }
 

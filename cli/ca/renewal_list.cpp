@@ -192,7 +192,7 @@ Error list_begun_anew_error(const fs::path& file, const Error& why) {
 Result<pki::RenewalList> read_renewals(const fs::path& file) {
   if (!path_exists(file)) return pki::RenewalList{};
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxRenewalListOctets));
-  return with_document(pki::RenewalList::parse(octets), file);
+  return with_default_document(pki::RenewalList::parse(octets), file);
 }
 
 Status add_to(const fs::path& file, const pki::RenewalList& next, WallTime now) {

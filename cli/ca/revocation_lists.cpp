@@ -46,7 +46,7 @@ std::string number_text(const pki::Crl& list) { return to_string(list.number().v
 Result<std::vector<pki::Crl>> read_crls(const fs::path& path) {
   if (!path_exists(path)) return std::vector<pki::Crl>();
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxDocumentOctets));
-  DDSSEC_ASSIGN_OR_RETURN(auto lists, with_document(pki::Crl::all_from(octets), path));
+  DDSSEC_ASSIGN_OR_RETURN(auto lists, with_default_document(pki::Crl::all_from(octets), path));
   if (lists.empty())
     return fail(Code::crl_malformed, {.document = path, .note = "there is no list in it"});
   return lists;
@@ -68,7 +68,7 @@ Result<std::vector<pki::Revocation>> listed_revocations(const CaPaths& ca) {
   std::vector<pki::Revocation> out;
   for (const auto& list : lists) {
     if (!list.is_named_after(certificate)) continue;
-    DDSSEC_ASSIGN_OR_RETURN(const auto entries, with_document(list.revoked(), ca.crl));
+    DDSSEC_ASSIGN_OR_RETURN(const auto entries, with_default_document(list.revoked(), ca.crl));
     out.insert(out.end(), entries.begin(), entries.end());
   }
   return out;
@@ -81,7 +81,7 @@ Result<bool> lists_all(const CaPaths& ca, const pki::IssueLog& log) {
   if (wanted.empty()) return true;
   DDSSEC_ASSIGN_OR_RETURN(const auto present, present_crl(ca));
   if (!present) return false;
-  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, with_document(present->revoked(), ca.crl));
+  DDSSEC_ASSIGN_OR_RETURN(const auto revoked, with_default_document(present->revoked(), ca.crl));
   const auto serials = serials_of(revoked);
   return std::ranges::all_of(wanted, [&](const auto& one) { return serials.contains(one.serial); });
 }
@@ -284,10 +284,10 @@ std::unexpected<Error> newer_list_error(const fs::path& file, const pki::Crl& fo
 }
 
 Status check_follows(const fs::path& file, const pki::Crl& former, const ListForFolder& what) {
-  if (!what.list.replaces(former, what.now)) return newer_list_error(file, former, what, "");
+  if (!what.list.may_replace_at(former, what.now)) return newer_list_error(file, former, what, "");
   DDSSEC_ASSIGN_OR_RETURN(const auto revoked, what.list.revoked());
   const auto serials = serials_of(revoked);
-  DDSSEC_ASSIGN_OR_RETURN(const auto revocations, with_document(former.revoked(), file));
+  DDSSEC_ASSIGN_OR_RETURN(const auto revocations, with_default_document(former.revoked(), file));
   for (const auto& one : revocations)
     if (!serials.contains(one.serial))
       return newer_list_error(file, former, what, ", which lacks serial number " + one.serial);

@@ -156,8 +156,8 @@ Result<Answer<ImportedCa>> ca_import(const Arguments& arguments, const Context&)
     DDSSEC_ASSIGN_OR_RETURN(const auto imported, imported_key(arguments));
     const auto& [key, secret] = imported;
     const bool in_token = !key.token_uri.empty();
-    DDSSEC_RETURN_IF_ERROR(
-        with_document(key.key.matches(ca), in_token ? from : fs::path(arguments.text("--key"))));
+    DDSSEC_RETURN_IF_ERROR(with_default_document(
+        key.key.matches(ca), in_token ? from : fs::path(arguments.text("--key"))));
     DDSSEC_RETURN_IF_ERROR(
         add_ca(folder, names, to_pem(certificates), key, secret ? &*secret : nullptr));
   } else {

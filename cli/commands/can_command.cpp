@@ -90,28 +90,28 @@ Result<Documents> documents_for(const Question& question) {
   const auto& paths = question.folder.paths;
   DDSSEC_ASSIGN_OR_RETURN(const auto governance_proof,
                           verified(paths.governance, paths.permissions_ca, question.now));
-  auto governance_read = with_document(
+  auto governance_read = with_default_document(
       governance::read_governance(governance_proof.content(), governance_proof.first_line()),
       paths.governance);
   DDSSEC_RETURN_IF_ERROR(governance_read);
   auto governance_document =
       std::make_shared<const governance::Governance>(*std::move(governance_read));
-  DDSSEC_ASSIGN_OR_RETURN(auto governance,
-                          with_document(governance::CompiledGovernance::make(
-                                            std::move(governance_document), question.domain),
-                                        paths.governance));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto governance, with_default_document(governance::CompiledGovernance::make(
+                                                 std::move(governance_document), question.domain),
+                                             paths.governance));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto proof,
                           verified(paths.permissions, paths.permissions_ca, question.now));
-  auto read = with_document(governance::read_permissions(proof.content(), proof.first_line()),
-                            paths.permissions);
+  auto read = with_default_document(
+      governance::read_permissions(proof.content(), proof.first_line()), paths.permissions);
   DDSSEC_RETURN_IF_ERROR(read);
   const auto permissions = std::make_shared<const governance::Permissions>(*std::move(read));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto* grant,
-      with_document(governance::find_grant(*permissions, pki::SubjectName::of(certificate),
-                                           certificate.subject(), question.now),
-                    paths.permissions));
+      with_default_document(governance::find_grant(*permissions, pki::SubjectName::of(certificate),
+                                                   certificate.subject(), question.now),
+                            paths.permissions));
   auto compiled =
       std::make_shared<const governance::CompiledGrant>(permissions, *grant, question.domain);
   return Documents{std::move(governance), std::move(compiled)};
@@ -121,8 +121,9 @@ Result<Documents> documents_for(const Question& question) {
 Status check_identity(const Question& question) {
   if (!question.folder.certificate) return std::unexpected(question.folder.certificate.error());
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, question.folder.chain());
-  DDSSEC_RETURN_IF_ERROR(with_document(verifier.verify(*question.folder.certificate, question.now),
-                                       question.folder.paths.certificate));
+  DDSSEC_RETURN_IF_ERROR(
+      with_default_document(verifier.verify(*question.folder.certificate, question.now),
+                            question.folder.paths.certificate));
   return {};
 }
 
@@ -139,7 +140,7 @@ Ruling by_grant(const Question& question, const governance::CompiledGrant& grant
 bool is_superseded(const pki::Crl& list, const std::vector<pki::Crl>& lists,
                    const std::vector<pki::Certificate>& cas) {
   return std::ranges::any_of(lists, [&](const pki::Crl& other) {
-    return &other != &list && other.supersedes(list) && !list.supersedes(other) &&
+    return &other != &list && other.is_not_older_than(list) && !list.is_not_older_than(other) &&
            pki::have_common_signer(other, list, cas);
   });
 }

@@ -96,7 +96,8 @@ Result<Answer<NewList>> crl_new(const Arguments& arguments, const Context& conte
 // Warns if a file has several lists of one CA, because the products do not use the same one.
 std::string several_lists_warning(const std::vector<pki::Crl>& lists) {
   for (const auto& list : lists)
-    if (std::ranges::count_if(lists, [&](const auto& o) { return o.seems_of_same_ca(list); }) > 1)
+    if (std::ranges::count_if(lists, [&](const auto& o) { return o.may_be_from_same_ca(list); }) >
+        1)
       return fmt::format(
           "several lists of {}: the stock plugins of Cyclone DDS and Fast DDS read the first list "
           "of the file only, ddssec's plugins the newest. Keep the newest alone: ddssec crl "
@@ -110,7 +111,7 @@ Result<Answer<ShownLists>> crl_show(const Arguments& arguments, const Context&) 
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(path));
   std::vector<ShownList> shown;
   for (const auto& list : lists) {
-    DDSSEC_ASSIGN_OR_RETURN(auto entries, with_document(list.revoked(), path));
+    DDSSEC_ASSIGN_OR_RETURN(auto entries, with_default_document(list.revoked(), path));
     shown.push_back({ListHead::of(list), std::move(entries)});
   }
   auto first = std::move(shown.front());
@@ -124,7 +125,7 @@ Status check_not_ahead(const pki::Crl& crl, const fs::path& path, const fs::path
   std::error_code ignored;
   if (!fs::is_directory(ca, ignored)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto own, present_crl(ca_paths(ca, "identity")));
-  if (!own || own->supersedes(crl)) return {};
+  if (!own || own->is_not_older_than(crl)) return {};
   return fail(
       Code::crl_older,
       {.document = ca_paths(ca, "identity").crl,
@@ -160,7 +161,8 @@ Result<Answer<VerifiedList>> crl_verify(const Arguments& arguments, const Contex
     const bool is_other = !is_of_ca(crl) && &crl != &first;
     answer.result.all.push_back({ListHead::of(crl), is_other});
     if (is_other) continue;
-    DDSSEC_RETURN_IF_ERROR(with_document(crl.check(ca, context.clock.calendar_seconds()), path));
+    DDSSEC_RETURN_IF_ERROR(
+        with_default_document(crl.check(ca, context.clock.calendar_seconds()), path));
     DDSSEC_RETURN_IF_ERROR(check_whole(crl, path));
     DDSSEC_RETURN_IF_ERROR(check_not_ahead(crl, path, arguments.text("--ca")));
   }
@@ -303,7 +305,8 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
   DDSSEC_ASSIGN_OR_RETURN(const auto lists, lists_in(paths.crl));
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, present_crl(paths));
   const auto present = crl.value_or(lists.front());
-  DDSSEC_RETURN_IF_ERROR(with_hint_for_ca(with_document(present.check(ca, now), paths.crl), given));
+  DDSSEC_RETURN_IF_ERROR(
+      with_hint_for_ca(with_default_document(present.check(ca, now), paths.crl), given));
   DDSSEC_ASSIGN_OR_RETURN(const auto issue_log, read_issue_log(paths));
   DDSSEC_ASSIGN_OR_RETURN(const auto is_complete, lists_all(paths, issue_log));
   if (!is_complete) return fail(Code::crl_incomplete, {.document = paths.crl});

@@ -53,7 +53,7 @@ struct NewList {
 };
 
 template <>
-struct Listed<pki::Revocation> {
+struct FieldsOf<pki::Revocation> {
   using T = pki::Revocation;
   static constexpr auto fields() {
     return std::tuple(field<&T::serial>({.def = "serial"}), field<&T::time>(), field<&T::reason>());

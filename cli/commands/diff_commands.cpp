@@ -63,12 +63,12 @@ Result<Answer<GovernanceComparison>> governance_diff(const Arguments& arguments,
                           diff_sides(document_path<GovernanceKind>, arguments, context));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto before,
-      with_document(governance::read_governance(sides.before.text, sides.before.first_line),
-                    sides.before.path));
+      with_default_document(governance::read_governance(sides.before.text, sides.before.first_line),
+                            sides.before.path));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto after,
-      with_document(governance::read_governance(sides.after.text, sides.after.first_line),
-                    sides.after.path));
+      with_default_document(governance::read_governance(sides.after.text, sides.after.first_line),
+                            sides.after.path));
   auto diff = governance::compare(before, after, options);
   auto live = forecast_of(before, after, sides, diff.changes.empty() && diff.rewritten.empty());
   Report report;
@@ -93,14 +93,14 @@ Result<Answer<PermissionsComparison>> permissions_diff(const Arguments& argument
   DDSSEC_ASSIGN_OR_RETURN(const auto threshold, fail_on(arguments, {"wider", "narrower", "any"}));
   DDSSEC_ASSIGN_OR_RETURN(const auto sides,
                           diff_sides(document_path<PermissionsKind>, arguments, context));
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto before,
-      with_document(governance::read_permissions(sides.before.text, sides.before.first_line),
-                    sides.before.path));
+  DDSSEC_ASSIGN_OR_RETURN(const auto before,
+                          with_default_document(governance::read_permissions(
+                                                    sides.before.text, sides.before.first_line),
+                                                sides.before.path));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto after,
-      with_document(governance::read_permissions(sides.after.text, sides.after.first_line),
-                    sides.after.path));
+      with_default_document(governance::read_permissions(sides.after.text, sides.after.first_line),
+                            sides.after.path));
   auto diff = governance::compare(before, after,
                                   {.map_subjects_by_grant_name = arguments.has("--subject-map")});
   auto forecast = forecast_of({before, after, diff, context.clock.calendar_seconds()}, sides);

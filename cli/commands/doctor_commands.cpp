@@ -203,7 +203,7 @@ struct DiagnosedPeer {
 }  // namespace
 
 template <>
-struct Listed<doctor::HostPlugin> {
+struct FieldsOf<doctor::HostPlugin> {
   using T = doctor::HostPlugin;
   using Words = std::optional<std::string_view>;
   static Words if_any(std::string_view text) { return text.empty() ? Words() : text; }

@@ -143,7 +143,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
   if (pki::examine_document(octets).wrapping == pki::DocumentWrapping::multipart)
     return fail(Code::usage,
                 {.document = from, .field = "FILE", .note = "it is signed already; give the XML"});
-  DDSSEC_ASSIGN_OR_RETURN(const auto document, with_document(Kind::read(octets), from));
+  DDSSEC_ASSIGN_OR_RETURN(const auto document, with_default_document(Kind::read(octets), from));
   Report report;
   if (!arguments.has("--no-lint")) {
     auto findings =
@@ -154,11 +154,12 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
   for (auto& finding : unfit_for_folder(document, to, from))
     report.findings.push_back(std::move(finding));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
-  DDSSEC_ASSIGN_OR_RETURN(const auto text,
-                          with_document(text_to_sign(document, octets, to, ca, arguments), from));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto text,
+      with_default_document(text_to_sign(document, octets, to, ca, arguments), from));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signed_octets,
-      with_document(
+      with_default_document(
           ca.authority.sign_document(text.octets, context.clock.calendar_seconds(), context.random),
           from));
   if (const auto size = signed_octets.size(); std::is_same_v<Kind, PermissionsKind> &&
@@ -248,11 +249,13 @@ Result<SignatureVerdicts> signature_verdicts(const fs::path& file, const fs::pat
                                              WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMaxBundleOctets));
-  DDSSEC_ASSIGN_OR_RETURN(const Result<std::vector<pki::Certificate>> anchors,
-                          with_document(pki::Certificate::bundle_from_pem(file_octets), ca));
-  const auto verifier = with_document(pki::DocumentVerifier::make(*anchors), ca);
-  SignatureVerdicts out{.ddssec = verifier ? with_document(verifier->verify(octets, now), file)
-                                           : std::unexpected(verifier.error())};
+  DDSSEC_ASSIGN_OR_RETURN(
+      const Result<std::vector<pki::Certificate>> anchors,
+      with_default_document(pki::Certificate::bundle_from_pem(file_octets), ca));
+  const auto verifier = with_default_document(pki::DocumentVerifier::make(*anchors), ca);
+  SignatureVerdicts out{.ddssec = verifier
+                                      ? with_default_document(verifier->verify(octets, now), file)
+                                      : std::unexpected(verifier.error())};
   // From version 11 on, Cyclone DDS accepts only the CA itself as signer, like ddssec.
   auto& verdicts = out.verdicts;
   const auto by_another = measured(doctor::Variant::permissions_by_itself, verdicts.lineup);
@@ -309,8 +312,9 @@ Result<Verified> verify(const Arguments& arguments, const Context& context) {
       signature_verdicts(file, ca_certificate_path(arguments.text("--ca"), "permissions"), now));
   if (!all.ddssec) return Verified{Refusal{all.verdicts}, report_of(all.ddssec.error())};
   const auto& proof = all.ddssec;
-  DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          with_document(Kind::read(proof->content(), proof->first_line()), file));
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto document,
+      with_default_document(Kind::read(proof->content(), proof->first_line()), file));
   const auto& signer = proof->signer();
   Verified out{Verification{file, signer.subject(), to_hex(signer.fingerprint()),
                             proof->signer_not_after(), all.verdicts}};

@@ -211,7 +211,7 @@ class Search {
                                                  : look_into_pem(file, *octets);
     if (!status) {
       if (!is_unreadable_key(file, status.error().code()))
-        unreadable_.push_back(status.error().with_document(file));
+        unreadable_.push_back(status.error().with_default_document(file));
     } else if (is_folder_ && hits_ == before &&
                (is_document(file) || !has_no_end(file, as_text(*octets)))) {
       leave_out(file, fmt::format("it has no {} that can be read",

@@ -212,12 +212,13 @@ Result<Answer<SignedRequest>> identity_sign_csr(const Arguments& arguments,
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, validity(arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto responder, ocsp_responder(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto request, read_file(from, pki::kMaxCertificateOctets));
-  DDSSEC_ASSIGN_OR_RETURN(const auto content, with_document(pki::read_request(request), from));
+  DDSSEC_ASSIGN_OR_RETURN(const auto content,
+                          with_default_document(pki::read_request(request), from));
   DDSSEC_RETURN_IF_ERROR(confirm_request(content, arguments));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_RETURN_IF_ERROR(
-      with_document(check_subject_of_request(content.subject, ca, arguments), from));
+      with_default_document(check_subject_of_request(content.subject, ca, arguments), from));
   DDSSEC_ASSIGN_OR_RETURN(const auto life,
                           within_ca(wanted, ca.certificate(), arguments.has("--clamp")));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate,

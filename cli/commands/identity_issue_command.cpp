@@ -141,7 +141,7 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
     fleet.participants.push_back(members.add(spec.name, made));
     const auto& certificate = made.self.certificate;
     subjects.add(spec.name, certificate, report);
-    DDSSEC_RETURN_IF_ERROR(with_document(in_use.check(certificate.subject()), from));
+    DDSSEC_RETURN_IF_ERROR(with_default_document(in_use.check(certificate.subject()), from));
     in_use.add(certificate.subject(), spec.name);
     progress.step();
   }
@@ -300,8 +300,8 @@ Status add_permissions(const IssueRequest& request, const pki::Certificate& cert
     return refuse_existing(request.files.permissions, "the participant has permissions");
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(request.arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(const auto xml,
-                          with_document(permissions_xml(request.spec, certificate, now),
-                                        request.arguments.text("--permissions")));
+                          with_default_document(permissions_xml(request.spec, certificate, now),
+                                                request.arguments.text("--permissions")));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
                           sign_permissions(ca.authority, xml, now, request.context.random));
   DDSSEC_RETURN_IF_ERROR(out.add(request.files.permissions_ca, as_bytes(ca.trust_pem), 0644, true));

@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 Result<SignedPermissions> permissions_in(const pki::ParticipantFolder& files, const fs::path& ca,
                                          const pki::Certificate& certificate, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto proof, verified(files.permissions, ca, now));
-  return with_document(own_permissions(proof, certificate, now), files.permissions);
+  return with_default_document(own_permissions(proof, certificate, now), files.permissions);
 }
 
 // Empty if --ca has only an identity CA.

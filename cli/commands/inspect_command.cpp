@@ -22,7 +22,7 @@ constexpr int kMax = 86'400;
 }  // namespace
 
 template <>
-struct Listed<rtps::CertificateNames> {
+struct FieldsOf<rtps::CertificateNames> {
   using T = rtps::CertificateNames;
   static constexpr auto fields() { return std::tuple(field<&T::subject>(), field<&T::issuer>()); }
 };
@@ -189,7 +189,7 @@ std::uint64_t count_of(const rtps::HandshakeFlow& flow) {
 }  // namespace
 
 template <>
-struct Listed<rtps::HandshakeFlow> {
+struct FieldsOf<rtps::HandshakeFlow> {
   using T = rtps::HandshakeFlow;
   using Step = rtps::HandshakeStep;
   static constexpr std::string_view kDef = "handshake flow";
@@ -336,7 +336,7 @@ Result<Answer<Inspection>> inspect(const Arguments& arguments, const Context&) {
   if (!saved.empty()) DDSSEC_RETURN_IF_ERROR(capture.save_to(saved));
   Answer<Inspection> answer{{source, {}}};
   DDSSEC_RETURN_IF_ERROR(
-      with_document(watch(capture, seconds, is_live, answer.result.watched), source));
+      with_default_document(watch(capture, seconds, is_live, answer.result.watched), source));
   add_findings(answer.result, answer.report);
   if (!saved.empty()) {
     DDSSEC_ASSIGN_OR_RETURN(auto saved_file, capture.saved());

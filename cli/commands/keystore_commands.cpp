@@ -292,8 +292,8 @@ Result<Answer<MadeEnclave>> keystore_enclave(const Arguments& arguments, const C
                           within_ca(spec.life, identity.certificate(), arguments.has("--clamp")));
   DDSSEC_RETURN_IF_ERROR(warn_of_overlap(spec, identity.paths, job.target, now, report));
   DDSSEC_ASSIGN_OR_RETURN(const auto made,
-                          with_document(make_participant(spec, {identity, signer}, context),
-                                        arguments.text("--permissions")));
+                          with_default_document(make_participant(spec, {identity, signer}, context),
+                                                arguments.text("--permissions")));
   const auto& certificate = made.self.certificate;
   Answer<MadeEnclave> out{{.name = job.name,
                            .dir = job.target,
@@ -360,8 +360,9 @@ Result<Answer<SignedForEnclave>> keystore_permission(const Arguments& arguments,
   Report report;
   DDSSEC_RETURN_IF_ERROR(read_rights(spec, arguments, Rights::needed, report));
   const auto now = context.clock.calendar_seconds();
-  DDSSEC_ASSIGN_OR_RETURN(const auto xml, with_document(permissions_xml(spec, certificate, now),
-                                                        arguments.text("--permissions")));
+  DDSSEC_ASSIGN_OR_RETURN(const auto xml,
+                          with_default_document(permissions_xml(spec, certificate, now),
+                                                arguments.text("--permissions")));
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(keystore, "permissions")));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,

@@ -35,7 +35,7 @@ constexpr FieldOptions kKind{.def = "protection_kind"};
 }  // namespace
 
 template <>
-struct Listed<TopicRule> {
+struct FieldsOf<TopicRule> {
   using T = TopicRule;
   static constexpr std::string_view kDef = "topic_rule";
   static constexpr auto fields() {
@@ -51,7 +51,7 @@ struct Listed<TopicRule> {
 
 // A domain rule without its topic rules.
 template <>
-struct Listed<DomainRule> {
+struct FieldsOf<DomainRule> {
   using T = DomainRule;
   static constexpr auto fields() {
     return std::tuple(
@@ -311,7 +311,7 @@ std::optional<std::vector<std::string>> texts_if_any(const std::vector<governanc
 }  // namespace
 
 template <>
-struct Listed<governance::Criteria> {
+struct FieldsOf<governance::Criteria> {
   using T = governance::Criteria;
   static constexpr std::string_view kDef = "criterion";
   static constexpr auto fields() {
@@ -326,7 +326,7 @@ struct Listed<governance::Criteria> {
 };
 
 template <>
-struct Listed<governance::GrantRule> {
+struct FieldsOf<governance::GrantRule> {
   using T = governance::GrantRule;
   static constexpr auto fields() {
     constexpr FieldOptions kTheSame{.note = "the same", .has_same_members = true};

@@ -43,7 +43,7 @@ Result<DiffSide> read_side(const fs::path& path, const Arguments& arguments, Wal
     side.first_line = proof.first_line();
     side.signing_time = proof.signing_time();
   } else if (form.ambiguous) {
-    return std::unexpected(form.ambiguous->with_document(path));
+    return std::unexpected(form.ambiguous->with_default_document(path));
   } else {
     side.signer = claimed_signer(form);
     side.text = std::move(form.unverified_text);

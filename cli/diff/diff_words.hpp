@@ -17,7 +17,7 @@ std::string topics_text(const governance::TopicSet& topics, const std::string& w
 std::string entities_text(const governance::EntityWords& entities);
 
 template <>
-struct Listed<governance::NameSet> {
+struct FieldsOf<governance::NameSet> {
   using T = governance::NameSet;
   static constexpr std::string_view kDef = "name_set";
   static constexpr auto fields() {
@@ -34,7 +34,7 @@ struct Listed<governance::NameSet> {
 };
 
 template <>
-struct Listed<governance::TopicWords> {
+struct FieldsOf<governance::TopicWords> {
   using T = governance::TopicWords;
   static constexpr auto fields() {
     return std::tuple(field<&T::expression>(),
@@ -44,7 +44,7 @@ struct Listed<governance::TopicWords> {
 };
 
 template <>
-struct Listed<governance::DataTag> {
+struct FieldsOf<governance::DataTag> {
   using T = governance::DataTag;
   static constexpr auto fields() { return std::tuple(field<&T::name>(), field<&T::value>()); }
 };
@@ -72,7 +72,7 @@ struct ChangedTopics {
 };
 
 template <>
-struct Listed<governance::DomainScope> {
+struct FieldsOf<governance::DomainScope> {
   using T = governance::DomainScope;
   static constexpr auto fields() {
     return std::tuple(field("domains", &T::domains, domains_json, {.def = "domain_ranges"}),

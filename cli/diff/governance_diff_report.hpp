@@ -13,7 +13,7 @@ std::optional<std::string> announced_mask(const governance::GovernanceChange& ch
 std::vector<std::string_view> words_of(const governance::Properties& properties);
 
 template <>
-struct Listed<governance::ElementChange> {
+struct FieldsOf<governance::ElementChange> {
   using T = governance::ElementChange;
   static constexpr auto fields() {
     return std::tuple(
@@ -24,7 +24,7 @@ struct Listed<governance::ElementChange> {
 };
 
 template <>
-struct Listed<governance::PropertyOfSome> {
+struct FieldsOf<governance::PropertyOfSome> {
   using T = governance::PropertyOfSome;
   static constexpr auto fields() {
     return std::tuple(
@@ -34,7 +34,7 @@ struct Listed<governance::PropertyOfSome> {
 };
 
 template <>
-struct Listed<governance::GovernanceChange> {
+struct FieldsOf<governance::GovernanceChange> {
   using T = governance::GovernanceChange;
   static constexpr auto fields() {
     constexpr FieldOptions kMask{.def = "mask"}, kPluginMask{.def = "mask", .omits_empty = true};
@@ -62,7 +62,7 @@ struct Listed<governance::GovernanceChange> {
 
 /// Rules that are written differently without any effect.
 template <>
-struct Listed<governance::RewrittenRules> {
+struct FieldsOf<governance::RewrittenRules> {
   using T = governance::RewrittenRules;
   static constexpr auto fields() {
     return std::tuple_cat(fields_within(&T::scope),

@@ -9,7 +9,7 @@ namespace ddssec::cli {
 
 /// The endpoints that a change affects.
 template <>
-struct Listed<governance::EntityWords> {
+struct FieldsOf<governance::EntityWords> {
   using T = governance::EntityWords;
   static constexpr auto fields() {
     return std::tuple(field<&T::every>(),
@@ -19,7 +19,7 @@ struct Listed<governance::EntityWords> {
 };
 
 template <>
-struct Listed<governance::PermissionChange> {
+struct FieldsOf<governance::PermissionChange> {
   using T = governance::PermissionChange;
   static constexpr auto fields() {
     return std::tuple_cat(

@@ -22,7 +22,7 @@ enum class WantedDirections : std::uint8_t {
 inline constexpr std::string_view kSides[] = {"A", "B"}, kSideWords = "A|B";
 
 template <>
-struct Listed<governance::doctor::PartyDecision> {
+struct FieldsOf<governance::doctor::PartyDecision> {
   using T = governance::doctor::PartyDecision;
   static constexpr std::string_view kDef = "judgement";
   static constexpr auto fields() {
@@ -36,7 +36,7 @@ struct Listed<governance::doctor::PartyDecision> {
 };
 
 template <>
-struct Listed<governance::doctor::Difference> {
+struct FieldsOf<governance::doctor::Difference> {
   using T = governance::doctor::Difference;
   static constexpr std::string_view kDef = "difference";
   static constexpr auto fields() {

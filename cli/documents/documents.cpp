@@ -37,11 +37,12 @@ std::optional<governance::DomainRange> range_from(std::string_view text) {
 Result<pki::SignedDocument> verified(const fs::path& file, const fs::path& ca, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(const auto file_octets, read_file(ca, pki::kMaxBundleOctets));
-  auto anchors = with_document(pki::Certificate::bundle_from_pem(file_octets), ca);
+  auto anchors = with_default_document(pki::Certificate::bundle_from_pem(file_octets), ca);
   DDSSEC_RETURN_IF_ERROR(anchors);
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
-                          with_document(pki::DocumentVerifier::make(*std::move(anchors)), ca));
-  return with_document(verifier.verify(octets, now), file);
+  DDSSEC_ASSIGN_OR_RETURN(
+      const auto verifier,
+      with_default_document(pki::DocumentVerifier::make(*std::move(anchors)), ca));
+  return with_default_document(verifier.verify(octets, now), file);
 }
 
 // A text that is not in a signed form is passed to the XML parser, whose error is the most helpful.
@@ -50,7 +51,7 @@ Result<DocumentText> unverified_text(const fs::path& file) {
   auto form = pki::examine_document(octets);
   using enum pki::DocumentWrapping;
   if (form.wrapping == none || form.wrapping == unknown) return DocumentText{std::move(octets)};
-  if (form.ambiguous) return std::unexpected(form.ambiguous->with_document(file));
+  if (form.ambiguous) return std::unexpected(form.ambiguous->with_default_document(file));
   if (form.unverified_text.empty()) return fail(Code::smime_malformed, {.document = file});
   return DocumentText{std::move(form.unverified_text), form.first_line};
 }

@@ -62,7 +62,7 @@ template <class Kind>
 Result<typename Kind::Document> unverified_document(const std::filesystem::path& file) {
   auto text = unverified_text(file);
   if (!text) return std::unexpected(text.error());
-  return with_document(Kind::read(text->xml, text->first_line), file);
+  return with_default_document(Kind::read(text->xml, text->first_line), file);
 }
 
 /// Returns the length of the signed form of a document. `octets` are the document, plain or signed.

@@ -12,10 +12,10 @@
 //   };
 //
 // The member gives the field its name; field("old", &Change::before) gives another one. computed()
-// is a field that a function makes. Listed<T> has the field list of a struct that knows nothing of
-// this file. A struct with kDef ("new_ca") has an entry of its own in the schema's $defs. A value
-// with kDef and a member json() is a leaf that the schema describes by hand. The alternatives of a
-// std::variant are results of one command; kWhen of the second and the later ones says when.
+// is a field that a function makes. FieldsOf<T> has the field list of a struct that knows nothing
+// of this file. A struct with kDef ("new_ca") has an entry of its own in the schema's $defs. A
+// value with kDef and a member json() is a leaf that the schema describes by hand. The alternatives
+// of a std::variant are results of one command; kWhen of the second and the later ones says when.
 #pragma once
 
 #include <concepts>
@@ -141,16 +141,16 @@ struct PartField {
 
 /// The field list for a struct of another folder. A specialization has fields(), and may have kDef.
 template <class T>
-struct Listed {};
+struct FieldsOf {};
 
 namespace fields_detail {
 
 template <class T>
-concept IsListed = requires {
-  Listed<T>::fields();
+concept HasFieldsOf = requires {
+  FieldsOf<T>::fields();
 };
 template <class T>
-using ListOf = std::conditional_t<IsListed<T>, Listed<T>, T>;
+using ListOf = std::conditional_t<HasFieldsOf<T>, FieldsOf<T>, T>;
 
 }  // namespace fields_detail
 

@@ -30,7 +30,8 @@ Result<NewParticipant> make_participant_within_ca(ParticipantSpec& spec, const I
                                                   const std::filesystem::path& from) {
   DDSSEC_ASSIGN_OR_RETURN(
       spec.life, within_ca(spec.life, cas.identity.certificate(), arguments.has("--clamp")));
-  return with_document(make_participant(spec, cas.issuers(spec.has_permissions()), context), from);
+  return with_default_document(make_participant(spec, cas.issuers(spec.has_permissions()), context),
+                               from);
 }
 
 Status log_participants(const IssuingCas& cas, std::string_view issued,

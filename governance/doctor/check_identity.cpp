@@ -370,8 +370,8 @@ void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls) return;
   const auto& lists = *folder.crls;
   for (const auto& list : lists) {
-    const auto count =
-        std::ranges::count_if(lists, [&](const auto& one) { return one.seems_of_same_ca(list); });
+    const auto count = std::ranges::count_if(
+        lists, [&](const auto& one) { return one.may_be_from_same_ca(list); });
     if (count < 2) continue;
     return out.report(
         {}, {.rule = Rule::DOC023,

@@ -256,7 +256,8 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   // The domain's algorithms apply with and without join access control.
   Subject subject;
   if (const auto status = check_remote_algorithms(*participant, credential, subject); !status)
-    return refuse(status.error().with_document(participant->governance_name), subject.shown);
+    return refuse(status.error().with_default_document(participant->governance_name),
+                  subject.shown);
   auto judged = judge_remote(context(), *participant, permissions_token, credential, subject);
   const std::string name = subject.shown.empty() ? "permissions of a peer without certificate"
                                                  : "permissions of " + subject.shown;
@@ -264,7 +265,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   if (judged) {
     document = *std::move(judged);
   } else {
-    auto refused = refuse(judged.error().with_document(name), subject.shown);
+    auto refused = refuse(judged.error().with_default_document(name), subject.shown);
     // Without join access control such a peer may still use unprotected topics.
     if (participant->basis()->governance->domain_rule().enable_join_access_control) return refused;
   }
@@ -290,12 +291,12 @@ Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
   const auto& name = holder->document_name();
   Subject subject;
   if (const auto status = check_remote_algorithms(participant, credential, subject); !status)
-    return refuse(status.error().with_document(participant.governance_name), *holder);
+    return refuse(status.error().with_default_document(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
-  if (!judged) return refuse(judged.error().with_document(name), *holder);
+  if (!judged) return refuse(judged.error().with_default_document(name), *holder);
   const auto taken =
       holder->adopt_presented(*std::move(judged), services_.clock.calendar_seconds());
-  if (!taken) return refuse(taken.error().with_document(name), *holder);
+  if (!taken) return refuse(taken.error().with_default_document(name), *holder);
   if (!*taken) return {};
   const auto end = holder->ends();
   services_.events.raise(event_about(
@@ -363,7 +364,8 @@ Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(Permissi
   if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
     return *builtin;
   const auto basis = participant.basis_for(topic);
-  if (!basis) return refuse(basis.error().with_document(participant.governance_name), *holder);
+  if (!basis)
+    return refuse(basis.error().with_default_document(participant.governance_name), *holder);
   if (const auto* rule = (*basis)->governance->topic_rule(topic)) return endpoint_attributes(*rule);
   return refuse(topic_not_covered(participant, topic), *holder);
 }

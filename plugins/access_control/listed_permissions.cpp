@@ -39,7 +39,8 @@ WallTime end_of(const GrantOfDocument& one) {
                   one.document->signer_not_after() + std::chrono::seconds(1));
 }
 
-ListedPermissions::Documents ListedPermissions::documents_for(const Presented& presented) const {
+ListedPermissions::Documents ListedPermissions::documents_for(
+    const PresentedPermissions& presented) const {
   const std::lock_guard lock(mutex_);
   if (const auto known = of_subject_.find(presented.shown); known != of_subject_.end())
     return known->second;
@@ -52,9 +53,8 @@ ListedPermissions::Documents ListedPermissions::documents_for(const Presented& p
   return out;
 }
 
-std::optional<GrantOfDocument> ListedPermissions::extension_of(const Presented& presented,
-                                                               const PermissionsCa& ca,
-                                                               WallTime now) const {
+std::optional<GrantOfDocument> ListedPermissions::extension_of(
+    const PresentedPermissions& presented, const PermissionsCa& ca, WallTime now) const {
   const auto& [subject, shown, domain, tag, former_document, former, only_same] = presented;
   std::optional<GrantOfDocument> out;
   for (const auto& document : documents_for(presented)) {

@@ -29,7 +29,7 @@ class ListedPermissions {
   explicit ListedPermissions(Documents documents) : documents_(std::move(documents)) {}
 
   /// Permissions that a subject presented.
-  struct Presented {
+  struct PresentedPermissions {
     const pki::SubjectName& subject;
     const std::string& shown;
     DomainId domain;
@@ -42,11 +42,11 @@ class ListedPermissions {
   /// grant for the subject's name (not for an expression) that is valid now, and gives the same in
   /// the domain with the tag; or it gives more and was not signed earlier. If there are several
   /// such documents, it is the one that ends last. Documents that give less have no effect.
-  std::optional<GrantOfDocument> extension_of(const Presented& presented, const PermissionsCa& ca,
-                                              WallTime now) const;
+  std::optional<GrantOfDocument> extension_of(const PresentedPermissions& presented,
+                                              const PermissionsCa& ca, WallTime now) const;
 
  private:
-  Documents documents_for(const Presented& presented) const;
+  Documents documents_for(const PresentedPermissions& presented) const;
 
   const Documents documents_;
   mutable std::mutex mutex_;

@@ -59,7 +59,7 @@ auto certificates_of(const spi::PropertyList& properties, std::string_view prope
   const auto* uri = spi::find_property(properties, property);
   if (!uri || uri->empty()) return fail(Code::missing_property, {.field = std::string(property)});
   DDSSEC_ASSIGN_OR_RETURN(const auto file, pki::load_certificates(*uri, property, max_octets));
-  return with_document(read(file), document_name(property, *uri));
+  return with_default_document(read(file), document_name(property, *uri));
 }
 
 Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) {
@@ -69,7 +69,7 @@ Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) 
 
 // The algorithms of our own certificate are checked here and not in authentication, because hosts
 // call authentication before there is a governance.
-Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
+Status check_own_algorithms(JudgingDocuments& basis, const pki::Certificate& certificate,
                             const spi::PropertyList& properties) {
   const auto* const allowed = basis.allowed_algorithms();
   if (allowed == nullptr) return {};
@@ -86,15 +86,17 @@ Status check_own_algorithms(Basis& basis, const pki::Certificate& certificate,
   return {};
 }
 
-Result<Basis> first_basis(const LoadContext& context, const LocalParticipant& participant,
-                          const DocumentPlaces& places, BytesView governance_file) {
-  Basis out;
-  DDSSEC_ASSIGN_OR_RETURN(out.ca, with_document(PermissionsCa::load(places.permissions_ca),
-                                                places.permissions_ca_name));
-  DDSSEC_ASSIGN_OR_RETURN(auto verified,
-                          with_document(compile_governance({*out.ca, participant, context.options},
-                                                           governance_file, context.now),
-                                        places.governance_name));
+Result<JudgingDocuments> first_basis(const LoadContext& context,
+                                     const LocalParticipant& participant,
+                                     const DocumentPlaces& places, BytesView governance_file) {
+  JudgingDocuments out;
+  DDSSEC_ASSIGN_OR_RETURN(out.ca, with_default_document(PermissionsCa::load(places.permissions_ca),
+                                                        places.permissions_ca_name));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto verified,
+      with_default_document(
+          compile_governance({*out.ca, participant, context.options}, governance_file, context.now),
+          places.governance_name));
   out.governance = std::move(verified.rules);
   out.governance_digest = verified.digest;
   return out;
@@ -170,16 +172,16 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
       auto governance_file,
       pki::load_uri(places.governance, spi::property::kGovernance, pki::kMaxDocumentOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto basis, first_basis(context, *participant, places, governance_file));
-  DDSSEC_RETURN_IF_ERROR(with_document(check_own_algorithms(basis, certificate, properties),
-                                       participant->governance_name));
+  DDSSEC_RETURN_IF_ERROR(with_default_document(check_own_algorithms(basis, certificate, properties),
+                                               participant->governance_name));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
       pki::load_uri(places.permissions, spi::property::kPermissions, pki::kMaxDocumentOctets));
   DDSSEC_RETURN_IF_ERROR(check_own_size(places, file));
   own->note_read(std::move(governance_file), file);
-  DDSSEC_ASSIGN_OR_RETURN(auto document,
-                          with_document(context.documents.permissions(*basis.ca, file, context.now),
-                                        places.permissions_name));
+  DDSSEC_ASSIGN_OR_RETURN(auto document, with_default_document(context.documents.permissions(
+                                                                   *basis.ca, file, context.now),
+                                                               places.permissions_name));
   DDSSEC_RETURN_IF_ERROR(participant->set_basis(std::move(basis)));
   auto holder =
       std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt, std::move(subject),

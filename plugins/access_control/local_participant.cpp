@@ -84,7 +84,7 @@ Error not_at_once_error(const governance::CompiledGovernance& former,
 
 }  // namespace
 
-std::shared_ptr<const Basis> LocalParticipant::basis() const {
+std::shared_ptr<const JudgingDocuments> LocalParticipant::basis() const {
   const std::lock_guard lock(mutex_);
   return basis_;
 }
@@ -99,7 +99,8 @@ void LocalParticipant::set_listed(std::shared_ptr<const ListedPermissions> liste
   listed_ = std::move(listed);
 }
 
-Result<std::shared_ptr<const Basis>> LocalParticipant::basis_for(std::string_view topic) const {
+Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::basis_for(
+    std::string_view topic) const {
   const std::lock_guard lock(mutex_);
   if (topics_in_use_.contains(topic)) return basis_;
   DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
@@ -142,8 +143,8 @@ Result<LocalParticipant::Change> LocalParticipant::check_governance(
   return check(next);
 }
 
-Status LocalParticipant::set_basis(Basis basis) {
-  auto next = std::make_shared<const Basis>(std::move(basis));
+Status LocalParticipant::set_basis(JudgingDocuments basis) {
+  auto next = std::make_shared<const JudgingDocuments>(std::move(basis));
   const std::lock_guard lock(mutex_);
   if (basis_ && next->governance != basis_->governance) {
     DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
@@ -180,7 +181,7 @@ std::shared_ptr<const governance::CompiledGovernance> LocalParticipant::governan
 bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
   const std::lock_guard lock(mutex_);
   if (!pending_ || pending_->digest != digest) return false;
-  auto basis = std::make_shared<Basis>(*basis_);
+  auto basis = std::make_shared<JudgingDocuments>(*basis_);
   former_ = {basis->governance, basis->governance_digest};
   basis->governance = pending_->governance;
   basis->governance_digest = pending_->digest;

@@ -18,7 +18,7 @@ class ListedPermissions;
 
 /// The documents by which a local participant judges itself and its peers. The object is replaced
 /// as a whole.
-struct Basis {
+struct JudgingDocuments {
   std::shared_ptr<const PermissionsCa> ca;
   std::shared_ptr<const governance::CompiledGovernance> governance;
   Sha256Digest governance_digest{};  ///< digest of its signed text
@@ -44,11 +44,11 @@ class LocalParticipant {
   std::string governance_name = {};  ///< the document's name in errors
   spi::WarningDays warn_before_end = {};
 
-  std::shared_ptr<const Basis> basis() const;
+  std::shared_ptr<const JudgingDocuments> basis() const;
   /// Returns the basis for a host that asks how the topic is protected, and keeps the answer.
   /// Error: governance_change_under_way, if the topic comes into use while a document waits that
   /// cannot be applied to it.
-  Result<std::shared_ptr<const Basis>> basis_for(std::string_view topic) const;
+  Result<std::shared_ptr<const JudgingDocuments>> basis_for(std::string_view topic) const;
   /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {
     at_once,  ///< the domain, and each topic that was ever in use, are protected as before
@@ -60,7 +60,7 @@ class LocalParticipant {
   Result<Change> check_governance(const governance::CompiledGovernance& next) const;
   /// Sets the basis; its governance must be one that can be taken at once. Error: that of
   /// check_governance, if the governance differs from the former one.
-  Status set_basis(Basis basis);
+  Status set_basis(JudgingDocuments basis);
 
   /// Returns the permissions in the renewal list; nullptr if there are none.
   std::shared_ptr<const ListedPermissions> listed() const;
@@ -90,7 +90,7 @@ class LocalParticipant {
   Result<Change> check(const governance::CompiledGovernance& next) const;
 
   mutable std::mutex mutex_;
-  std::shared_ptr<const Basis> basis_;
+  std::shared_ptr<const JudgingDocuments> basis_;
   std::shared_ptr<const Pending> pending_;
   std::shared_ptr<const ListedPermissions> listed_;
   Pending former_;  ///< in force before the last document that waited; nullptr: there was none

@@ -182,7 +182,7 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
   if (const auto what = changed(basis->governance->domain_rule(),
                                 now.participant.basis()->governance->domain_rule()))
     events.emplace_back(Code::governance_renewed,
-                        what->with_document(governance_.name()).details());
+                        what->with_default_document(governance_.name()).details());
   if (const auto dropped = drop_withdrawn(now)) events.push_back(*dropped);
 }
 
@@ -198,7 +198,7 @@ std::optional<Error> OwnDocuments::drop_withdrawn(const Renewal& now) {
       "it waited to come into force, and its CA has left the permissions CA file; the "
       "document read before stays in force";
   return Error(Code::governance_renewal_refused, std::move(details))
-      .with_document(governance_.name());
+      .with_default_document(governance_.name());
 }
 
 Status OwnDocuments::take_authorities(const Renewal& now,
@@ -257,9 +257,10 @@ void OwnDocuments::renew_identity_authorities(const Renewal& now) {
 
 // ---- governance
 
-Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, const Basis& basis,
-                                                            BytesView file) const {
-  Judged out{basis};
+Result<OwnDocuments::JudgedGovernance> OwnDocuments::judge_governance(const Renewal& now,
+                                                                      const JudgingDocuments& basis,
+                                                                      BytesView file) const {
+  JudgedGovernance out{basis};
   DDSSEC_ASSIGN_OR_RETURN(auto verified, compile_governance({*basis.ca, now.participant, options_},
                                                             file, now.clock.calendar_seconds()));
   DDSSEC_ASSIGN_OR_RETURN(const auto change, now.participant.check_governance(*verified.rules));
@@ -269,7 +270,8 @@ Result<OwnDocuments::Judged> OwnDocuments::judge_governance(const Renewal& now, 
   return out;
 }
 
-Status OwnDocuments::take_governance(const Renewal& now, const Basis& former, BytesView file) {
+Status OwnDocuments::take_governance(const Renewal& now, const JudgingDocuments& former,
+                                     BytesView file) {
   DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, former, file));
   if (judged.is_phased && options_.host_changes_protection) {
     now.participant.set_pending({judged.basis.governance, judged.basis.governance_digest});
@@ -307,7 +309,7 @@ void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& even
   if (const auto what = changed(former->governance->domain_rule(),
                                 now.participant.basis()->governance->domain_rule()))
     events.emplace_back(Code::governance_renewed,
-                        what->with_document(governance_.name()).details());
+                        what->with_default_document(governance_.name()).details());
 }
 
 // ---- permissions
@@ -325,11 +327,12 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
 // ---- the renewal list
 
 // Returns the document if it was verified before.
-std::optional<OwnDocuments::Listed> OwnDocuments::known(const Renewal& now, BytesView file) const {
+std::optional<OwnDocuments::ListedFile> OwnDocuments::known(const Renewal& now,
+                                                            BytesView file) const {
   const auto ca = now.participant.basis()->ca;
   const auto digest = sha256(file);
   for (const auto* const all : {&listed_.verified, &listed_.former})
-    if (const auto one = std::ranges::find(*all, digest, &Listed::file);
+    if (const auto one = std::ranges::find(*all, digest, &ListedFile::file);
         one != all->end() && ca->holds(one->document->signer()))
       return *one;
   return std::nullopt;

@@ -79,19 +79,19 @@ class OwnDocuments {
   void renew_identity_authorities(const Renewal& now);
   void renew_list(const Renewal& now, std::vector<Error>& events);
   /// A signed file of the renewal list and its content.
-  struct Listed {
+  struct ListedFile {
     Sha256Digest file;
     std::shared_ptr<PermissionsDocument> document;
   };
   /// Keeps only one event about an unreadable folder, and none if authentication reports it.
   void keep_one_of_folder(std::vector<Error>& events) const;
-  std::optional<Listed> known(const Renewal& now, BytesView file) const;
+  std::optional<ListedFile> known(const Renewal& now, BytesView file) const;
   /// The permissions of a renewal list.
   struct ListedFiles {
-    std::vector<Listed> verified = {};
-    std::vector<Bytes> waiting = {};  ///< files that were not verified yet
-    std::vector<Listed> former = {};  ///< those of the former list, as long as some files wait
-    std::optional<Error> fault = {};  ///< of the first file that does not count
+    std::vector<ListedFile> verified = {};
+    std::vector<Bytes> waiting = {};      ///< files that were not verified yet
+    std::vector<ListedFile> former = {};  ///< those of the former list, as long as some files wait
+    std::optional<Error> fault = {};      ///< of the first file that does not count
     /// False if there are permissions and none of them counts.
     bool counts() const { return !waiting.empty() || !verified.empty() || !fault; }
   };
@@ -101,17 +101,18 @@ class OwnDocuments {
   std::optional<Error> go_on_with_list(const Renewal& now);
   Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may replace the one in force.
-  struct Judged {
-    Basis basis;
+  struct JudgedGovernance {
+    JudgingDocuments basis;
     bool is_phased = false;
   };
-  Result<Judged> judge_governance(const Renewal& now, const Basis& basis, BytesView file) const;
+  Result<JudgedGovernance> judge_governance(const Renewal& now, const JudgingDocuments& basis,
+                                            BytesView file) const;
   std::optional<Error> drop_withdrawn(const Renewal& now);
   /// Notes that the document that waited was applied, and returns the event about it. Empty if it
   /// still waits, or if none does.
   std::optional<Error> note_applied(const LocalParticipant& participant);
   /// Takes the document in the file, into force or as pending.
-  Status take_governance(const Renewal& now, const Basis& former, BytesView file);
+  Status take_governance(const Renewal& now, const JudgingDocuments& former, BytesView file);
 
   const AccessControlOptions options_;
   const bool keeps_permissions_;

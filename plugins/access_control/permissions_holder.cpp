@@ -69,7 +69,7 @@ GrantOfDocument PermissionsHolder::presented(const std::optional<Sha256Digest>& 
   const std::lock_guard lock(mutex_);
   if (former_.empty() || (digest && *digest == digest_)) return {document_, grant_};
   if (digest) {
-    const auto found = std::ranges::find(former_, *digest, &Former::digest);
+    const auto found = std::ranges::find(former_, *digest, &FormerDocument::digest);
     if (found != former_.end()) return found->permissions;
   }
   return former_.front().permissions;
@@ -102,13 +102,14 @@ Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
     accepted_by_ = ca;
   }
   if (grant_ && !is_over(grant_, *document_, now)) return grant_;
-  DDSSEC_ASSIGN_OR_RETURN(auto found, with_document(grant_in(*document_, now), document_name_));
+  DDSSEC_ASSIGN_OR_RETURN(auto found,
+                          with_default_document(grant_in(*document_, now), document_name_));
   // Hosts do not judge their existing matches again.
   if (remote_ && grant_ &&
       !give_the_same(grant_->grant(), found->grant(), participant_->domain,
                      participant_->domain_tag))
     DDSSEC_RETURN_IF_ERROR(
-        with_document(governance::check_validity(grant_->grant(), now), document_name_));
+        with_default_document(governance::check_validity(grant_->grant(), now), document_name_));
   grant_ = std::move(found);
   return grant_;
 }
@@ -127,7 +128,7 @@ Result<SharedGrant> PermissionsHolder::valid_grant(WallTime now) {
   const auto status = check_extension(now);
   if (status) return grant_;
   if (auto presented = presented_grant(now)) return presented;
-  return std::unexpected(status.error().with_document(document_name_));
+  return std::unexpected(status.error().with_default_document(document_name_));
 }
 
 Result<SharedGrant> PermissionsHolder::grant(WallTime now) {

@@ -144,13 +144,13 @@ class PermissionsHolder {
   std::optional<GrantOfDocument> extension_;  ///< for a peer: the extension by the renewal list
   std::string text_;
   Sha256Digest digest_ = {};  ///< digest of text_ (session_facts.hpp)
-  struct Former {
+  struct FormerDocument {
     Sha256Digest digest;
     GrantOfDocument permissions;
   };
   /// The permissions that were renewed: the first, and the last few, which handshakes under way
   /// still present.
-  std::vector<Former> former_;
+  std::vector<FormerDocument> former_;
   std::uint64_t renewals_ = 0;
   /// For a peer: the CA that accepted what it presented.
   std::shared_ptr<const PermissionsCa> accepted_by_;

@@ -20,7 +20,7 @@ constexpr auto kStartAgain =
 
 // A peer that has renewed its certificate comes back at once, so its end is not reported as an
 // error.
-Event event_of_end(const IdentityTable::Ended& ended, WallTime now) {
+Event event_of_end(const IdentityTable::EndedIdentity& ended, WallTime now) {
   const bool is_own = ended.peer.subject.empty();
   auto out = event_about(
       ended.peer,
@@ -138,11 +138,12 @@ void PkiDh::note_end(IdentityHandle identity, const Error& why, WallTime now) {
 }
 
 // True if the session did not end because of our own end, which has its own event.
-bool PkiDh::has_outlived(const std::vector<IdentityTable::Ended>& all,
-                         const IdentityTable::Ended& session) const {
+bool PkiDh::has_outlived(const std::vector<IdentityTable::EndedIdentity>& all,
+                         const IdentityTable::EndedIdentity& session) const {
   const auto pair = table_.pair_of(session.handle);
   return pair && table_.local(pair->local_handle) &&
-         std::ranges::find(all, pair->local_handle, &IdentityTable::Ended::handle) == all.end();
+         std::ranges::find(all, pair->local_handle, &IdentityTable::EndedIdentity::handle) ==
+             all.end();
 }
 
 // Reads what the files of local identities contain now. Each identity looks at its files at its own
@@ -157,7 +158,7 @@ Revocations PkiDh::look_at_files(IdentityHandle local) {
   };
   const auto ended = table_.ended_by(services_.clock.calendar_seconds(), local);
   if (std::ranges::none_of(revocations.identities, is_own, &IdentityTable::Revoked::handle) &&
-      std::ranges::none_of(ended, is_own, &IdentityTable::Ended::handle))
+      std::ranges::none_of(ended, is_own, &IdentityTable::EndedIdentity::handle))
     return revocations;
   for (const auto& one : own) one.identity->force_poll();
   renew_identities(table_, local, stores_, services_);

@@ -50,7 +50,7 @@ Status check_announced(const HandshakeContext& context, const spi::Challenge& ch
                .found = to_hex(BytesView(challenge).first(16))});
 }
 
-Credentials own_credentials(const Presented& own, BytesView participant_data,
+Credentials own_credentials(const PresentedDocuments& own, BytesView participant_data,
                             BytesView key_agreement_name) {
   return {
       .id = as_bytes(own.certificate.pem()),
@@ -264,8 +264,8 @@ Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeCon
               {.document = "handshake message", .found = message.class_id.substr(0, 64)});
 }
 
-spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local, const Presented& own,
-                              WallTime now) {
+spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local,
+                              const PresentedDocuments& own, WallTime now) {
   if (const auto response = local.ocsp_response_for(own.certificate, now))
     add_field(message, kOcspStatus.name, response->octets);
   return message;

@@ -36,7 +36,7 @@ struct HandshakeContext {
 
 /// The request was sent. The ephemeral key is destroyed with the state.
 struct AwaitReply {
-  std::shared_ptr<const Presented> own;
+  std::shared_ptr<const PresentedDocuments> own;
   pki::EphemeralKey key;
   Transcript transcript;  ///< hash_c1, challenge1, dh1
   spi::Token request;     ///< without an OCSP response
@@ -44,7 +44,7 @@ struct AwaitReply {
 
 /// The reply was sent.
 struct AwaitFinal {
-  std::shared_ptr<const Presented> own;
+  std::shared_ptr<const PresentedDocuments> own;
   pki::EphemeralKey key;
   pki::PeerPublicKey peer_key;
   Transcript transcript;  ///< complete
@@ -55,7 +55,7 @@ struct AwaitFinal {
 /// The handshake has ended: both sides have proven that they hold the key of their certificate.
 struct Established {
   std::shared_ptr<const spi::SharedSecret> secret;
-  std::shared_ptr<const Presented> own;  ///< the documents with which it was proven
+  std::shared_ptr<const PresentedDocuments> own;  ///< the documents with which it was proven
   pki::SignatureValid proof;
   JudgedPeer peer;
   Transcript transcript;
@@ -93,8 +93,8 @@ Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeCon
 /// Returns a request or reply with the OCSP response that counts at `now`, if there is one. The
 /// response is not signed, so a message that waits for its answer gets the newest one each time it
 /// is sent.
-spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local, const Presented& own,
-                              WallTime now);
+spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local,
+                              const PresentedDocuments& own, WallTime now);
 
 /// True if `request` is the one that was answered to get into `state`. Compares every value that is
 /// signed later.

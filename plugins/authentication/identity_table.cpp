@@ -261,10 +261,10 @@ IdentityTable::Common* IdentityTable::find(std::int64_t handle) {
   return remote == remotes_.end() ? nullptr : &remote->second;
 }
 
-std::vector<IdentityTable::Ended> IdentityTable::ended_by(WallTime now,
-                                                          spi::IdentityHandle local) const {
+std::vector<IdentityTable::EndedIdentity> IdentityTable::ended_by(WallTime now,
+                                                                  spi::IdentityHandle local) const {
   const std::shared_lock lock(mutex_);
-  std::vector<Ended> ended;
+  std::vector<EndedIdentity> ended;
   for (const auto& [end, handle] : ends_) {
     if (end > now) break;
     const auto remote = remotes_.find(handle);
@@ -282,7 +282,7 @@ std::vector<IdentityTable::Ended> IdentityTable::ended_by(WallTime now,
   return ended;
 }
 
-void IdentityTable::mark_ended(std::span<const Ended> ended) {
+void IdentityTable::mark_ended(std::span<const EndedIdentity> ended) {
   const std::unique_lock lock(mutex_);
   for (const auto& one : ended) {
     ends_.erase({one.end, one.handle.value});

@@ -129,7 +129,7 @@ class IdentityTable {
   /// Returns the earliest expiry of all identities; empty if none will expire.
   std::optional<WallTime> next_end() const;
 
-  struct Ended {
+  struct EndedIdentity {
     spi::IdentityHandle handle;
     PeerName peer;      ///< the subject is empty for a local identity
     std::string whose;  ///< the subject whose certificate ended
@@ -140,9 +140,9 @@ class IdentityTable {
   };
   /// Returns identities that expired at `now` or earlier and are not marked yet: those of one local
   /// identity and its remote ones, or of all (nil).
-  std::vector<Ended> ended_by(WallTime now, spi::IdentityHandle local) const;
+  std::vector<EndedIdentity> ended_by(WallTime now, spi::IdentityHandle local) const;
   /// Marks these identities: from now on they are refused. Allocates no memory.
-  void mark_ended(std::span<const Ended> ended);
+  void mark_ended(std::span<const EndedIdentity> ended);
 
   struct OurOwn {
     spi::IdentityHandle handle;

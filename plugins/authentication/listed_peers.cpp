@@ -69,10 +69,10 @@ bool follow_renewal_list(IdentityTable& table, const Authenticated& peer,
   return !follow(table, peer, local, services);
 }
 
-void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended>& ended,
+void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,
                           const EngineServices& services) {
   std::set<const LocalIdentity*> looked;
-  std::erase_if(ended, [&](IdentityTable::Ended& one) {
+  std::erase_if(ended, [&](IdentityTable::EndedIdentity& one) {
     const auto peer = table.authenticated(one.handle);
     const auto pair = table.pair_of(one.handle);
     if (!peer || !pair || !table.local(pair->local_handle)) return false;

@@ -15,9 +15,9 @@ namespace ddssec::authentication {
 /// - Our certificate that the peer has seen has ended, another one of the same key is in force and
 ///   on our list, and the peer runs ddssec. If the peer has no such list, it ends the session, and
 ///   we follow.
-/// For the others Ended::note has the reason why a listed certificate does not count. If a peer has
-/// ended, the lists are read once more before.
-void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended>& ended,
+/// For the others EndedIdentity::note has the reason why a listed certificate does not count. If a
+/// peer has ended, the lists are read once more before.
+void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,
                           const EngineServices& services);
 
 /// Does the same for a peer whose certificate was issued by none of the CAs trusted now. Returns

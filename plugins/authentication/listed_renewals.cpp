@@ -22,7 +22,7 @@ bool is_about_time(Code code) {
 // True if the certificate is known not to be revoked. False also if its status cannot be
 // determined.
 bool is_not_revoked(const pki::Certificate& certificate, const TrustStore& trust, WallTime now) {
-  if (!trust.may_be_revoked(certificate)) return true;
+  if (!trust.is_on_any_list(certificate)) return true;
   const auto verdict = trust.verify(certificate, now);
   return verdict || verdict.error().code() == Code::certificate_expired;
 }
@@ -50,7 +50,7 @@ void ListedRenewals::verify_some(Judged& list, const TrustStore& trust, WallTime
       continue;
     }
     ++list.foreign;
-    if (!list.first_fault) list.first_fault = verdict.error().with_document(one->subject());
+    if (!list.first_fault) list.first_fault = verdict.error().with_default_document(one->subject());
   }
   list.waiting.erase(list.waiting.begin(), end);
   if (list.waiting.empty() && !list.usable.empty()) list.former.clear();

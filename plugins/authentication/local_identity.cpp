@@ -30,8 +30,8 @@ LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
       list_warning_(files.warn_before_end),
       own_trust_(std::move(files.own_trust)),
       peer_trust_(std::move(files.peer_trust)),
-      presented_(std::make_shared<const Presented>(
-          Presented{std::move(files.certificate), std::move(files.key), Bytes(1)})),
+      presented_(std::make_shared<const PresentedDocuments>(
+          PresentedDocuments{std::move(files.certificate), std::move(files.key), Bytes(1)})),
       ocsp_in_force_(ocsp_response_.in_force()) {}
 
 spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
@@ -139,12 +139,12 @@ Status LocalIdentity::set_permissions(const spi::Token& credential) {
                  .found = std::to_string(text.size()) + " octets"});
   auto octets = text.empty() ? Bytes(1) : to_bytes(as_bytes(text));
   const std::scoped_lock lock(mutex_);
-  presented_ = std::make_shared<const Presented>(
-      Presented{presented_->certificate, presented_->key, std::move(octets)});
+  presented_ = std::make_shared<const PresentedDocuments>(
+      PresentedDocuments{presented_->certificate, presented_->key, std::move(octets)});
   return {};
 }
 
-std::shared_ptr<const Presented> LocalIdentity::presented() const {
+std::shared_ptr<const PresentedDocuments> LocalIdentity::presented() const {
   const std::scoped_lock lock(mutex_);
   return presented_;
 }
@@ -196,8 +196,8 @@ Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
                                       }));
   if (!found) return false;
   const std::scoped_lock presenting(mutex_);
-  presented_ = std::make_shared<const Presented>(
-      Presented{found->certificate, found->key, presented_->permissions});
+  presented_ = std::make_shared<const PresentedDocuments>(
+      PresentedDocuments{found->certificate, found->key, presented_->permissions});
   return true;
 }
 
@@ -295,8 +295,8 @@ Status LocalIdentity::take_together(const std::vector<pki::Certificate>& next,
   revocation_lists_ = std::move(lists);
   const std::scoped_lock lock(mutex_);
   trust(std::move(store));
-  presented_ = std::make_shared<const Presented>(
-      Presented{identity.certificate, identity.key, presented_->permissions});
+  presented_ = std::make_shared<const PresentedDocuments>(
+      PresentedDocuments{identity.certificate, identity.key, presented_->permissions});
   return {};
 }
 
@@ -341,7 +341,7 @@ void LocalIdentity::force_poll() {
 
 // ---- the documents that are presented
 
-Sha256Digest LocalIdentity::hash_of(const std::shared_ptr<const Presented>& presented,
+Sha256Digest LocalIdentity::hash_of(const std::shared_ptr<const PresentedDocuments>& presented,
                                     const Credentials& own) const {
   Bytes variable = to_bytes(own.participant_data);
   const auto name = own.key_agreement_algorithm;

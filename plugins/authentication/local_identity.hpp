@@ -16,7 +16,7 @@ namespace ddssec::authentication {
 
 /// The documents that a handshake presents. A handshake takes them when it begins and keeps them to
 /// its end. Renewed documents count for the next handshake, and the two never mix.
-struct Presented {
+struct PresentedDocuments {
   pki::Certificate certificate;
   pki::PrivateKey key;
   /// c.perm; one NUL as long as there are no permissions, as Cyclone DDS sends and demands.
@@ -30,7 +30,7 @@ class LocalIdentity {
 
   const Guid& guid() const { return guid_; }
   /// Returns the documents for handshakes that begin now.
-  std::shared_ptr<const Presented> presented() const;
+  std::shared_ptr<const PresentedDocuments> presented() const;
   pki::Certificate certificate() const { return presented()->certificate; }
   /// Returns the certificates that are trusted now.
   std::shared_ptr<const TrustStore> peer_trust() const;
@@ -113,13 +113,13 @@ class LocalIdentity {
   /// Returns `own.hash()`, which is remembered: it is the same for every peer as long as the
   /// documents, the participant data and the key agreement are. `own` must be made from
   /// `presented`.
-  Sha256Digest hash_of(const std::shared_ptr<const Presented>& presented,
+  Sha256Digest hash_of(const std::shared_ptr<const PresentedDocuments>& presented,
                        const Credentials& own) const;
 
  private:
   struct KnownHash {
     Bytes variable;  ///< c.pdata and c.kagree_algo
-    std::shared_ptr<const Presented> presented;
+    std::shared_ptr<const PresentedDocuments> presented;
     Sha256Digest digest;
   };
 
@@ -153,7 +153,7 @@ class LocalIdentity {
   std::uint64_t renewals_ = 0;
   std::uint64_t authorities_renewal_ = 0;  ///< the last of `renewals_` in which other CAs came
   std::uint64_t applied_renewals_ = 0;
-  std::shared_ptr<const Presented> presented_;
+  std::shared_ptr<const PresentedDocuments> presented_;
   std::shared_ptr<const OcspInForce> ocsp_in_force_;
   std::optional<Error> ocsp_revoked_;
   mutable std::optional<KnownHash> known_hash_;

@@ -19,7 +19,7 @@ Result<std::optional<Error>> check_ocsp_status(const std::optional<BytesView>& r
   }
   const auto good = trust.ocsp(*response, certificate, now);
   if (good) return std::nullopt;
-  const auto error = good.error().with_document(document);
+  const auto error = good.error().with_default_document(document);
   // A response that is neither "good" nor "revoked" counts as none (DDS-Security 1.2, Table 59).
   if (policy == OcspPolicy::hard || error.code() == Code::ocsp_revoked)
     return std::unexpected(error);

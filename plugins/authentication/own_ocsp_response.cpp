@@ -66,7 +66,7 @@ Result<bool> OwnOcspResponse::read(const Judge& judge) {
   const auto good = judge.trust.ocsp(*file, judge.certificate, judge.now);
   revoked_.reset();
   if (!good && good.error().code() == Code::ocsp_revoked)
-    revoked_ = good.error().with_document(path_);
+    revoked_ = good.error().with_default_document(path_);
   if (revoked_) return std::unexpected(*revoked_);
   if (!good) return refuse(good.error());
   // A recorded answer of the responder must not replace a later one.

@@ -89,10 +89,10 @@ class PkiDh final : public spi::Authentication {
   }
 
   void drop_credentials_given_out();
-  bool has_outlived(const std::vector<IdentityTable::Ended>& all,
-                    const IdentityTable::Ended& session) const;
+  bool has_outlived(const std::vector<IdentityTable::EndedIdentity>& all,
+                    const IdentityTable::EndedIdentity& session) const;
   bool may_go_on(const Pair& pair, const PairHandshake& handshake,
-                 const std::shared_ptr<const Presented>& own) const;
+                 const std::shared_ptr<const PresentedDocuments>& own) const;
   Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
   Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
                                const Token& identity_token, const Guid& guid);
@@ -111,7 +111,8 @@ class PkiDh final : public spi::Authentication {
                                        const Token& offer) const;
   Event renewed_peer(const Pair& pair, const Established& session) const;
   void take_up_request(const std::shared_ptr<Pair>& pair);
-  Token presented_token(const Token& message, const Pair& pair, const Presented& own) const;
+  Token presented_token(const Token& message, const Pair& pair,
+                        const PresentedDocuments& own) const;
   Status check_room(const Pair& pair) const;
   void make_room(Pair& pair);
   HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,

@@ -50,7 +50,7 @@ void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
 // renewed since, it may continue for kPendingAge. After that the same message begins another
 // handshake.
 bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
-                      const std::shared_ptr<const Presented>& own) const {
+                      const std::shared_ptr<const PresentedDocuments>& own) const {
   return own == pair.local->presented() ||
          services_.clock.monotonic() - handshake.began_at < kPendingAge;
 }
@@ -95,7 +95,8 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
   return {handle, outcome.result, std::move(outcome.message)};
 }
 
-Token PkiDh::presented_token(const Token& message, const Pair& pair, const Presented& own) const {
+Token PkiDh::presented_token(const Token& message, const Pair& pair,
+                             const PresentedDocuments& own) const {
   return with_ocsp_response(message, *pair.local, own, services_.clock.calendar_seconds());
 }
 

@@ -70,7 +70,7 @@ Result<JudgedOffer> PkiDh::judge_peer_offer(const Pair& pair, const Established&
       judge_offer(session, offer, pair.remote_guid,
                   {*trust, pair.local->ocsp_policy(), services_.clock.calendar_seconds()});
   if (judged) return judged;
-  return reported(Result<JudgedOffer>(std::unexpected(judged.error().with_document(
+  return reported(Result<JudgedOffer>(std::unexpected(judged.error().with_default_document(
                       "renewed documents of " + session.peer.certificate().subject()))),
                   table_.name_of(pair.remote_handle));
 }
@@ -115,7 +115,7 @@ Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, cons
       handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
         if (const auto fits = check_answer(handshake.offer, answer); !fits)
           return std::unexpected(
-              fits.error().with_document("answer of " + done.peer.certificate().subject()));
+              fits.error().with_default_document("answer of " + done.peer.certificate().subject()));
         const auto former = std::exchange(done.own, handshake.offer->documents);
         if (auto noted = note_authenticated(pair, done); !noted) {
           done.own = former;

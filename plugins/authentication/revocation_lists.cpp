@@ -72,7 +72,7 @@ Status check_replaced(const pki::Crl& held, const std::vector<pki::Crl>& lists,
     return pki::have_common_signer(crl, held, anchors);
   };
   const bool is_replaced = std::ranges::any_of(
-      lists, [&](const auto& crl) { return crl.replaces(held, now) && is_of_its_ca(crl); });
+      lists, [&](const auto& crl) { return crl.may_replace_at(held, now) && is_of_its_ca(crl); });
   if (is_replaced) return {};
   const auto found = std::ranges::find_if(lists, is_of_its_ca);
   if (found == lists.end())
@@ -84,7 +84,7 @@ Status check_replaced(const pki::Crl& held, const std::vector<pki::Crl>& lists,
 
 bool is_newer(const pki::Crl& crl, const pki::Crl& other,
               const std::vector<pki::Certificate>& anchors, WallTime now) {
-  return crl.replaces(other, now) && !other.replaces(crl, now) &&
+  return crl.may_replace_at(other, now) && !other.may_replace_at(crl, now) &&
          pki::have_common_signer(crl, other, anchors);
 }
 
@@ -159,8 +159,8 @@ Status RevocationLists::read_first(Place& place, std::string_view name, bool may
   const auto octets = ddssec::load_uri(place.watch.uri(), name, pki::kMaxDocumentOctets);
   if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
   if (!octets) return std::unexpected(octets.error());
-  DDSSEC_ASSIGN_OR_RETURN(place.lists,
-                          with_document(parse(*octets, place.watch.uri()), std::string(name)));
+  DDSSEC_ASSIGN_OR_RETURN(
+      place.lists, with_default_document(parse(*octets, place.watch.uri()), std::string(name)));
   place.content = sha256(*octets);
   return {};
 }

@@ -14,7 +14,7 @@ using OurOwn = IdentityTable::OurOwn;
 // its next handshake.
 std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
                              const LocalIdentity& whose, WallTime now) {
-  if (!trust.may_be_revoked(certificate)) return std::nullopt;
+  if (!trust.is_on_any_list(certificate)) return std::nullopt;
   const auto verdict = trust.verify(certificate, now);
   if (verdict) return std::nullopt;
   const auto& error = verdict.error();

@@ -8,7 +8,7 @@ namespace ddssec::authentication {
 
 /// The documents that one side of a session presents anew.
 struct RenewalOffer {
-  std::shared_ptr<const Presented> documents;
+  std::shared_ptr<const PresentedDocuments> documents;
   Sha256Digest digest;  ///< digest of the signed octets
   int times = 0;        ///< the number of times that it was sent
 };

@@ -32,9 +32,9 @@ class TrustStore {
     return verifier_.verify(certificate, now);
   }
 
-  /// See ChainVerifier::may_be_revoked.
-  bool may_be_revoked(const pki::Certificate& certificate) const {
-    return verifier_.may_be_revoked(certificate);
+  /// See ChainVerifier::is_on_any_list.
+  bool is_on_any_list(const pki::Certificate& certificate) const {
+    return verifier_.is_on_any_list(certificate);
   }
 
   /// Judges a peer's OCSP response, or returns the former result: the same response costs only one

@@ -49,10 +49,10 @@ using KeyLevel = std::shared_ptr<ReceiveKey> LevelKeys::*;
 /// The keys of a remote entity from its tokens: the newest, and former revisions that stay valid
 /// for a while (key_revision.hpp).
 struct RemoteKeys final : Retirable, LevelKeys {
-  struct Former : LevelKeys {
+  struct FormerKeys : LevelKeys {
     std::chrono::nanoseconds until;  ///< by the monotonic clock
   };
-  std::vector<Former> former;  ///< newest first
+  std::vector<FormerKeys> former;  ///< newest first
   /// The endpoint that owns the keys; zero if it is not known (key_owner.hpp).
   EntityId owner = {};
 };

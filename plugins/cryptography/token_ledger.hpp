@@ -181,7 +181,7 @@ class TokenLedger {
     std::size_t pending = 0;
     std::size_t all = 0;
   };
-  struct Ended {
+  struct EndedExchange {
     std::chrono::nanoseconds at;
     std::uint64_t exchange;
   };
@@ -230,7 +230,7 @@ class TokenLedger {
   mutable std::mutex mutex_;
   Entries entries_;
   std::set<std::pair<std::uint64_t, const Key*>> by_exchange_;  // exchange of Entry::passed
-  std::deque<Ended> ended_;                                     // in the order in which they ended
+  std::deque<EndedExchange> ended_;                             // in the order in which they ended
   std::deque<Acknowledged> acknowledged_;                       // in order of time
   std::map<std::uint64_t, Taken> taken_;                        // by exchange
   std::map<Ticket, Entries::iterator> tickets_;

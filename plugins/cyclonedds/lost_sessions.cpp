@@ -127,13 +127,13 @@ void LostSessions::note_sent(Session& session, bool is_meeting, Duration now) {
   }
 }
 
-std::vector<LostSessions::Due> LostSessions::due(const IsMeeting& is_meeting) {
+std::vector<LostSessions::DueReset> LostSessions::due(const IsMeeting& is_meeting) {
   const std::lock_guard lock(mutex_);
   if (std::ranges::all_of(locals_, [](const auto& one) { return one.second.all_lost == 0; }))
     return {};
   const auto now = clock_.monotonic();
   forget_lost_before(now - kMemory);
-  std::vector<Due> out;
+  std::vector<DueReset> out;
   unsigned unmet = 0;
   for (auto& [key, session] : sessions_) {
     if (session.lost == 0) continue;

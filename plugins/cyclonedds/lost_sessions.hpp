@@ -87,7 +87,7 @@ class LostSessions {
   /// Returns the addresses of a peer; empty if there is no session with it.
   std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
 
-  struct Due {
+  struct DueReset {
     spi::IdentityHandle local;
     GuidPrefix own;
     Guid remote;
@@ -98,7 +98,7 @@ class LostSessions {
   /// Returns whether the host is meeting this pair again.
   using IsMeeting = std::function<bool(spi::IdentityHandle local, const Guid& remote)>;
   /// Returns the resets to send now.
-  std::vector<Due> due(const IsMeeting& is_meeting);
+  std::vector<DueReset> due(const IsMeeting& is_meeting);
 
  private:
   struct Session {

@@ -99,7 +99,7 @@ Result<PropertyList> read_property_file(const std::filesystem::path& path) {
   if (!octets && octets.error().code() == Code::item_empty) return PropertyList{};
   if (!octets) return std::unexpected(std::move(octets).error());
   const Rollback at_the_end([&] { wipe(*octets); });  // A value may be a passphrase.
-  return with_document(parse_properties(as_text(*octets)), name);
+  return with_default_document(parse_properties(as_text(*octets)), name);
 }
 
 }  // namespace ddssec::spi

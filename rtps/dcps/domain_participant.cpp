@@ -42,7 +42,7 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
   std::vector<Error> errors;
   for (const auto& interface : sockets.interfaces())
     if (const auto joined = sockets.join(group, interface); !joined)
-      errors.push_back(joined.error().with_document(to_string({&interface, 1})));
+      errors.push_back(joined.error().with_default_document(to_string({&interface, 1})));
   // If there are peers to announce to, other participants can still be found.
   if (!errors.empty() && !sockets.has_joined() && config.announce_to.empty())
     return std::unexpected(errors.front());

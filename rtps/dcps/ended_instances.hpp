@@ -32,17 +32,17 @@ class EndedInstances {
   std::size_t octets() const { return octets_; }
 
  private:
-  struct Ended {
+  struct EndedInstance {
     KeyHash key;
     std::size_t price;
   };
   struct Share {
-    std::list<Ended> oldest_first;
+    std::list<EndedInstance> oldest_first;
     std::size_t octets = 0;
   };
   struct Place {
     GuidPrefix identity;
-    std::list<Ended>::iterator at;
+    std::list<EndedInstance>::iterator at;
   };
   KeyHash take_oldest(const GuidPrefix& identity);
   GuidPrefix largest() const;

@@ -86,7 +86,7 @@ void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
 }
 
 // An assertion does not move the noted end, so each lease is checked once per lease duration.
-void LivelinessMonitor::check(MonotonicTime now, const Ended& ended) {
+void LivelinessMonitor::check(MonotonicTime now, const OnEnd& ended) {
   while (next_tick() <= now) {
     const auto guid = ends_.begin()->second;
     auto& writer = writers_.find(guid)->second;

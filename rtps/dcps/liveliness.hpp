@@ -49,8 +49,8 @@ class LivelinessMonitor {
   /// Notes that the writer asserted its liveliness.
   void alive(const Guid& writer, MonotonicTime now);
   /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
-  using Ended = std::function<void(const Guid&, LivelinessSignal*)>;
-  void check(MonotonicTime now, const Ended& ended);
+  using OnEnd = std::function<void(const Guid&, LivelinessSignal*)>;
+  void check(MonotonicTime now, const OnEnd& ended);
   /// Returns a time before which no lease ends.
   MonotonicTime next_tick() const { return ends_.empty() ? kNever : ends_.begin()->first; }
 

@@ -415,7 +415,7 @@ std::size_t SampleIndex::size(StreamId stream) const {
   return found == streams_.end() ? 0 : found->second.samples;
 }
 
-void SampleIndex::Ended::add(const KeyHash& key, MonotonicTime due) {
+void SampleIndex::DisposedInstances::add(const KeyHash& key, MonotonicTime due) {
   const auto at = by_time_.emplace(due, key).first;
   Rollback undo([&] { by_time_.erase(at); });
   const auto [known, is_new] = by_key_.try_emplace(key, due);
@@ -424,14 +424,15 @@ void SampleIndex::Ended::add(const KeyHash& key, MonotonicTime due) {
   if (!is_new && before != due) by_time_.erase({before, key});
 }
 
-void SampleIndex::Ended::remove(const KeyHash& key) {
+void SampleIndex::DisposedInstances::remove(const KeyHash& key) {
   const auto at = by_key_.find(key);
   if (at == by_key_.end()) return;
   by_time_.erase({at->second, key});
   by_key_.erase(at);
 }
 
-std::vector<KeyHash> SampleIndex::Ended::due(MonotonicTime now, std::size_t max_samples) const {
+std::vector<KeyHash> SampleIndex::DisposedInstances::due(MonotonicTime now,
+                                                         std::size_t max_samples) const {
   std::vector<KeyHash> out;
   for (const auto& [at, key] : by_time_) {
     if (at > now || out.size() >= max_samples) break;

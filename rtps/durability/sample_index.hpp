@@ -96,7 +96,7 @@ class SampleIndex {
   using Rows = std::map<Place, Row>;
   /// The disposed instances that have not been removed yet. The cost of each does not depend on
   /// their number.
-  class Ended {
+  class DisposedInstances {
    public:
     void add(const KeyHash& key, MonotonicTime due);
     void remove(const KeyHash& key);
@@ -139,7 +139,7 @@ class SampleIndex {
   struct Stream {
     DurabilityService service;
     std::map<KeyHash, Rows> instances;
-    Ended ended;
+    DisposedInstances ended;
     EndedInstanceLog ended_instances;
     /// True if a keeper uses the stream and something was stored: ends are remembered for the next
     /// process.

@@ -52,8 +52,8 @@ bool AnnouncementRefresh::end_reading_if_over(MonotonicTime now) {
   return true;
 }
 
-std::vector<AnnouncementRefresh::Ended> AnnouncementRefresh::take_confirmed_ends() {
-  std::vector<Ended> out;
+std::vector<AnnouncementRefresh::EndedEndpoint> AnnouncementRefresh::take_confirmed_ends() {
+  std::vector<EndedEndpoint> out;
   std::erase_if(ended_, [&](const auto& ended) {
     const auto& [endpoint, state] = ended;
     if (!state.is_read) return false;

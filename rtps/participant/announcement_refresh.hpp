@@ -58,13 +58,13 @@ class AnnouncementRefresh {
   bool begin_reading_if_due(MonotonicTime now);
   /// Returns true once, after the time by which the answer must have arrived.
   bool end_reading_if_over(MonotonicTime now);
-  struct Ended {
+  struct EndedEndpoint {
     EntityId endpoint;
     bool counts;  ///< true if its end counted from the beginning
   };
   /// Ends a reading that was complete. Returns the endpoints that were said to have ended before
   /// it, and were not announced since while they were known.
-  std::vector<Ended> take_confirmed_ends();
+  std::vector<EndedEndpoint> take_confirmed_ends();
   /// Notes that the reading has confirmed the end. Returns the endpoint whose keys are not kept any
   /// longer in exchange: the one that ended first. It is remembered (without_keys).
   std::optional<EntityId> note_gone(const EntityId& endpoint);

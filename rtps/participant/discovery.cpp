@@ -49,7 +49,7 @@ void adopt_names(ParticipantData& known, const ParticipantData& proven) {
 void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefix& source,
                       BuiltinTopic topic) {
   const Guid some{source, is_of_writers(topic) ? kPublicationsWriter : kPublicationsReader};
-  core.raise(error.with_document("SEDP"), source, source.to_string(),
+  core.raise(error.with_default_document("SEDP"), source, source.to_string(),
              core.origin_of_announcement(some, is_secure(topic)));
 }
 

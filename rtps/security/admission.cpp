@@ -66,7 +66,7 @@ Admission::Decision Admission::judge(const ParticipantData& data) {
   ++core_.counters.failed;
   const auto document = "participant " + data.guid.to_string();
   auto why = data.identity_token
-                 ? check_participant(data).error().with_document(document)
+                 ? check_participant(data).error().with_default_document(document)
                  : Error(Code::rtps_peer_not_secured,
                          {.document = document, .expected = "an identity token", .found = "none"});
   core_.raise(std::move(why), data.guid, EventOrigin::anyone);
@@ -259,8 +259,8 @@ bool Admission::may_write(const Endpoint& writer) {
   const auto attributes = core_.own->plugins().access_control.datareader_sec_attributes(
       core_.own->permissions(), {.topic_name = writer.topic, .partitions = names});
   if (attributes) return admit({*attributes, true}, writer).has_value();
-  core_.raise(attributes.error().with_document("topic " + std::string(writer.topic)), writer.guid,
-              core_.origin_of_announcement(writer.guid, writer.is_secure));
+  core_.raise(attributes.error().with_default_document("topic " + std::string(writer.topic)),
+              writer.guid, core_.origin_of_announcement(writer.guid, writer.is_secure));
   return false;
 }
 
@@ -270,8 +270,8 @@ std::optional<Admission::Permission> Admission::admit(const Local& local, const 
   const auto status = joined != nullptr ? check_protection(local, remote, *peer)
                                         : check_open(local.attributes, remote);
   if (!status) {
-    core_.raise(status.error().with_document("topic " + std::string(remote.topic)), remote.guid,
-                core_.origin_of_announcement(remote.guid, remote.is_secure));
+    core_.raise(status.error().with_default_document("topic " + std::string(remote.topic)),
+                remote.guid, core_.origin_of_announcement(remote.guid, remote.is_secure));
     return std::nullopt;
   }
   if (joined == nullptr) return Permission{};

@@ -191,13 +191,13 @@ Status GovernanceTransition::add_second_protections() {
   const auto& domain = core_.other_domain;
   if (domain && domain->rtps != core_.own->attributes().rtps) {
     const auto status = core_.keyring.phases().messages().add_second(*domain);
-    if (!status) return std::unexpected(status.error().with_document("messages"));
+    if (!status) return std::unexpected(status.error().with_default_document("messages"));
   }
   auto topics = admission_.own_topics();
   if (domain) std::ranges::copy(admission_.builtin_topics(), std::back_inserter(topics));
   for (const auto& [id, topic] : topics) {
     const auto status = admission_.add_other_protection(id, topic);
-    if (!status) return std::unexpected(status.error().with_document("topic " + topic));
+    if (!status) return std::unexpected(status.error().with_default_document("topic " + topic));
   }
   return {};
 }

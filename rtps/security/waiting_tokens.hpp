@@ -53,10 +53,10 @@ class WaitingTokens {
 
  private:
   static constexpr std::size_t kFirstLook = 1024;
-  struct Due {
+  struct PairNeed {
     bool in_use = false, revised = false;
   };
-  std::map<std::pair<EntityId, Guid>, Due> pairs_;
+  std::map<std::pair<EntityId, Guid>, PairNeed> pairs_;
   std::size_t look_at_ = kFirstLook;
 };
 

@@ -50,7 +50,7 @@ Status ParticipantSockets::join(const Locator& group, const NetworkInterface& in
 std::vector<Error> ParticipantSockets::use(std::vector<NetworkInterface> interfaces) {
   std::vector<Error> errors;
   const auto note = [&](const Status& status, const NetworkInterface& interface) {
-    if (!status) errors.push_back(status.error().with_document(to_string({&interface, 1})));
+    if (!status) errors.push_back(status.error().with_default_document(to_string({&interface, 1})));
   };
   // If they are the same ones again, they were gone meanwhile, and the system has forgotten their
   // memberships.

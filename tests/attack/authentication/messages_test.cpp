@@ -11,57 +11,61 @@ TEST(Downgrade, ChangedAlgorithmInTheRequest_IsNoticed) {
   for (const bool hide : {false, true}) {
     Pairing pairing;
     auto& two = pairing.two;
-    const auto req = two.request();
-    Token changed = with(*req->message, "c.kagree_algo", bytes("DH+MODP-2048-256"));
+    const auto request = two.request();
+    Token changed = with(*request->message, "c.kagree_algo", bytes("DH+MODP-2048-256"));
     const auto weak = pki::EphemeralKey::generate(pki::KeyAgreementKind::dh_modp_2048_256).value();
     changed = with(changed, "dh1", *weak.public_octets());
     if (hide) changed = without(changed, "hash_c1");
-    const auto rep = two.reply(changed);
+    const auto reply = two.reply(changed);
     if (!hide) {
-      EXPECT_CODE(rep, token_field_differs);
+      EXPECT_CODE(reply, token_field_differs);
       continue;
     }
-    ASSERT_OK(rep);
-    EXPECT_CODE(two.at_low(req->handle, *rep->message), key_agreement_algorithm_changed);
-    Token patched = with(*rep->message, "c.kagree_algo", bytes("ECDH+prime256v1-CEUM"));
-    patched = with(patched, "dh1", field(*req->message, "dh1"));
-    patched = with(patched, "hash_c1", field(*req->message, "hash_c1"));
-    EXPECT_FALSE(two.at_low(req->handle, without(patched, "hash_c2")));
+    ASSERT_OK(reply);
+    EXPECT_CODE(two.process_at_lower_guid(request->handle, *reply->message),
+                key_agreement_algorithm_changed);
+    Token patched = with(*reply->message, "c.kagree_algo", bytes("ECDH+prime256v1-CEUM"));
+    patched = with(patched, "dh1", field(*request->message, "dh1"));
+    patched = with(patched, "hash_c1", field(*request->message, "hash_c1"));
+    EXPECT_FALSE(two.process_at_lower_guid(request->handle, without(patched, "hash_c2")));
   }
 }
 
 TEST(Downgrade, ChangedSignatureName_IsNoticed) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
+  const auto request = two.request();
   const Token changed =
-      without(with(*req->message, "c.dsign_algo", bytes("RSASSA-PSS-SHA256")), "hash_c1");
-  const auto rep = two.reply(changed);
-  ASSERT_OK(rep);
-  EXPECT_CODE(two.at_low(req->handle, *rep->message), token_field_differs);
-  EXPECT_CODE(two.at_low(req->handle, without(*rep->message, "hash_c1")), signature_invalid);
+      without(with(*request->message, "c.dsign_algo", bytes("RSASSA-PSS-SHA256")), "hash_c1");
+  const auto reply = two.reply(changed);
+  ASSERT_OK(reply);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, *reply->message), token_field_differs);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, without(*reply->message, "hash_c1")),
+              signature_invalid);
 }
 
 TEST(Downgrade, ChangedPermissions_AreNoticed) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
-  const Token changed = without(with(*req->message, "c.perm", bytes("other")), "hash_c1");
-  const auto rep = two.reply(changed);
-  ASSERT_OK(rep);
-  EXPECT_CODE(two.at_low(req->handle, without(*rep->message, "hash_c1")), signature_invalid);
+  const auto request = two.request();
+  const Token changed = without(with(*request->message, "c.perm", bytes("other")), "hash_c1");
+  const auto reply = two.reply(changed);
+  ASSERT_OK(reply);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, without(*reply->message, "hash_c1")),
+              signature_invalid);
 }
 
 TEST(Downgrade, ChangedParticipantData_IsNoticed) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
-  Bytes data = field(*req->message, "c.pdata");
+  const auto request = two.request();
+  Bytes data = field(*request->message, "c.pdata");
   data[4] ^= 1;  // the protocol version; security masks are in the same list
-  const Token changed = without(with(*req->message, "c.pdata", data), "hash_c1");
-  const auto rep = two.reply(changed);
-  ASSERT_OK(rep);
-  EXPECT_CODE(two.at_low(req->handle, without(*rep->message, "hash_c1")), signature_invalid);
+  const Token changed = without(with(*request->message, "c.pdata", data), "hash_c1");
+  const auto reply = two.reply(changed);
+  ASSERT_OK(reply);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, without(*reply->message, "hash_c1")),
+              signature_invalid);
 }
 
 // ---- T12: the GUID of another participant
@@ -99,9 +103,9 @@ void put(Bytes& octets, std::size_t at, std::uint32_t value) {
 TEST(HandshakeLengths, Lies_AreRefusedBeforeAnythingIsAllocatedOrStored) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
+  const auto request = two.request();
   Writer writer(Endian::little);
-  spi::write_token(writer, *req->message);
+  spi::write_token(writer, *request->message);
   const Bytes honest = to_bytes(writer.view());
   for (std::size_t at = 0; at + 4 <= honest.size(); at += 4) {
     for (const std::uint32_t lie : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xffffffffu, 0xfffffffcu}) {
@@ -113,13 +117,13 @@ TEST(HandshakeLengths, Lies_AreRefusedBeforeAnythingIsAllocatedOrStored) {
       if (!two.reply(*token)) continue;
       // Only the fields that a request may choose or leave out may differ.
       for (const auto* name : {"c.id", "c.perm", "c.pdata", "c.dsign_algo", "c.kagree_algo", "dh1"})
-        EXPECT_EQ(field(*token, name), field(*req->message, name)) << at;
+        EXPECT_EQ(field(*token, name), field(*request->message, name)) << at;
       two.high.engine->clock.advance(kPendingAge);
     }
   }
-  const auto rep = two.reply(*req->message);
-  ASSERT_OK(rep);
-  pairing.expect_finish(*req, *rep);
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
+  pairing.expect_finish(*request, *reply);
 }
 
 // ---- T48: invalid keys
@@ -161,15 +165,15 @@ INSTANTIATE_TEST_SUITE_P(T48, InvalidKey, testing::ValuesIn(bad_keys()),
 TEST_P(InvalidKey, RequestWithAnInvalidKey_IsRefused) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
-  Token changed = without(with(*req->message, "dh1", GetParam().octets), "hash_c1");
+  const auto request = two.request();
+  Token changed = without(with(*request->message, "dh1", GetParam().octets), "hash_c1");
   if (GetParam().kind == pki::KeyAgreementKind::dh_modp_2048_256)
     changed = with(changed, "c.kagree_algo", bytes("DH+MODP-2048-256"));
-  const auto rep = two.reply(changed);
-  ASSERT_FALSE(rep);
-  EXPECT_TRUE(rep.error().code() == Code::public_key_malformed ||
-              rep.error().code() == Code::public_key_not_in_group)
-      << rep.error().to_sentence();
+  const auto reply = two.reply(changed);
+  ASSERT_FALSE(reply);
+  EXPECT_TRUE(reply.error().code() == Code::public_key_malformed ||
+              reply.error().code() == Code::public_key_not_in_group)
+      << reply.error().to_sentence();
 }
 
 }  // namespace

@@ -222,42 +222,44 @@ struct Attack {
 TEST(SpoofLockOut, AForgedRequestFirst_DoesNotKeepTheHonestOneOut) {
   Attack attack;
   auto& two = attack.pairing.two;
-  const auto req = two.request();
+  const auto request = two.request();
   // The attacker copies the certificate and the data from the network, and adds a key of its own.
   const auto key = pki::EphemeralKey::generate(pki::KeyAgreementKind::ecdh_p256).value();
-  const Token forged =
-      without(with(with(*req->message, "dh1", *key.public_octets()), "challenge1", Bytes(32, 7)),
-              "hash_c1");
+  const Token forged = without(
+      with(with(*request->message, "dh1", *key.public_octets()), "challenge1", Bytes(32, 7)),
+      "hash_c1");
   const auto trap = two.reply(forged);
   ASSERT_OK(trap);
-  const auto rep = two.reply(*req->message);
-  ASSERT_OK(rep);
-  EXPECT_NE(rep->handle, trap->handle);
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
+  EXPECT_NE(reply->handle, trap->handle);
   // The answer to the attacker's request is useless at the initiator, and the attacker cannot
   // finish the handshake because it has no final message.
-  EXPECT_CODE(two.at_low(req->handle, *trap->message), token_field_differs);
-  const auto fin = two.at_low(req->handle, *rep->message);
-  ASSERT_OK(fin);
-  EXPECT_CODE(two.at_high(trap->handle, *fin->message), token_field_differs);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, *trap->message), token_field_differs);
+  const auto final_message = two.process_at_lower_guid(request->handle, *reply->message);
+  ASSERT_OK(final_message);
+  EXPECT_CODE(two.process_at_higher_guid(trap->handle, *final_message->message),
+              token_field_differs);
   EXPECT_CODE((*two.high.engine)->shared_secret(trap->handle), handshake_not_finished);
-  ASSERT_OK(two.at_high(rep->handle, *fin->message));
+  ASSERT_OK(two.process_at_higher_guid(reply->handle, *final_message->message));
 }
 
 TEST(SpoofLockOut, AReplySignedByAnotherMember_IsRefused) {
   Attack attack;
   auto& two = attack.pairing.two;
-  const auto req = two.request();
-  const auto rep = two.reply(*req->message);
-  ASSERT_OK(rep);
+  const auto request = two.request();
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
   // The reply has the same data, but is signed with the attacker's own key and certificate.
   HandMadePeer mallory(attack.mallory, 9);
-  EXPECT_CODE(two.at_low(req->handle, mallory.reply(*req->message)), participant_guid_differs);
-  Token dressed = with(mallory.reply(*req->message), "c.pdata", two.high.data);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, mallory.reply(*request->message)),
+              participant_guid_differs);
+  Token dressed = with(mallory.reply(*request->message), "c.pdata", two.high.data);
   dressed = without(without(dressed, "hash_c1"), "hash_c2");
-  EXPECT_CODE(two.at_low(req->handle, dressed), guid_not_bound_to_subject);
-  dressed = with(dressed, "c.id", field(*rep->message, "c.id"));
-  EXPECT_CODE(two.at_low(req->handle, dressed), signature_invalid);
-  attack.pairing.expect_finish(*req, *rep);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, dressed), guid_not_bound_to_subject);
+  dressed = with(dressed, "c.id", field(*reply->message, "c.id"));
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, dressed), signature_invalid);
+  attack.pairing.expect_finish(*request, *reply);
 }
 
 // A recorded handshake that is repeated has neither our new key nor our signature.
@@ -266,20 +268,20 @@ TEST(Replay, RecordedHandshake_LeadsNowhere) {
   auto& two = pairing.two;
   const auto req1 = two.request();
   const auto rep1 = two.reply(*req1->message);
-  const auto fin1 = two.at_low(req1->handle, *rep1->message);
+  const auto fin1 = two.process_at_lower_guid(req1->handle, *rep1->message);
   ASSERT_OK(fin1);
-  ASSERT_OK(two.at_high(rep1->handle, *fin1->message));
+  ASSERT_OK(two.process_at_higher_guid(rep1->handle, *fin1->message));
   // All nodes begin again.
   ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
   ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
   Two again(two.low, two.high);
   const auto rep2 = again.reply(*req1->message);
   ASSERT_OK(rep2);
-  EXPECT_FALSE(again.at_high(rep2->handle, *fin1->message));
+  EXPECT_FALSE(again.process_at_higher_guid(rep2->handle, *fin1->message));
   const auto req2 = again.request();
   ASSERT_OK(req2);
-  EXPECT_FALSE(again.at_low(req2->handle, *rep1->message));
-  EXPECT_FALSE(again.at_low(req2->handle, *rep2->message));
+  EXPECT_FALSE(again.process_at_lower_guid(req2->handle, *rep1->message));
+  EXPECT_FALSE(again.process_at_lower_guid(req2->handle, *rep2->message));
   const auto rep3 = again.reply(*req2->message);
   ASSERT_OK(rep3);
   pairing.two.high_at_low = again.high_at_low;
@@ -290,18 +292,18 @@ TEST(Replay, RecordedHandshake_LeadsNowhere) {
 TEST(HandshakeReflection, OwnMessagesSentBack_LeadNowhere) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
-  const auto rep = two.reply(*req->message);
-  ASSERT_OK(rep);
-  EXPECT_FALSE(two.at_low(req->handle, *req->message));
-  EXPECT_FALSE(two.at_high(rep->handle, *rep->message));
-  Token mirrored = *req->message;
+  const auto request = two.request();
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
+  EXPECT_FALSE(two.process_at_lower_guid(request->handle, *request->message));
+  EXPECT_FALSE(two.process_at_higher_guid(reply->handle, *reply->message));
+  Token mirrored = *request->message;
   mirrored.class_id = "DDS:Auth:PKI-DH:1.0+Reply";
   mirrored = with(with(with(mirrored, "dh2", field(mirrored, "dh1")), "challenge2",
                        field(mirrored, "challenge1")),
                   "signature", Bytes(70, 1));
-  EXPECT_CODE(two.at_low(req->handle, mirrored), participant_guid_differs);
-  pairing.expect_finish(*req, *rep);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, mirrored), participant_guid_differs);
+  pairing.expect_finish(*request, *reply);
 }
 
 }  // namespace

@@ -46,19 +46,21 @@ TEST(HandshakeThreads, ManyPeersOfTwoLocalsOnOneEngine_AllAuthenticate) {
       auto& second = hub_begins ? *theirs : *ours;
       const auto hub_data = participant_data(local->adjusted_guid);
       const auto spoke_data = participant_data(remote->adjusted_guid);
-      const auto req =
+      const auto request =
           hub_begins ? first.begin_handshake_request(local->handle, of_hub->handle, hub_data)
                      : first.begin_handshake_request(remote->handle, of_spoke->handle, spoke_data);
-      if (!req) return;
-      const auto rep = hub_begins ? second.begin_handshake_reply(*req->message, of_spoke->handle,
-                                                                 remote->handle, spoke_data)
-                                  : second.begin_handshake_reply(*req->message, of_hub->handle,
-                                                                 local->handle, hub_data);
-      if (!rep) return;
-      const auto fin = first.process_handshake(req->handle, *rep->message);
-      if (!fin || !second.process_handshake(rep->handle, *fin->message)) return;
-      done += (*first.shared_secret(req->handle))->secret ==
-              (*second.shared_secret(rep->handle))->secret;
+      if (!request) return;
+      const auto reply = hub_begins
+                             ? second.begin_handshake_reply(*request->message, of_spoke->handle,
+                                                            remote->handle, spoke_data)
+                             : second.begin_handshake_reply(*request->message, of_hub->handle,
+                                                            local->handle, hub_data);
+      if (!reply) return;
+      const auto final_message = first.process_handshake(request->handle, *reply->message);
+      if (!final_message || !second.process_handshake(reply->handle, *final_message->message))
+        return;
+      done += (*first.shared_secret(request->handle))->secret ==
+              (*second.shared_secret(reply->handle))->secret;
       (void)ours->next_expiry();
       (void)ours->poll(local->handle);
       if (round % 2 == 0) (void)ours->return_identity_handle(of_hub->handle);

@@ -235,10 +235,10 @@ struct Two {
   Step reply(const Token& request) {
     return (*high.engine)->begin_handshake_reply(request, low_at_high, high.handle, high.data);
   }
-  Step at_low(HandshakeHandle handle, const Token& message) {
+  Step process_at_lower_guid(HandshakeHandle handle, const Token& message) {
     return (*low.engine)->process_handshake(handle, message);
   }
-  Step at_high(HandshakeHandle handle, const Token& message) {
+  Step process_at_higher_guid(HandshakeHandle handle, const Token& message) {
     return (*high.engine)->process_handshake(handle, message);
   }
 
@@ -256,29 +256,29 @@ struct Pairing {
       : a(first_engine, first, 1), b(second_engine, second, 2), two(a, b) {}
 
   void expect_success() {
-    const auto req = two.request();
-    ASSERT_OK(req);
-    EXPECT_EQ(req->result, ValidationResult::pending_handshake_message);
-    const auto rep = two.reply(*req->message);
-    ASSERT_OK(rep);
-    EXPECT_EQ(rep->result, ValidationResult::pending_handshake_message);
-    expect_finish(*req, *rep);
+    const auto request = two.request();
+    ASSERT_OK(request);
+    EXPECT_EQ(request->result, ValidationResult::pending_handshake_message);
+    const auto reply = two.reply(*request->message);
+    ASSERT_OK(reply);
+    EXPECT_EQ(reply->result, ValidationResult::pending_handshake_message);
+    expect_finish(*request, *reply);
   }
-  void expect_finish(const spi::Authentication::HandshakeStep& req,
-                     const spi::Authentication::HandshakeStep& rep) {
-    expect_finish_of(two, req, rep);
+  void expect_finish(const spi::Authentication::HandshakeStep& request,
+                     const spi::Authentication::HandshakeStep& reply) {
+    expect_finish_of(two, request, reply);
   }
-  static void expect_finish_of(Two& two, const spi::Authentication::HandshakeStep& req,
-                               const spi::Authentication::HandshakeStep& rep) {
-    const auto fin = two.at_low(req.handle, *rep.message);
-    ASSERT_OK(fin);
-    EXPECT_EQ(fin->result, ValidationResult::ok_final_message);
-    const auto end = two.at_high(rep.handle, *fin->message);
+  static void expect_finish_of(Two& two, const spi::Authentication::HandshakeStep& request,
+                               const spi::Authentication::HandshakeStep& reply) {
+    const auto final_message = two.process_at_lower_guid(request.handle, *reply.message);
+    ASSERT_OK(final_message);
+    EXPECT_EQ(final_message->result, ValidationResult::ok_final_message);
+    const auto end = two.process_at_higher_guid(reply.handle, *final_message->message);
     ASSERT_OK(end);
     EXPECT_EQ(end->result, ValidationResult::ok);
     EXPECT_FALSE(end->message);
-    const auto of_low = (*two.low.engine)->shared_secret(req.handle);
-    const auto of_high = (*two.high.engine)->shared_secret(rep.handle);
+    const auto of_low = (*two.low.engine)->shared_secret(request.handle);
+    const auto of_high = (*two.high.engine)->shared_secret(reply.handle);
     ASSERT_OK(of_low);
     ASSERT_OK(of_high);
     EXPECT_EQ((*of_low)->secret, (*of_high)->secret);

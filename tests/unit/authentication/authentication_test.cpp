@@ -49,8 +49,8 @@ TEST(RemoteIdentity, IdentityOfAnotherCa_IsRefused) {
   static const pki::Authority other_ca = make_ca("CN=Other CA");
   Pairing pairing(make_identity(test_ca(), "CN=alice"),
                   make_identity(other_ca, "CN=bob", {}, kYear, 1));
-  const auto req = pairing.two.request();
-  EXPECT_CODE(pairing.two.reply(*req->message), issuer_unknown);
+  const auto request = pairing.two.request();
+  EXPECT_CODE(pairing.two.reply(*request->message), issuer_unknown);
 }
 
 // Once the subject is proven, the event has its name.

@@ -86,8 +86,11 @@ class IdentityCaRenewal : public testing::Test {
     Two two(pairing_.a, carol);
     const auto request = two.request();
     const auto reply = request ? two.reply(*request->message) : request;
-    const auto fin = reply ? two.at_low(request->handle, *reply->message) : reply;
-    const auto end = fin ? two.at_high(reply->handle, *fin->message) : fin;
+    const auto final_message =
+        reply ? two.process_at_lower_guid(request->handle, *reply->message) : reply;
+    const auto end = final_message
+                         ? two.process_at_higher_guid(reply->handle, *final_message->message)
+                         : final_message;
     return end && end->result == ValidationResult::ok;
   }
   Engine& engine() { return pairing_.first_engine; }
@@ -252,13 +255,14 @@ TEST_F(IdentityCaRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew)
   put({&new_ca()});
   poll();
   poll();
-  const auto fin = pairing_.two.at_low(request->handle, *reply->message);
+  const auto final_message = pairing_.two.process_at_lower_guid(request->handle, *reply->message);
   if (&pairing_.two.low == &pairing_.a) {
-    EXPECT_CODE(fin, issuer_unknown);
+    EXPECT_CODE(final_message, issuer_unknown);
     return;
   }
-  ASSERT_OK(fin);
-  EXPECT_CODE(pairing_.two.at_high(reply->handle, *fin->message), issuer_unknown);
+  ASSERT_OK(final_message);
+  EXPECT_CODE(pairing_.two.process_at_higher_guid(reply->handle, *final_message->message),
+              issuer_unknown);
 }
 
 TEST_F(IdentityCaRenewal, CaWithoutOverlap_IsTakenTogetherWithOurCertificate) {

@@ -30,31 +30,32 @@ INSTANTIATE_TEST_SUITE_P(Each, ForgedFinal, testing::ValuesIn(of_final()), kName
 
 TEST_P(ForgedFinal, ForgedFinal_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  const auto fin = pairing.two.at_low(req->handle, *rep->message);
-  ASSERT_OK(fin);
-  const auto refused = pairing.two.at_high(rep->handle, GetParam().change(*fin->message));
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  const auto final_message = pairing.two.process_at_lower_guid(request->handle, *reply->message);
+  ASSERT_OK(final_message);
+  const auto refused =
+      pairing.two.process_at_higher_guid(reply->handle, GetParam().change(*final_message->message));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code(), GetParam().code) << refused.error().to_sentence();
-  EXPECT_CODE((*pairing.two.high.engine)->shared_secret(rep->handle), handshake_not_finished);
-  EXPECT_CODE((*pairing.two.high.engine)->authenticated_peer_credential_token(rep->handle),
+  EXPECT_CODE((*pairing.two.high.engine)->shared_secret(reply->handle), handshake_not_finished);
+  EXPECT_CODE((*pairing.two.high.engine)->authenticated_peer_credential_token(reply->handle),
               handshake_not_finished);
-  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
+  ASSERT_OK(pairing.two.process_at_higher_guid(reply->handle, *final_message->message));
 }
 
 TEST(FlippedBit, BitFlippedAnywhereInAFinal_IsRefused) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  const auto fin = pairing.two.at_low(req->handle, *rep->message);
-  ASSERT_OK(fin);
-  for (const auto& property : fin->message->binary_properties)
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  const auto final_message = pairing.two.process_at_lower_guid(request->handle, *reply->message);
+  ASSERT_OK(final_message);
+  for (const auto& property : final_message->message->binary_properties)
     for (std::size_t at = 0; at < property.value.size(); ++at)
-      EXPECT_FALSE(pairing.two.at_high(
-          rep->handle, with(*fin->message, property.name, flipped(property.value, at))))
+      EXPECT_FALSE(pairing.two.process_at_higher_guid(
+          reply->handle, with(*final_message->message, property.name, flipped(property.value, at))))
           << property.name << " " << at;
-  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
+  ASSERT_OK(pairing.two.process_at_higher_guid(reply->handle, *final_message->message));
 }
 
 }  // namespace

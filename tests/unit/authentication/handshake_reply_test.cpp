@@ -40,50 +40,51 @@ INSTANTIATE_TEST_SUITE_P(Each, ForgedReply, testing::ValuesIn(of_reply()), kName
 TEST_P(ForgedReply, ForgedReply_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
   auto& events = pairing.two.low.engine->events.all;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  const auto refused = pairing.two.at_low(req->handle, GetParam().change(*rep->message));
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  ASSERT_OK(reply);
+  const auto refused =
+      pairing.two.process_at_lower_guid(request->handle, GetParam().change(*reply->message));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code(), GetParam().code) << refused.error().to_sentence();
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].error.code(), GetParam().code);
-  EXPECT_CODE((*pairing.two.low.engine)->shared_secret(req->handle), handshake_not_finished);
-  pairing.expect_finish(*req, *rep);
+  EXPECT_CODE((*pairing.two.low.engine)->shared_secret(request->handle), handshake_not_finished);
+  pairing.expect_finish(*request, *reply);
 }
 
 TEST(FlippedBit, BitFlippedAnywhereInAReply_IsRefused) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  for (const auto& property : rep->message->binary_properties) {
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  ASSERT_OK(reply);
+  for (const auto& property : reply->message->binary_properties) {
     const std::size_t step = property.value.size() > 200 ? 7 : 1;
     for (std::size_t at = 0; at < property.value.size(); at += step)
-      EXPECT_FALSE(pairing.two.at_low(
-          req->handle, with(*rep->message, property.name, flipped(property.value, at))))
+      EXPECT_FALSE(pairing.two.process_at_lower_guid(
+          request->handle, with(*reply->message, property.name, flipped(property.value, at))))
           << property.name << " " << at;
   }
-  pairing.expect_finish(*req, *rep);
+  pairing.expect_finish(*request, *reply);
 }
 
 // Without the hashes, only the signature can show the change.
 TEST(FlippedBit, BitFlippedInAReplyWithoutOptionalFields_IsRefused) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  const Token bare = without(without(without(*rep->message, "hash_c1"), "hash_c2"), "dh1");
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  ASSERT_OK(reply);
+  const Token bare = without(without(without(*reply->message, "hash_c1"), "hash_c2"), "dh1");
   for (const auto& property : bare.binary_properties) {
     const std::size_t step = property.value.size() > 200 ? 7 : 1;
     for (std::size_t at = 0; at < property.value.size(); at += step)
-      EXPECT_FALSE(
-          pairing.two.at_low(req->handle, with(bare, property.name, flipped(property.value, at))))
+      EXPECT_FALSE(pairing.two.process_at_lower_guid(
+          request->handle, with(bare, property.name, flipped(property.value, at))))
           << property.name << " " << at;
   }
-  const auto fin = pairing.two.at_low(req->handle, bare);
-  ASSERT_OK(fin);
-  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
+  const auto final_message = pairing.two.process_at_lower_guid(request->handle, bare);
+  ASSERT_OK(final_message);
+  ASSERT_OK(pairing.two.process_at_higher_guid(reply->handle, *final_message->message));
 }
 
 }  // namespace

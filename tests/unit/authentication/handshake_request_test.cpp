@@ -42,34 +42,34 @@ INSTANTIATE_TEST_SUITE_P(Each, ForgedRequest, testing::ValuesIn(of_request()), k
 TEST_P(ForgedRequest, ForgedRequest_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
   auto& events = pairing.two.high.engine->events.all;
-  const auto req = pairing.two.request();
-  ASSERT_OK(req);
-  const auto refused = pairing.two.reply(GetParam().change(*req->message));
+  const auto request = pairing.two.request();
+  ASSERT_OK(request);
+  const auto refused = pairing.two.reply(GetParam().change(*request->message));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code(), GetParam().code) << refused.error().to_sentence();
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].error.code(), GetParam().code);
   EXPECT_EQ(events[0].guid, pairing.two.low.guid.to_string());
   EXPECT_FALSE(events[0].is_returned);
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  pairing.expect_finish(*req, *rep);
+  const auto reply = pairing.two.reply(*request->message);
+  ASSERT_OK(reply);
+  pairing.expect_finish(*request, *reply);
 }
 
 // A request is not signed, so a change of it must be noticed in the reply.
 TEST(FlippedBit, BitFlippedInAnAnsweredRequest_MakesTheInitiatorRefuse) {
   for (const auto* name : {"c.perm", "challenge1"}) {
     Pairing pairing;
-    const auto req = pairing.two.request();
-    Token changed = without(*req->message, "hash_c1");
+    const auto request = pairing.two.request();
+    Token changed = without(*request->message, "hash_c1");
     changed = with(changed, name, flipped(field(changed, name), 0));
-    const auto rep = pairing.two.reply(changed);
-    ASSERT_OK(rep);
-    const auto refused = pairing.two.at_low(req->handle, *rep->message);
+    const auto reply = pairing.two.reply(changed);
+    ASSERT_OK(reply);
+    const auto refused = pairing.two.process_at_lower_guid(request->handle, *reply->message);
     EXPECT_CODE(refused, token_field_differs);
-    const auto honest = pairing.two.reply(*req->message);
+    const auto honest = pairing.two.reply(*request->message);
     ASSERT_OK(honest);
-    pairing.expect_finish(*req, *honest);
+    pairing.expect_finish(*request, *honest);
   }
 }
 

@@ -255,14 +255,15 @@ TEST(RevocationList, SeveralLists_CountTogether) {
   set(b.properties, property::kIdentityCa,
       "data:," + test_ca().certificate().pem() + other.certificate().pem());
   Pairing pairing(a, b);
-  const auto req = pairing.two.request();
-  ASSERT_OK(req);
-  const auto rep = pairing.two.reply(*req->message);
+  const auto request = pairing.two.request();
+  ASSERT_OK(request);
+  const auto reply = pairing.two.reply(*request->message);
   if (&pairing.two.high == &pairing.a) {
-    EXPECT_CODE(rep, certificate_revoked);
+    EXPECT_CODE(reply, certificate_revoked);
   } else {
-    ASSERT_OK(rep);
-    EXPECT_CODE(pairing.two.at_low(req->handle, *rep->message), certificate_revoked);
+    ASSERT_OK(reply);
+    EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle, *reply->message),
+                certificate_revoked);
   }
 }
 

@@ -29,10 +29,10 @@ TEST(IdentityHandles, ReturningTheRemote_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
-  const auto req = two.request();
-  ASSERT_OK(req);
+  const auto request = two.request();
+  ASSERT_OK(request);
   ASSERT_OK(engine->return_identity_handle(two.high_at_low));
-  EXPECT_CODE(two.at_low(req->handle, {}), unknown_handshake);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, {}), unknown_handshake);
   EXPECT_CODE(engine->return_identity_handle(two.high_at_low), unknown_identity);
   EXPECT_CODE(two.request(), unknown_identity);
 }
@@ -41,10 +41,10 @@ TEST(IdentityHandles, ReturningTheLocal_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& engine = *two.low.engine;
-  const auto req = two.request();
-  ASSERT_OK(req);
+  const auto request = two.request();
+  ASSERT_OK(request);
   ASSERT_OK(engine->return_identity_handle(two.low.handle));
-  EXPECT_CODE(two.at_low(req->handle, {}), unknown_handshake);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, {}), unknown_handshake);
   EXPECT_FALSE(engine->next_expiry());
 }
 
@@ -69,25 +69,25 @@ TEST(IdentityTableBounds, TooManyLocalIdentities_AreRefused) {
 TEST(IdentityTableBounds, PendingReplies_GiveWayToTheHonestOneInTime) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
+  const auto request = two.request();
   for (std::uint8_t i = 0; i < kMaxPendingPerPair; ++i)
-    ASSERT_OK(two.reply(forged(*req->message, i)));
-  EXPECT_CODE(two.reply(*req->message), too_many_handshakes);
+    ASSERT_OK(two.reply(forged(*request->message, i)));
+  EXPECT_CODE(two.reply(*request->message), too_many_handshakes);
   two.high.engine->clock.advance(kPendingAge);
-  const auto rep = two.reply(*req->message);
-  ASSERT_OK(rep);
-  pairing.expect_finish(*req, *rep);
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
+  pairing.expect_finish(*request, *reply);
 }
 
 TEST(IdentityTableBounds, FinishedHandshakesOfAPair_AreFew) {
   Pairing pairing;
   std::vector<HandshakeHandle> handles;
   for (int i = 0; i < 10; ++i) {
-    const auto req = pairing.two.request();
-    const auto rep = pairing.two.reply(*req->message);
-    ASSERT_OK(rep);
-    pairing.expect_finish(*req, *rep);
-    handles.push_back(req->handle);
+    const auto request = pairing.two.request();
+    const auto reply = pairing.two.reply(*request->message);
+    ASSERT_OK(reply);
+    pairing.expect_finish(*request, *reply);
+    handles.push_back(request->handle);
   }
   std::size_t known = 0;
   for (const auto handle : handles)

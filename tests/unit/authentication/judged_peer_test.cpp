@@ -12,22 +12,24 @@ TEST(JudgedPeer, Permissions_TravelBothWays) {
                          {{"dds.perm.cert", std::string("MIME text\0", 10)}}};
   for (auto* p : {&pairing.a, &pairing.b})
     ASSERT_OK((*p->engine)->set_permissions_credential_and_token(p->handle, credential, {}));
-  const auto req = pairing.two.request();
-  ASSERT_OK(req);
-  EXPECT_EQ(as_text(field(*req->message, "c.perm")), "MIME text");
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  pairing.expect_finish(*req, *rep);
-  const auto at_low = (*pairing.two.low.engine)->authenticated_peer_credential_token(req->handle);
-  const auto at_high = (*pairing.two.high.engine)->authenticated_peer_credential_token(rep->handle);
-  ASSERT_OK(at_low);
-  ASSERT_OK(at_high);
-  EXPECT_EQ(at_low->class_id, "DDS:Auth:PKI-DH:1.0");
-  EXPECT_TRUE((*pairing.two.low.engine)->authenticated_subject(req->handle).starts_with("CN="));
-  for (const auto& token : {*at_low, *at_high})
+  const auto request = pairing.two.request();
+  ASSERT_OK(request);
+  EXPECT_EQ(as_text(field(*request->message, "c.perm")), "MIME text");
+  const auto reply = pairing.two.reply(*request->message);
+  ASSERT_OK(reply);
+  pairing.expect_finish(*request, *reply);
+  const auto process_at_lower_guid =
+      (*pairing.two.low.engine)->authenticated_peer_credential_token(request->handle);
+  const auto process_at_higher_guid =
+      (*pairing.two.high.engine)->authenticated_peer_credential_token(reply->handle);
+  ASSERT_OK(process_at_lower_guid);
+  ASSERT_OK(process_at_higher_guid);
+  EXPECT_EQ(process_at_lower_guid->class_id, "DDS:Auth:PKI-DH:1.0");
+  EXPECT_TRUE((*pairing.two.low.engine)->authenticated_subject(request->handle).starts_with("CN="));
+  for (const auto& token : {*process_at_lower_guid, *process_at_higher_guid})
     EXPECT_EQ(as_text(field(token, "c.perm")), "MIME text");
-  EXPECT_EQ(field(*at_high, "c.id"), field(*req->message, "c.id"));
-  EXPECT_EQ(field(*at_low, "c.id"), field(*rep->message, "c.id"));
+  EXPECT_EQ(field(*process_at_higher_guid, "c.id"), field(*request->message, "c.id"));
+  EXPECT_EQ(field(*process_at_lower_guid, "c.id"), field(*reply->message, "c.id"));
 }
 
 // Returns the ciphers that each side believes the other one can decrypt, after a handshake in which
@@ -38,12 +40,12 @@ std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced
   Participant plain(second, make_identity(test_ca(), "CN=bob,O=Example", {}, kYear, 1), 2);
   if (announced != nullptr) able.token = *announced;
   Two two(able, plain);
-  const auto req = two.request();
-  const auto rep = two.reply(*req->message);
-  const auto fin = two.at_low(req->handle, *rep->message);
-  EXPECT_TRUE(two.at_high(rep->handle, *fin->message));
+  const auto request = two.request();
+  const auto reply = two.reply(*request->message);
+  const auto final_message = two.process_at_lower_guid(request->handle, *reply->message);
+  EXPECT_TRUE(two.process_at_higher_guid(reply->handle, *final_message->message));
   const auto at = [&](Participant& one) {
-    const auto handle = &one == &two.low ? req->handle : rep->handle;
+    const auto handle = &one == &two.low ? request->handle : reply->handle;
     return (*one.engine)->shared_secret(handle).value()->peer_ciphers;
   };
   return {at(plain), at(able)};

@@ -35,7 +35,7 @@ TEST_F(KeptRequest, RepeatedRequest_IsTheSameAndItsAnswerCounts) {
   const auto again = two.request();
   ASSERT_OK(again);
   EXPECT_EQ(*again->message, *first->message);
-  EXPECT_CODE(two.at_low(first->handle, *reply->message), unknown_handshake);
+  EXPECT_CODE(two.process_at_lower_guid(first->handle, *reply->message), unknown_handshake);
   pairing.expect_finish(*again, *reply);
 }
 
@@ -53,7 +53,7 @@ TEST_F(KeptRequest, AnsweredRequest_IsNotKept) {
   ASSERT_OK(first);
   const auto reply = two.reply(*first->message);
   ASSERT_OK(reply);
-  ASSERT_OK(two.at_low(first->handle, *reply->message));
+  ASSERT_OK(two.process_at_lower_guid(first->handle, *reply->message));
   meet_again();
   EXPECT_NE(request(), *first->message);
 }
@@ -98,29 +98,29 @@ TEST_F(KeptRequest, TooManyRequests_TheFirstIsForgotten) {
 // keep to the first reply that they get, which may be one that the host gave up. Their final
 // message must verify nevertheless.
 TEST_F(KeptRequest, ReplierMeetingAgain_KeepsItsChallengeAndKey) {
-  const auto req = two.request();
-  ASSERT_OK(req);
-  const auto first = two.reply(*req->message);
+  const auto request = two.request();
+  ASSERT_OK(request);
+  const auto first = two.reply(*request->message);
   ASSERT_OK(first);
   ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
   const auto again = two.high.discover(two.low);
   ASSERT_OK(again);
   two.low_at_high = again->handle;
-  const auto second = two.reply(*req->message);
+  const auto second = two.reply(*request->message);
   ASSERT_OK(second);
   EXPECT_EQ(field(*second->message, "challenge2"), field(*first->message, "challenge2"));
   EXPECT_EQ(field(*second->message, "dh2"), field(*first->message, "dh2"));
-  const auto final = two.at_low(req->handle, *first->message);
+  const auto final = two.process_at_lower_guid(request->handle, *first->message);
   ASSERT_OK(final);
-  const auto done = two.at_high(second->handle, *final->message);
+  const auto done = two.process_at_higher_guid(second->handle, *final->message);
   ASSERT_OK(done);
   EXPECT_EQ(done->result, spi::ValidationResult::ok);
 }
 
 TEST_F(KeptRequest, AnotherRequest_GetsAnotherKey) {
-  const auto req = two.request();
-  ASSERT_OK(req);
-  const auto first = two.reply(*req->message);
+  const auto request = two.request();
+  ASSERT_OK(request);
+  const auto first = two.reply(*request->message);
   ASSERT_OK(first);
   ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
   two.low.engine->clock.advance(KeptRequests::kLife + 1s);
@@ -130,7 +130,7 @@ TEST_F(KeptRequest, AnotherRequest_GetsAnotherKey) {
   two.low_at_high = again->handle;
   const auto other = two.request();
   ASSERT_OK(other);
-  EXPECT_NE(*other->message, *req->message);
+  EXPECT_NE(*other->message, *request->message);
   const auto second = two.reply(*other->message);
   ASSERT_OK(second);
   EXPECT_NE(field(*second->message, "dh2"), field(*first->message, "dh2"));
@@ -138,16 +138,16 @@ TEST_F(KeptRequest, AnotherRequest_GetsAnotherKey) {
 
 // Otherwise the recorded messages of one session would be valid in the next one.
 TEST_F(KeptRequest, OneChallenge_NeverServesTwoSessions) {
-  const auto req = two.request();
-  ASSERT_OK(req);
-  const auto first = two.reply(*req->message);
+  const auto request = two.request();
+  ASSERT_OK(request);
+  const auto first = two.reply(*request->message);
   ASSERT_OK(first);
-  pairing.expect_finish(*req, *first);
+  pairing.expect_finish(*request, *first);
   ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
   const auto again = two.high.discover(two.low);
   ASSERT_OK(again);
   two.low_at_high = again->handle;
-  const auto second = two.reply(*req->message);
+  const auto second = two.reply(*request->message);
   ASSERT_OK(second);
   EXPECT_NE(field(*second->message, "challenge2"), field(*first->message, "challenge2"));
 }

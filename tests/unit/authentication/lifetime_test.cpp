@@ -85,15 +85,17 @@ TEST(IdentityExpiry, EveryStep_JudgesAgain) {
       if (at == step) ending.advance(10s);
     };
     tick(0);
-    const auto req = two.request();
+    const auto request = two.request();
     tick(1);
-    const auto rep = req ? two.reply(*req->message) : Two::Step(std::unexpected(req.error()));
+    const auto reply =
+        request ? two.reply(*request->message) : Two::Step(std::unexpected(request.error()));
     tick(2);
-    const auto fin =
-        rep ? two.at_low(req->handle, *rep->message) : Two::Step(std::unexpected(rep.error()));
+    const auto final_message = reply ? two.process_at_lower_guid(request->handle, *reply->message)
+                                     : Two::Step(std::unexpected(reply.error()));
     tick(3);
-    const auto end =
-        fin ? two.at_high(rep->handle, *fin->message) : Two::Step(std::unexpected(fin.error()));
+    const auto end = final_message
+                         ? two.process_at_higher_guid(reply->handle, *final_message->message)
+                         : Two::Step(std::unexpected(final_message.error()));
     EXPECT_CODE(end, certificate_expired);
   }
 }

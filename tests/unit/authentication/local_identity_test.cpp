@@ -155,14 +155,14 @@ TEST(CycloneData, ARevokedPeer_IsRefusedInTheHandshake) {
     Participant watcher(first, {shape.certificate, shape.key, identity("local", true)}, number);
     Participant revoked(second, {shape.certificate, shape.key, identity("revoked", false)}, 77);
     Two two(watcher, revoked);
-    const auto req = two.request();
-    ASSERT_OK(req);
-    const auto rep = two.reply(*req->message);
+    const auto request = two.request();
+    ASSERT_OK(request);
+    const auto reply = two.reply(*request->message);
     if (&two.high == &watcher) {
-      EXPECT_CODE(rep, certificate_revoked);
+      EXPECT_CODE(reply, certificate_revoked);
     } else {
-      ASSERT_OK(rep);
-      EXPECT_CODE(two.at_low(req->handle, *rep->message), certificate_revoked);
+      ASSERT_OK(reply);
+      EXPECT_CODE(two.process_at_lower_guid(request->handle, *reply->message), certificate_revoked);
     }
     ASSERT_OK(first->return_identity_handle(watcher.handle));
   }

@@ -10,13 +10,13 @@ INSTANTIATE_TEST_SUITE_P(Messages, Truncation, testing::Values("Req", "Reply", "
 
 TEST_P(Truncation, MessageCutAtAnyOctet_IsRefused) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  const auto fin = pairing.two.at_low(req->handle, *rep->message);
-  ASSERT_OK(fin);
-  const std::map<std::string, Token> tokens = {{"Req", *req->message},
-                                               {"Reply", *rep->message},
-                                               {"Final", *fin->message},
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  const auto final_message = pairing.two.process_at_lower_guid(request->handle, *reply->message);
+  ASSERT_OK(final_message);
+  const std::map<std::string, Token> tokens = {{"Req", *request->message},
+                                               {"Reply", *reply->message},
+                                               {"Final", *final_message->message},
                                                {"AuthReq", sample()}};
   for (const auto endian : {Endian::little, Endian::big}) {
     Writer writer(endian);
@@ -37,7 +37,7 @@ TEST(Outline, EachMessage_SaysWhatItIsAndAnswers) {
   auto& engine = *pairing.two.low.engine;
   const auto request = pairing.two.request();
   const auto reply = pairing.two.reply(*request->message);
-  const auto final = pairing.two.at_low(request->handle, *reply->message);
+  const auto final = pairing.two.process_at_lower_guid(request->handle, *reply->message);
   ASSERT_OK(final);
   const auto first = engine->outline(*request->message);
   const auto second = engine->outline(*reply->message);

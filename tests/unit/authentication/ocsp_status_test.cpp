@@ -21,9 +21,9 @@ struct Meeting {
     auto& two = pairing.two;
     DDSSEC_ASSIGN_OR_RETURN(const auto request, two.request());
     DDSSEC_ASSIGN_OR_RETURN(const auto reply, two.reply(request_change(*request.message)));
-    DDSSEC_ASSIGN_OR_RETURN(const auto final,
-                            two.at_low(request.handle, reply_change(*reply.message)));
-    DDSSEC_RETURN_IF_ERROR(two.at_high(reply.handle, *final.message));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto final, two.process_at_lower_guid(request.handle, reply_change(*reply.message)));
+    DDSSEC_RETURN_IF_ERROR(two.process_at_higher_guid(reply.handle, *final.message));
     return {};
   }
   // Both present the response that `response` returns for their certificate.
@@ -134,9 +134,10 @@ TEST(OcspStatus, GarbageInACopyOfARequest_LeavesTheHonestOneAlone) {
   // The same request without its response gets the same reply, because the request was already
   // judged.
   ASSERT_OK(two.reply(*request->message));
-  EXPECT_CODE(two.at_low(request->handle, *reply->message), ocsp_status_missing);
-  EXPECT_CODE(two.at_low(request->handle, with(*reply->message, "ocsp_status", Bytes(9))),
-              ocsp_malformed);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, *reply->message), ocsp_status_missing);
+  EXPECT_CODE(
+      two.process_at_lower_guid(request->handle, with(*reply->message, "ocsp_status", Bytes(9))),
+      ocsp_malformed);
   auto honest = *reply;
   honest.message = showing(*reply->message, high);
   meeting.pairing.expect_finish(*request, honest);
@@ -170,8 +171,8 @@ TEST(OcspStatus, GoodResponse_DoesNotHelpACertificateOnAList) {
     return;
   }
   ASSERT_OK(reply);
-  EXPECT_CODE(two.at_low(request->handle,
-                         with(*reply->message, "ocsp_status", response_about(bob().certificate))),
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, with(*reply->message, "ocsp_status",
+                                                              response_about(bob().certificate))),
               certificate_revoked);
 }
 

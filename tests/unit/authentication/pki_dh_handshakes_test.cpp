@@ -11,41 +11,53 @@ namespace {
 
 TEST(WrongState, MessageInTheWrongState_IsRefused) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  const auto fin = pairing.two.at_low(req->handle, *rep->message);
-  ASSERT_OK(fin);
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  const auto final_message = pairing.two.process_at_lower_guid(request->handle, *reply->message);
+  ASSERT_OK(final_message);
   const auto req2 = Pairing().two.request();
   // The initiator is established.
-  EXPECT_CODE(pairing.two.at_low(req->handle, *req->message), unexpected_message);
-  EXPECT_CODE(pairing.two.at_low(req->handle, *fin->message), unexpected_message);
-  EXPECT_CODE(pairing.two.at_low(req->handle, with(*rep->message, "signature", Bytes(70))),
+  EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle, *request->message),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle, *final_message->message),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle,
+                                                with(*reply->message, "signature", Bytes(70))),
               unexpected_message);
   // The replier waits for a final message.
-  EXPECT_CODE(pairing.two.at_high(rep->handle, *rep->message), unexpected_message);
-  EXPECT_CODE(pairing.two.at_high(rep->handle, *req2->message), unexpected_message);
-  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
-  // The replier is established.
-  EXPECT_CODE(pairing.two.at_high(rep->handle, *req->message), unexpected_message);
-  EXPECT_CODE(pairing.two.at_high(rep->handle, *rep->message), unexpected_message);
-  EXPECT_CODE(pairing.two.at_high(rep->handle, with(*fin->message, "signature", Bytes(70))),
+  EXPECT_CODE(pairing.two.process_at_higher_guid(reply->handle, *reply->message),
               unexpected_message);
-  EXPECT_CODE(pairing.two.reply(*req->message), unexpected_message);
+  EXPECT_CODE(pairing.two.process_at_higher_guid(reply->handle, *req2->message),
+              unexpected_message);
+  ASSERT_OK(pairing.two.process_at_higher_guid(reply->handle, *final_message->message));
+  // The replier is established.
+  EXPECT_CODE(pairing.two.process_at_higher_guid(reply->handle, *request->message),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.process_at_higher_guid(reply->handle, *reply->message),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.process_at_higher_guid(
+                  reply->handle, with(*final_message->message, "signature", Bytes(70))),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.reply(*request->message), unexpected_message);
 }
 
 TEST(WrongState, AnInitiatorWaitingForAReply_TakesNothingElse) {
   Pairing pairing, other;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
   const auto req2 = other.two.request();
   const auto rep2 = other.two.reply(*req2->message);
-  const auto fin2 = other.two.at_low(req2->handle, *rep2->message);
+  const auto fin2 = other.two.process_at_lower_guid(req2->handle, *rep2->message);
   ASSERT_OK(fin2);
-  EXPECT_CODE(pairing.two.at_low(req->handle, *req->message), unexpected_message);
-  EXPECT_CODE(pairing.two.at_low(req->handle, *fin2->message), unexpected_message);
-  EXPECT_CODE(pairing.two.at_low(req->handle, {"DDS:Auth:PKI-DH:1.0"}), token_class_wrong);
-  EXPECT_CODE(pairing.two.at_low(req->handle, {"DDS:Auth:PKI-DH:1.0+AuthReq"}), token_class_wrong);
-  pairing.expect_finish(*req, *rep);
+  EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle, *request->message),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle, *fin2->message),
+              unexpected_message);
+  EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle, {"DDS:Auth:PKI-DH:1.0"}),
+              token_class_wrong);
+  EXPECT_CODE(pairing.two.process_at_lower_guid(request->handle, {"DDS:Auth:PKI-DH:1.0+AuthReq"}),
+              token_class_wrong);
+  pairing.expect_finish(*request, *reply);
 }
 
 TEST(WrongState, Roles_AreDecidedByTheGuids) {
@@ -54,10 +66,10 @@ TEST(WrongState, Roles_AreDecidedByTheGuids) {
   EXPECT_CODE(
       (*two.high.engine)->begin_handshake_request(two.high.handle, two.low_at_high, two.high.data),
       handshake_role_wrong);
-  const auto req = two.request();
+  const auto request = two.request();
   EXPECT_CODE(
       (*two.low.engine)
-          ->begin_handshake_reply(*req->message, two.high_at_low, two.low.handle, two.low.data),
+          ->begin_handshake_reply(*request->message, two.high_at_low, two.low.handle, two.low.data),
       handshake_role_wrong);
 }
 
@@ -76,27 +88,27 @@ TEST(WrongState, OwnParticipantData_MustFit) {
 
 TEST(Repetition, RepeatedMessage_GetsTheSameAnswerWithoutNewKeys) {
   Pairing pairing;
-  const auto req = pairing.two.request();
+  const auto request = pairing.two.request();
   const auto again = pairing.two.request();
   ASSERT_OK(again);
-  EXPECT_EQ(again->handle, req->handle);
-  EXPECT_EQ(again->message, req->message);
-  const auto rep = pairing.two.reply(*req->message);
-  const auto rep_again = pairing.two.reply(*req->message);
+  EXPECT_EQ(again->handle, request->handle);
+  EXPECT_EQ(again->message, request->message);
+  const auto reply = pairing.two.reply(*request->message);
+  const auto rep_again = pairing.two.reply(*request->message);
   ASSERT_OK(rep_again);
-  EXPECT_EQ(rep_again->handle, rep->handle);
-  EXPECT_EQ(rep_again->message, rep->message);
-  const auto by_process = pairing.two.at_high(rep->handle, *req->message);
+  EXPECT_EQ(rep_again->handle, reply->handle);
+  EXPECT_EQ(rep_again->message, reply->message);
+  const auto by_process = pairing.two.process_at_higher_guid(reply->handle, *request->message);
   ASSERT_OK(by_process);
-  EXPECT_EQ(by_process->message, rep->message);
+  EXPECT_EQ(by_process->message, reply->message);
   EXPECT_EQ(by_process->result, ValidationResult::pending_handshake_message);
-  const auto fin = pairing.two.at_low(req->handle, *rep->message);
-  const auto fin_again = pairing.two.at_low(req->handle, *rep->message);
+  const auto final_message = pairing.two.process_at_lower_guid(request->handle, *reply->message);
+  const auto fin_again = pairing.two.process_at_lower_guid(request->handle, *reply->message);
   ASSERT_OK(fin_again);
-  EXPECT_EQ(fin_again->message, fin->message);
+  EXPECT_EQ(fin_again->message, final_message->message);
   EXPECT_EQ(fin_again->result, ValidationResult::ok_final_message);
-  ASSERT_OK(pairing.two.at_high(rep->handle, *fin->message));
-  const auto end_again = pairing.two.at_high(rep->handle, *fin->message);
+  ASSERT_OK(pairing.two.process_at_higher_guid(reply->handle, *final_message->message));
+  const auto end_again = pairing.two.process_at_higher_guid(reply->handle, *final_message->message);
   ASSERT_OK(end_again);
   EXPECT_EQ(end_again->result, ValidationResult::ok);
 }
@@ -115,8 +127,8 @@ TEST(FutureChallenge, AnnouncedChallenge_BindsTheHandshake) {
   ASSERT_OK(told_high);
   EXPECT_FALSE(told_low->local_auth_request);
   EXPECT_EQ(told_low->handle, of_low->handle);
-  const auto req = two.request();
-  EXPECT_EQ(field(*req->message, "challenge1"),
+  const auto request = two.request();
+  EXPECT_EQ(field(*request->message, "challenge1"),
             field(*of_low->local_auth_request, "future_challenge"));
   pairing.expect_success();
 }
@@ -127,16 +139,16 @@ TEST(FutureChallenge, AnotherOne_IsRefusedInBothRoles) {
   const Token forged{.class_id = "DDS:Auth:PKI-DH:1.0+AuthReq",
                      .binary_properties = {{"future_challenge", Bytes(32, 9)}}};
   ASSERT_OK(two.high.discover(two.low, forged));
-  const auto req = two.request();
-  EXPECT_CODE(two.reply(*req->message), challenge_not_announced);
+  const auto request = two.request();
+  EXPECT_CODE(two.reply(*request->message), challenge_not_announced);
   // After the honest announcement the handshake succeeds.
   ASSERT_OK(two.high.discover(two.low, two.low.discover(two.high)->local_auth_request));
-  const auto rep = two.reply(*req->message);
-  ASSERT_OK(rep);
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
   ASSERT_OK(two.low.discover(two.high, forged));
-  EXPECT_CODE(two.at_low(req->handle, *rep->message), challenge_not_announced);
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, *reply->message), challenge_not_announced);
   ASSERT_OK(two.low.discover(two.high, two.high.discover(two.low)->local_auth_request));
-  pairing.expect_finish(*req, *rep);
+  pairing.expect_finish(*request, *reply);
 }
 
 TEST(FutureChallenge, AMalformedOne_IsRefused) {

@@ -7,17 +7,17 @@ namespace {
 
 TEST(PkiDhSessions, TheCredential_IsDroppedOnceItWasGivenOut) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  ASSERT_OK(rep);
-  pairing.expect_finish(*req, *rep);
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  ASSERT_OK(reply);
+  pairing.expect_finish(*request, *reply);
   auto& low = *pairing.two.low.engine;
   low->poll();  // must not expire the credential before it was given out
-  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
-  EXPECT_TRUE(low->authenticated_peer_credential_token(req->handle));
+  EXPECT_TRUE(low->authenticated_peer_credential_token(request->handle));
+  EXPECT_TRUE(low->authenticated_peer_credential_token(request->handle));
   low->poll();
-  EXPECT_CODE(low->authenticated_peer_credential_token(req->handle), credential_given_out);
-  EXPECT_TRUE(low->shared_secret(req->handle));
+  EXPECT_CODE(low->authenticated_peer_credential_token(request->handle), credential_given_out);
+  EXPECT_TRUE(low->shared_secret(request->handle));
   // Another handshake has a credential of its own.
   const auto again = pairing.two.request();
   const auto answer = pairing.two.reply(*again->message);
@@ -27,15 +27,15 @@ TEST(PkiDhSessions, TheCredential_IsDroppedOnceItWasGivenOut) {
 
 TEST(PkiDhSessions, Secret_OutlivesTheHandle) {
   Pairing pairing;
-  const auto req = pairing.two.request();
-  const auto rep = pairing.two.reply(*req->message);
-  const auto fin = pairing.two.at_low(req->handle, *rep->message);
-  ASSERT_OK(fin);
+  const auto request = pairing.two.request();
+  const auto reply = pairing.two.reply(*request->message);
+  const auto final_message = pairing.two.process_at_lower_guid(request->handle, *reply->message);
+  ASSERT_OK(final_message);
   auto& engine = *pairing.two.low.engine;
-  const auto secret = engine->shared_secret(req->handle);
+  const auto secret = engine->shared_secret(request->handle);
   ASSERT_OK(secret);
-  ASSERT_OK(engine->return_handshake_handle(req->handle));
-  EXPECT_CODE(engine->shared_secret(req->handle), unknown_handshake);
+  ASSERT_OK(engine->return_handshake_handle(request->handle));
+  EXPECT_CODE(engine->shared_secret(request->handle), unknown_handshake);
   ASSERT_OK(engine->return_identity_handle(pairing.two.high_at_low));
   EXPECT_EQ((*secret)->secret.size(), 32u);
 }

@@ -34,9 +34,9 @@ struct Fleet {
     const bool we_begin = &two.low == &us;
     const auto request = two.request();
     const auto reply = two.reply(*request->message);
-    const auto final = two.at_low(request->handle, *reply->message);
+    const auto final = two.process_at_lower_guid(request->handle, *reply->message);
     if (!final) return std::unexpected(final.error());
-    if (const auto end = two.at_high(reply->handle, *final->message); !end)
+    if (const auto end = two.process_at_higher_guid(reply->handle, *final->message); !end)
       return std::unexpected(end.error());
     return we_begin ? two.high_at_low : two.low_at_high;
   }
@@ -116,9 +116,9 @@ TEST(RemoteIdentityBounds, AShare_IsCheckedAgainWhenAClaimIsProven) {
   const auto shake = [](Two& two) -> Status {
     const auto request = two.request();
     const auto reply = two.reply(*request->message);
-    const auto final = two.at_low(request->handle, *reply->message);
+    const auto final = two.process_at_lower_guid(request->handle, *reply->message);
     if (!final) return std::unexpected(final.error());
-    const auto end = two.at_high(reply->handle, *final->message);
+    const auto end = two.process_at_higher_guid(reply->handle, *final->message);
     return end ? Status() : std::unexpected(end.error());
   };
   ASSERT_OK(shake(with_first));

@@ -41,8 +41,9 @@ class RunningRevocation : public testing::Test {
     DDSSEC_RETURN_IF_ERROR(two.high.discover(two.low));
     DDSSEC_ASSIGN_OR_RETURN(const auto request, two.request());
     DDSSEC_ASSIGN_OR_RETURN(const auto reply, two.reply(*request.message));
-    DDSSEC_ASSIGN_OR_RETURN(const auto final, two.at_low(request.handle, *reply.message));
-    DDSSEC_RETURN_IF_ERROR(two.at_high(reply.handle, *final.message));
+    DDSSEC_ASSIGN_OR_RETURN(const auto final,
+                            two.process_at_lower_guid(request.handle, *reply.message));
+    DDSSEC_RETURN_IF_ERROR(two.process_at_higher_guid(reply.handle, *final.message));
     return {};
   }
   Engine& engine() { return pairing_.first_engine; }
@@ -100,12 +101,12 @@ TEST_F(RunningRevocation, AHandshakeUnderWay_IsJudgedByTheNewList) {
   const auto reply = two.reply(*request->message);
   ASSERT_OK(reply);
   EXPECT_TRUE(put(pem({2, {bob().certificate}})).empty());
-  const auto final = two.at_low(request->handle, *reply->message);
+  const auto final = two.process_at_lower_guid(request->handle, *reply->message);
   if (&two.low == &pairing_.a) {
     EXPECT_CODE(final, certificate_revoked);
   } else {
     ASSERT_OK(final);
-    EXPECT_CODE(two.at_high(reply->handle, *final->message), certificate_revoked);
+    EXPECT_CODE(two.process_at_higher_guid(reply->handle, *final->message), certificate_revoked);
   }
 }
 
@@ -127,8 +128,8 @@ TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
   pairing_.expect_success();
   const auto request = other.request();
   const auto reply = other.reply(*request->message);
-  const auto final = other.at_low(request->handle, *reply->message);
-  ASSERT_OK(other.at_high(reply->handle, *final->message));
+  const auto final = other.process_at_lower_guid(request->handle, *reply->message);
+  ASSERT_OK(other.process_at_higher_guid(reply->handle, *final->message));
   folder_.replace("crl.pem", pem({2, {bob().certificate}}));
   engine().clock.advance(5s);
   EXPECT_TRUE(engine()->poll(second.handle).empty());
@@ -348,8 +349,8 @@ TEST(ManyRevoked, ManyRevokedPeers_EndAtOnce) {
     Two two(us, peer);
     const auto request = two.request();
     const auto reply = two.reply(*request->message);
-    const auto final = two.at_low(request->handle, *reply->message);
-    ASSERT_OK(two.at_high(reply->handle, *final->message));
+    const auto final = two.process_at_lower_guid(request->handle, *reply->message);
+    ASSERT_OK(two.process_at_higher_guid(reply->handle, *final->message));
   }
   folder.replace("crl.pem", pem(list));
   ours.clock.advance(5s);
@@ -373,8 +374,8 @@ TEST(ManyRevoked, RevocationDuringHandshakes_EndsEveryRevokedPeer) {
       const auto request = two.request();
       const auto reply = two.reply(*request->message);
       if (!reply) return;
-      const auto final = two.at_low(request->handle, *reply->message);
-      is_in = final && two.at_high(reply->handle, *final->message);
+      const auto final = two.process_at_lower_guid(request->handle, *reply->message);
+      is_in = final && two.process_at_higher_guid(reply->handle, *final->message);
     });
     const auto ended = pairing.first_engine->poll();
     hands.join();

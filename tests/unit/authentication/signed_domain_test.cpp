@@ -39,9 +39,9 @@ std::pair<std::optional<Code>, std::optional<Code>> refusals(Pairing& pairing) {
   EXPECT_TRUE(request);
   const auto reply = pairing.two.reply(*request->message);
   EXPECT_TRUE(reply);
-  const auto final = pairing.two.at_low(request->handle, *reply->message);
+  const auto final = pairing.two.process_at_lower_guid(request->handle, *reply->message);
   if (!final) return {final.error().code(), std::nullopt};
-  const auto end = pairing.two.at_high(reply->handle, *final->message);
+  const auto end = pairing.two.process_at_higher_guid(reply->handle, *final->message);
   return {std::nullopt, end ? std::nullopt : std::optional(end.error().code())};
 }
 
@@ -70,9 +70,9 @@ TEST(SignedDomain, OtherIdOrTag_IsRefusedOnceItIsProven) {
     pairing.two.low.data = data_in_domain(pairing.two.low, one.low, one.low_tag);
     pairing.two.high.data =
         data_in_domain(pairing.two.high, one.high, one.high_tag, one.high_vendor);
-    const auto [at_low, at_high] = refusals(pairing);
+    const auto [process_at_lower_guid, process_at_higher_guid] = refusals(pairing);
     const auto expected = one.is_same ? std::nullopt : std::optional(Code::rtps_domain_differs);
-    EXPECT_EQ(at_low ? at_low : at_high, expected)
+    EXPECT_EQ(process_at_lower_guid ? process_at_lower_guid : process_at_higher_guid, expected)
         << one.low_tag << " and " << one.high_tag << " of " << int(one.high_vendor[1]);
   }
 }

@@ -15,7 +15,7 @@ TEST(TokenClass, NameAndMajorVersion_Count) {
   EXPECT_EQ(token_class_of("DDS:Auth:PKI-DH:1.0+AuthReq"), TokenClass::auth_request);
   for (const auto id :
        {"", "DDS:Auth:PKI-DH", "DDS:Auth:PKI-DH:1.", "DDS:Auth:PKI-DH:2.0", "DDS:Auth:PKI-DH:1.0+",
-        "DDS:Auth:PKI-DH:1.0+req", "DDS:Auth:PKI-DH:1.0 ", "dds:Auth:PKI-DH:1.0",
+        "DDS:Auth:PKI-DH:1.0+request", "DDS:Auth:PKI-DH:1.0 ", "dds:Auth:PKI-DH:1.0",
         "DDS:Auth:PKI-DH:1.0000000000", "DDS:Auth:PKI-DH:10.0"})
     EXPECT_FALSE(token_class_of(id)) << id;
 }

@@ -40,8 +40,8 @@ class Handshake {
   void request() { ASSERT_TRUE(ok(request_ = two_.request())); }
   void reply() { ASSERT_TRUE(ok(reply_ = two_.reply(*(*request_)->message))); }
   void final() {
-    ASSERT_TRUE(ok(final_ = two_.at_low((*request_)->handle, *(*reply_)->message)));
-    ASSERT_TRUE(ok(end_ = two_.at_high((*reply_)->handle, *(*final_)->message)));
+    ASSERT_TRUE(ok(final_ = two_.process_at_lower_guid((*request_)->handle, *(*reply_)->message)));
+    ASSERT_TRUE(ok(end_ = two_.process_at_higher_guid((*reply_)->handle, *(*final_)->message)));
   }
   void all() {
     request();

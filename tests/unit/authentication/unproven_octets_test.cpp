@@ -150,9 +150,11 @@ TEST(UnprovenOctetsBounds, OwnerOfLargeDocuments_OutlivesSomeRequestsThatComeAft
     const auto reply = world.pairing.two.reply(*(*world.request)->message);
     ASSERT_OK(reply);
     ASSERT_OK(stranger.sends(kMaxPermissionsOctets));
-    const auto final = world.pairing.two.at_low((*world.request)->handle, *reply->message);
+    const auto final =
+        world.pairing.two.process_at_lower_guid((*world.request)->handle, *reply->message);
     ASSERT_OK(final);
-    finished += world.pairing.two.at_high(reply->handle, *final->message).has_value();
+    finished +=
+        world.pairing.two.process_at_higher_guid(reply->handle, *final->message).has_value();
   }
   EXPECT_GE(finished, 4);
 }
@@ -170,12 +172,12 @@ TEST(UnprovenOctetsBounds, DroppedRequestOfAStranger_IsAnEventWithTheLimits) {
 TEST(UnprovenOctetsBounds, LargeDocumentsOfUnprovenPeers_TakeNoRoomOfOrdinaryOnes) {
   Pairing pairing;
   auto& two = pairing.two;
-  const auto req = two.request();
-  const auto rep = two.reply(*req->message);
-  ASSERT_OK(rep);
+  const auto request = two.request();
+  const auto reply = two.reply(*request->message);
+  ASSERT_OK(reply);
   for (std::uint8_t i = 0; i < 30; ++i)
-    ASSERT_OK(two.reply(large(*req->message, i, kMaxPermissionsOctets)));
-  pairing.expect_finish(*req, *rep);
+    ASSERT_OK(two.reply(large(*request->message, i, kMaxPermissionsOctets)));
+  pairing.expect_finish(*request, *reply);
 }
 
 }  // namespace

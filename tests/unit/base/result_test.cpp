@@ -26,8 +26,8 @@ TEST(Error, OwnHint_ReplacesTheCodesHint) {
 
 TEST(Error, FirstDocumentNamed_IsKept) {
   const Error inner(Code::truncated, {.document = "c.id"});
-  EXPECT_EQ(inner.with_document("handshake request").details().document, "c.id");
-  EXPECT_EQ(Error(Code::truncated).with_document("handshake request").details().document,
+  EXPECT_EQ(inner.with_default_document("handshake request").details().document, "c.id");
+  EXPECT_EQ(Error(Code::truncated).with_default_document("handshake request").details().document,
             "handshake request");
 }
 

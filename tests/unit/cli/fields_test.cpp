@@ -59,7 +59,7 @@ struct Fleet {
   std::string text() const { return std::to_string(names.size()) + " names\n"; }
 };
 
-// A type without fields() of its own. The test specializes Listed for it below.
+// A type without fields() of its own. The test specializes FieldsOf for it below.
 struct Range {
   int first, last;
 };
@@ -77,7 +77,7 @@ struct Scope {
 }  // namespace
 
 template <>
-struct Listed<Range> {
+struct FieldsOf<Range> {
   static constexpr std::string_view kDef = "range";
   static constexpr auto fields() {
     return std::tuple(field<&Range::first>(), field<&Range::last>());

@@ -33,7 +33,7 @@ spi::SharedSecret secret_of(std::uint8_t session, std::size_t addresses = 1) {
 struct LostSessionsTest : testing::Test {
   LostSessionsTest() { sessions.add_local(local, kOwn); }
 
-  std::vector<LostSessions::Due> due(bool meets = true) {
+  std::vector<LostSessions::DueReset> due(bool meets = true) {
     return sessions.due([&](auto, const auto&) { return meets; });
   }
 

@@ -42,14 +42,14 @@ const bool is_counting_openssl =
     CRYPTO_set_mem_functions(openssl_malloc, openssl_realloc, openssl_free) == 1;
 
 // Blocks that are still allocated after a life.
-struct Left {
+struct Leftovers {
   long ours;
   long in_openssl;
 };
 
 // Returns the blocks that a life leaves behind. The blocks of OpenSSL's state for this thread do
 // not count.
-Left left_by_a_life(std::optional<Plan> plan) {
+Leftovers left_by_a_life(std::optional<Plan> plan) {
   const long before = memory::live_blocks(), in_openssl_before = live_in_openssl;
   {
     const Life life(plan);

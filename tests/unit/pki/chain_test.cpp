@@ -404,13 +404,13 @@ TEST(MayBeRevoked, CertificateAndCaOnNoList_AreNotRevoked) {
     return *ca.make_crl({.revoked = revoked, .this_update = kNow, .next_update = kNow + 24h});
   };
   const auto none = verifier_with({});
-  EXPECT_FALSE(none.may_be_revoked(bad));
+  EXPECT_FALSE(none.is_on_any_list(bad));
   const auto of_sub = verifier_with({list(root, {}), list(sub, {bad})});
-  EXPECT_FALSE(of_sub.may_be_revoked(good));
-  EXPECT_TRUE(of_sub.may_be_revoked(bad));
+  EXPECT_FALSE(of_sub.is_on_any_list(good));
+  EXPECT_TRUE(of_sub.is_on_any_list(bad));
   // The revocation of a CA concerns every certificate below it.
   const auto of_root = verifier_with({list(root, {sub.certificate()}), list(sub, {})});
-  EXPECT_TRUE(of_root.may_be_revoked(good));
+  EXPECT_TRUE(of_root.is_on_any_list(good));
   EXPECT_CODE(of_root.verify(good, kNow), certificate_revoked);
 }
 

@@ -196,14 +196,14 @@ TEST(CrlSupersedes, NumberAndTime_MustBothBeLater) {
     return make_crl(ca, {.this_update = from, .next_update = kNow + 24h, .number = number});
   };
   const auto held = list(7, kNow);
-  EXPECT_TRUE(list(8, kNow + 1s).supersedes(held));
-  EXPECT_TRUE(list(8, kNow).supersedes(held));
-  EXPECT_TRUE(list(7, kNow).supersedes(held));
-  EXPECT_FALSE(list(6, kNow + 1s).supersedes(held));
-  EXPECT_FALSE(list(8, kNow - 1s).supersedes(held));
+  EXPECT_TRUE(list(8, kNow + 1s).is_not_older_than(held));
+  EXPECT_TRUE(list(8, kNow).is_not_older_than(held));
+  EXPECT_TRUE(list(7, kNow).is_not_older_than(held));
+  EXPECT_FALSE(list(6, kNow + 1s).is_not_older_than(held));
+  EXPECT_FALSE(list(8, kNow - 1s).is_not_older_than(held));
   // The numbers are compared as numbers, whatever their lengths are.
-  EXPECT_TRUE(list(0x1'0000'0000, kNow).supersedes(list(0xff, kNow)));
-  EXPECT_FALSE(list(0xff, kNow).supersedes(list(0x100, kNow)));
+  EXPECT_TRUE(list(0x1'0000'0000, kNow).is_not_older_than(list(0xff, kNow)));
+  EXPECT_FALSE(list(0xff, kNow).is_not_older_than(list(0x100, kNow)));
 }
 
 // RFC 5280 5.2.3 allows 20 octets.
@@ -216,8 +216,8 @@ TEST(CrlNumberOf, AList_MayBeLong) {
   EXPECT_EQ(list(number).number(), number);
   EXPECT_EQ(list(CrlNumber(UINT64_MAX)).number(), CrlNumber(UINT64_MAX));
   EXPECT_EQ(list(0).number(), CrlNumber(0));
-  EXPECT_TRUE(list(number.next()).supersedes(list(number)));
-  EXPECT_FALSE(list(UINT64_MAX).supersedes(list(number)));
+  EXPECT_TRUE(list(number.next()).is_not_older_than(list(number)));
+  EXPECT_FALSE(list(UINT64_MAX).is_not_older_than(list(number)));
 }
 
 TEST(CrlReplaces, ListOfTheFuture_NeedsAHigherNumberAndAllEntries) {
@@ -230,16 +230,17 @@ TEST(CrlReplaces, ListOfTheFuture_NeedsAHigherNumberAndAllEntries) {
                          .number = number});
   };
   const auto future = list(7, kNow + 300 * 24h, 1);
-  EXPECT_TRUE(list(8, kNow, 1).replaces(future, kNow));
-  EXPECT_TRUE(list(8, kNow, 2).replaces(future, kNow));
-  EXPECT_FALSE(list(8, kNow, 0).replaces(future, kNow)) << "somebody would come back";
-  EXPECT_FALSE(list(7, kNow, 2).replaces(future, kNow));
-  EXPECT_FALSE(list(6, kNow, 2).replaces(future, kNow));
-  EXPECT_FALSE(list(8, kNow, 2).replaces(future, kNow + 300 * 24h)) << "its time has come";
+  EXPECT_TRUE(list(8, kNow, 1).may_replace_at(future, kNow));
+  EXPECT_TRUE(list(8, kNow, 2).may_replace_at(future, kNow));
+  EXPECT_FALSE(list(8, kNow, 0).may_replace_at(future, kNow)) << "somebody would come back";
+  EXPECT_FALSE(list(7, kNow, 2).may_replace_at(future, kNow));
+  EXPECT_FALSE(list(6, kNow, 2).may_replace_at(future, kNow));
+  EXPECT_FALSE(list(8, kNow, 2).may_replace_at(future, kNow + 300 * 24h)) << "its time has come";
   EXPECT_FALSE(
       make_crl(make_ca("CN=Other"), {.this_update = kNow, .next_update = kNow + 24h, .number = 8})
-          .replaces(list(7, kNow + 300 * 24h, 0), kNow));
-  EXPECT_TRUE(list(7, kNow + 300 * 24h, 0).replaces(list(7, kNow, 1), kNow)) << "as supersedes";
+          .may_replace_at(list(7, kNow + 300 * 24h, 0), kNow));
+  EXPECT_TRUE(list(7, kNow + 300 * 24h, 0).may_replace_at(list(7, kNow, 1), kNow))
+      << "as supersedes";
 }
 
 TEST(CrlCheck, TwoKeysOfOneName_AreBothNamed) {
@@ -259,7 +260,7 @@ TEST(CrlSupersedes, ListOfAnotherIssuer_SupersedesNothing) {
   const auto held = make_crl(make_ca(), kMonth);
   auto later = kMonth;
   later.number = 8;
-  EXPECT_FALSE(make_crl(make_ca("CN=Other"), later).supersedes(held));
+  EXPECT_FALSE(make_crl(make_ca("CN=Other"), later).is_not_older_than(held));
 }
 
 Crl pkits(const std::string& name) {
@@ -300,9 +301,9 @@ TEST(CrlSupersedes, ListAboutOtherCertificates_SupersedesNothing) {
   const auto some = pkits("onlySomeReasonsCA1compromiseCRL");
   const auto others = pkits("onlySomeReasonsCA1otherreasonsCRL");
   ASSERT_EQ(some.issuer(), others.issuer());
-  EXPECT_TRUE(some.supersedes(some));
-  EXPECT_FALSE(some.supersedes(others));
-  EXPECT_FALSE(others.supersedes(some));
+  EXPECT_TRUE(some.is_not_older_than(some));
+  EXPECT_FALSE(some.is_not_older_than(others));
+  EXPECT_FALSE(others.is_not_older_than(some));
 }
 
 }  // namespace
