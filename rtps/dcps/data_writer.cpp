@@ -130,7 +130,7 @@ void AnyDataWriter::conclude() {
     protocol().write(std::move(change), moment.now);
     is_concluded_ = true;
   }
-  protocol().ask_for_acknowledgments();
+  protocol().request_acknowledgments();
 }
 
 void AnyDataWriter::await_acknowledgment(std::chrono::steady_clock::time_point deadline) {
@@ -266,7 +266,7 @@ Result<Bytes> AnyDataWriter::octets_of_key(InstanceHandle instance) const {
 Status AnyDataWriter::wait_for_acknowledgments(std::chrono::nanoseconds timeout) {
   auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
-  protocol().ask_for_acknowledgments();
+  protocol().request_acknowledgments();
   if (context_.wait(held, timeout, [&] { return protocol().all_acknowledged(); })) {
     held.unlock();
     return durability_.flush(timeout);

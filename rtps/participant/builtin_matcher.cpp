@@ -98,7 +98,7 @@ void BuiltinMatcher::offer_again(const RemoteParticipant& remote) {
     const Guid reader{remote.prefix(), info.reader};
     auto& writer = builtin_.writer(info.topic);
     if ((is_sedp(info, false) || is_sedp(info, true)) && writer.readers().contains(reader))
-      writer.ask(reader, remote.metatraffic);
+      writer.request_acknack(reader, remote.metatraffic);
   }
 }
 

@@ -73,7 +73,7 @@ void ReaderPresence::request_sign_of_life(const ReaderEndChecks::Pair& pair) {
   auto* remote = remotes_.find(pair.reader.prefix);
   const auto* data = remotes_.endpoint(pair.reader);
   if (writer == nullptr || remote == nullptr || data == nullptr) return;
-  writer->protocol->ask(pair.reader, addresses_of(core_, *remote, *data));
+  writer->protocol->request_acknack(pair.reader, addresses_of(core_, *remote, *data));
 }
 
 // The keys of the reader are kept, so that its answer can be read.

@@ -6,7 +6,7 @@
 
 namespace ddssec::rtps {
 
-void LocalDelivery::feed(ReaderProxy& proxy) {
+void LocalDelivery::offer(ReaderProxy& proxy) {
   auto number = history_.next_held(proxy.acknowledged().next());
   for (; number <= history_.last(); number = history_.next_held(number.next()))
     if (!proxy.ends_before(number) && !proxy.local->offer(*history_.find(number))) break;
@@ -15,9 +15,9 @@ void LocalDelivery::feed(ReaderProxy& proxy) {
   if (group_ != nullptr && number > history_.last()) proxy.local->pass(writer_, group_->current);
 }
 
-void LocalDelivery::feed_all() {
+void LocalDelivery::offer_to_all() {
   for (auto& [guid, proxy] : readers_.all())
-    if (proxy.local != nullptr) feed(proxy);
+    if (proxy.local != nullptr) offer(proxy);
 }
 
 void LocalDelivery::assert_liveliness() {

@@ -19,8 +19,8 @@ class LocalDelivery {
   /// Makes readers also get the writer's position in the group. `group` must outlive this object.
   void join(const WriterGroup& group) { group_ = &group; }
   /// Offers an attached reader all changes that it has not taken.
-  void feed(ReaderProxy& proxy);
-  void feed_all();
+  void offer(ReaderProxy& proxy);
+  void offer_to_all();
   /// Asserts the writer's liveliness to all attached readers.
   void assert_liveliness();
   /// Must be called before the writer is destroyed.

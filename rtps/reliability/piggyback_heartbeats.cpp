@@ -6,7 +6,7 @@ namespace ddssec::rtps {
 namespace {
 
 int samples_per_question(const Qos& qos) {
-  constexpr auto kMax = PiggybackHeartbeats::kMaxSamplesPerQuestion;
+  constexpr auto kMax = PiggybackHeartbeats::kMaxSamplesPerRequest;
   if (qos.history.kind == HistoryKind::keep_last) return kMax;
   int out = kMax;
   for (const auto limit :
@@ -18,6 +18,6 @@ int samples_per_question(const Qos& qos) {
 }  // namespace
 
 PiggybackHeartbeats::PiggybackHeartbeats(const Qos& qos)
-    : samples_per_question_(samples_per_question(qos)) {}
+    : samples_per_request_(samples_per_question(qos)) {}
 
 }  // namespace ddssec::rtps

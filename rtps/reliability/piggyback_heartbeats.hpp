@@ -13,10 +13,10 @@ namespace ddssec::rtps {
 /// answer. Questions are frequent enough that histories shrink while a writer is busy.
 class PiggybackHeartbeats {
  public:
-  enum class Kind : std::uint8_t { none, final, question };
+  enum class Kind : std::uint8_t { none, final, without_final };
   static constexpr MonotonicTime kPeriod = std::chrono::milliseconds(1);
-  static constexpr int kMaxSamplesPerQuestion = 256;
-  static constexpr std::size_t kOctetsPerQuestion = 128 << 10;
+  static constexpr int kMaxSamplesPerRequest = 256;
+  static constexpr std::size_t kOctetsPerRequest = 128 << 10;
 
   /// With KEEP_ALL and limits, several questions are sent before the history is full.
   explicit PiggybackHeartbeats(const Qos& qos);
@@ -27,19 +27,19 @@ class PiggybackHeartbeats {
   Kind on_sample(std::size_t octets, MonotonicTime now, F&& is_full) {
     octets_ += octets;
     const bool asks =
-        ++samples_ >= samples_per_question_ || octets_ >= kOctetsPerQuestion || is_full();
+        ++samples_ >= samples_per_request_ || octets_ >= kOctetsPerRequest || is_full();
     if (!asks && now - last_ < kPeriod) return Kind::none;
     last_ = now;
-    return asks ? Kind::question : Kind::final;
+    return asks ? Kind::without_final : Kind::final;
   }
   /// Notes that a question was sent, with a sample or without.
-  void note_question() {
+  void note_heartbeat_without_final() {
     samples_ = 0;
     octets_ = 0;
   }
 
  private:
-  const int samples_per_question_;
+  const int samples_per_request_;
   int samples_ = 0;  ///< samples written since the last question
   std::size_t octets_ = 0;
   MonotonicTime last_{std::chrono::hours(-1)};

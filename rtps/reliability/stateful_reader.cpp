@@ -44,7 +44,7 @@ void StatefulReader::share_held(std::shared_ptr<HeldOctets> held) {
 
 StatefulReader::~StatefulReader() {
   for (auto& [guid, proxy] : writers_)
-    if (proxy.local() != nullptr) proxy.local()->lose(guid_);
+    if (proxy.local() != nullptr) proxy.local()->remove_local_reader(guid_);
 }
 
 // ---- matching
@@ -233,7 +233,7 @@ void StatefulReader::acknowledge_again(const Guid& writer) {
 
 void StatefulReader::offer_again() {
   for (auto& [guid, proxy] : writers_) {
-    if (proxy.local() != nullptr) proxy.local()->feed(guid_);
+    if (proxy.local() != nullptr) proxy.local()->offer_to_local_reader(guid_);
     if (proxy.offer_again()) acknowledge(proxy, proxy.announced());
   }
 }

@@ -62,7 +62,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
     send_history(proxy, now);
   } else if (!is_builtin(guid_.entity) || history_.last().value > 0) {
     // If a builtin writer holds nothing, readers learn this when they request changes.
-    send_question(readers_.one(proxy), proxy.first_relevant());
+    send_heartbeat_without_final(readers_.one(proxy), proxy.first_relevant());
     schedule_.restart(now);
     call_at(schedule_.due());
   }
@@ -129,7 +129,7 @@ SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   change.writer = guid_;
   const auto number = history_.add(std::move(change));
   if (!is_held_back_) {
-    local_.feed_all();
+    local_.offer_to_all();
     if (readers_.any_remote()) send(*history_.find(number), now);
   }
   release_acknowledged();
@@ -145,7 +145,8 @@ void StatefulWriter::send(const Change& written, MonotonicTime now) {
     filtered_.send(written, in_memory);
   const auto heartbeat = heartbeat_for(written, now);
   if (heartbeat != Kind::none) filtered_.send_gaps(history_.last().next());
-  if (heartbeat == Kind::question) send_question(readers_.all_readers(), history_.first());
+  if (heartbeat == Kind::without_final)
+    send_heartbeat_without_final(readers_.all_readers(), history_.first());
   if (heartbeat == Kind::final) messages_.heartbeat(readers_.all_readers(), history_.first(), true);
   pace_.note_write(now, sender_.samples_heard());
   const bool fits_again = written.payload.size() < sender_.full_size() / 3;
@@ -164,23 +165,24 @@ PiggybackHeartbeats::Kind StatefulWriter::heartbeat_for(const Change& written, M
       size, now, [&] { return !history_.has_room(size, written.key_hash.value_or(KeyHash{})); });
 }
 
-void StatefulWriter::send_question(const Receiver& receiver, SequenceNumber first) {
-  piggyback_.note_question();
+void StatefulWriter::send_heartbeat_without_final(const Receiver& receiver, SequenceNumber first) {
+  piggyback_.note_heartbeat_without_final();
   messages_.heartbeat(receiver, first, false);
 }
 
-void StatefulWriter::ask_for_acknowledgments(bool even_if_none_is_missing) {
+void StatefulWriter::request_acknowledgments(bool even_if_none_is_missing) {
   if (all_acknowledged() && !even_if_none_is_missing) return;
   if (!readers_.any_remote()) return;
   filtered_.send_gaps(history_.last().next());
-  send_question(readers_.all_readers(), history_.first());
+  send_heartbeat_without_final(readers_.all_readers(), history_.first());
   sender_.flush();
 }
 
-void StatefulWriter::ask(const Guid& reader, const LocatorList& at) {
+void StatefulWriter::request_acknack(const Guid& reader, const LocatorList& at) {
   const auto* proxy = readers_.find(reader);
-  send_question(readers_.one(reader, at),
-                proxy != nullptr ? retransmissions_.lowest_for(*proxy) : history_.first());
+  send_heartbeat_without_final(readers_.one(reader, at), proxy != nullptr
+                                                             ? retransmissions_.lowest_for(*proxy)
+                                                             : history_.first());
   sender_.flush();
 }
 
@@ -197,13 +199,13 @@ void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
     held_from_ = history_.last().next();
     return;
   }
-  local_.feed_all();
+  local_.offer_to_all();
   if (readers_.any_remote() && held_from_ <= history_.last()) {
     for (auto number = history_.next_held(held_from_); number <= history_.last();
          number = history_.next_held(number.next()))
       messages_.change(readers_.all_readers(), *history_.find(number));
     if (qos_.is_reliable()) {
-      send_question(readers_.all_readers(), history_.first());
+      send_heartbeat_without_final(readers_.all_readers(), history_.first());
       schedule_.note_written(now);
       call_at(schedule_.due());
     }
@@ -237,7 +239,7 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
       answered = retransmissions_.answer(*proxy, readers_.one(*proxy), acknack.missing, now);
   }
   if (answered || pre_emptive)
-    send_question(readers_.one(*proxy), retransmissions_.lowest_for(*proxy));
+    send_heartbeat_without_final(readers_.one(*proxy), retransmissions_.lowest_for(*proxy));
   else if (!acknack.is_final && acknack.missing.empty())
     messages_.heartbeat(readers_.one(*proxy), retransmissions_.lowest_for(*proxy), true);
   sender_.flush();
@@ -277,7 +279,7 @@ bool StatefulWriter::on_nack_frag(const GuidPrefix& from, const NackFrag& nack, 
 // The HEARTBEAT lets the reader request the next portion at once.
 void StatefulWriter::continue_repair(ReaderProxy& proxy, MonotonicTime now) {
   if (!retransmissions_.send_portion(proxy, readers_.one(proxy), now)) return;
-  send_question(readers_.one(proxy), retransmissions_.lowest_for(proxy));
+  send_heartbeat_without_final(readers_.one(proxy), retransmissions_.lowest_for(proxy));
   call_at(proxy.repair.due());
 }
 
@@ -298,7 +300,7 @@ void StatefulWriter::tick(MonotonicTime now) {
   for (const auto& [guid, proxy] : readers_.all()) {
     const auto& reader = proxy.reader();
     if (reader.is_reliable && !reader.is_in_process && proxy.acknowledged() < history_.last())
-      send_question(readers_.one(proxy), retransmissions_.lowest_for(proxy));
+      send_heartbeat_without_final(readers_.one(proxy), retransmissions_.lowest_for(proxy));
   }
   sender_.flush();
   schedule_.note_sent(now, all_acknowledged());
@@ -330,23 +332,23 @@ void StatefulWriter::attach(StatefulReader& reader) {
   if (proxy == nullptr || !proxy->reader().is_in_process || proxy->local != nullptr) return;
   if (!reader.attach(*this)) return;
   proxy->local = &reader;
-  feed(reader.guid());
+  offer_to_local_reader(reader.guid());
 }
 
 void StatefulWriter::detach(const Guid& reader) {
   if (auto* proxy = readers_.find(reader)) proxy->local = nullptr;
 }
 
-void StatefulWriter::lose(const Guid& reader) {
+void StatefulWriter::remove_local_reader(const Guid& reader) {
   detach(reader);
   unmatch(reader);
   if (on_acknowledged_) on_acknowledged_();
 }
 
-void StatefulWriter::feed(const Guid& reader) {
+void StatefulWriter::offer_to_local_reader(const Guid& reader) {
   auto* proxy = readers_.find(reader);
   if (proxy == nullptr || proxy->local == nullptr) return;
-  if (!is_held_back_) local_.feed(*proxy);
+  if (!is_held_back_) local_.offer(*proxy);
   release_acknowledged();
   if (on_acknowledged_) on_acknowledged_();
 }

@@ -60,10 +60,10 @@ class StatefulWriter final : private Timed {
   /// Requests acknowledgments for a caller that waits for them: readers do not acknowledge each
   /// sample, but answer such HEARTBEATs. With `even_if_none_is_missing`, also checks whether the
   /// readers still answer.
-  void ask_for_acknowledgments(bool even_if_none_is_missing = false);
+  void request_acknowledgments(bool even_if_none_is_missing = false);
 
   /// Requests an acknowledgment of one reader, even if it misses nothing or does not match.
-  void ask(const Guid& reader, const LocatorList& at);
+  void request_acknack(const Guid& reader, const LocatorList& at);
 
   /// Drops a change, which no reader gets any more (LIFESPAN). A request for it is answered with a
   /// GAP.
@@ -105,9 +105,9 @@ class StatefulWriter final : private Timed {
   /// Ends direct delivery, because the reader no longer wants it.
   void detach(const Guid& reader);
   /// Removes a reader that is being destroyed.
-  void lose(const Guid& reader);
+  void remove_local_reader(const Guid& reader);
   /// Offers changes again to a reader that refused one and has room again.
-  void feed(const Guid& reader);
+  void offer_to_local_reader(const Guid& reader);
 
  private:
   void on_time(MonotonicTime now) override { tick(now); }
@@ -118,7 +118,7 @@ class StatefulWriter final : private Timed {
   /// Decides which HEARTBEAT a change that was just written carries.
   PiggybackHeartbeats::Kind heartbeat_for(const Change& written, MonotonicTime now);
   /// Sends a HEARTBEAT that requires an answer.
-  void send_question(const Receiver& receiver, SequenceNumber first);
+  void send_heartbeat_without_final(const Receiver& receiver, SequenceNumber first);
   void continue_repair(ReaderProxy& proxy, MonotonicTime now);
   void release_acknowledged();
 

@@ -83,7 +83,7 @@ StatefulReader* CryptoTokenExchange::volatile_reader(const GuidPrefix& prefix) {
 }
 
 void CryptoTokenExchange::join(Peer& peer) {
-  if (!peer.state.join()) return;
+  if (!peer.state.on_participant_tokens()) return;
   ++core_.counters.authenticated;
   if (peer.state.association() != nullptr)
     core_.raise(Error(Code::rtps_peer_authenticated), peer, EventOrigin::its_keys);
@@ -120,7 +120,7 @@ void CryptoTokenExchange::ask(Peer& peer) {
 }
 
 void CryptoTokenExchange::ask_for_sign_of_life(Peer& peer) {
-  if (is_trusted(peer)) peer.state.association()->volatile_writer->ask_for_acknowledgments(true);
+  if (is_trusted(peer)) peer.state.association()->volatile_writer->request_acknowledgments(true);
 }
 
 void CryptoTokenExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
@@ -386,7 +386,7 @@ void CryptoTokenExchange::on_participant_tokens(Peer& peer, const GenericMessage
   // The peer can read the local messages now. Messages that it could not read before are offered
   // again at once.
   if (auto* association = peer.state.association(); association->volatile_writer)
-    association->volatile_writer->ask_for_acknowledgments();
+    association->volatile_writer->request_acknowledgments();
   join(peer);
 }
 

@@ -102,7 +102,7 @@ void Handshakes::try_again(Peer& peer) {
   if (!peer.state.is<peer::Refused>()) return;
   peer.next_attempt_at = core_.now + kMinRefusedPause;
   if (!budgets_.may_begin(peer.source, core_.now)) return;
-  peer.state.announce_again(handshake_with(peer.data));
+  peer.state.on_another_announcement(handshake_with(peer.data));
   schedule(peer);
 }
 
@@ -201,7 +201,7 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   if (peer.state.association() == nullptr) return request_resend(peer);
   const auto* joined = peer.state.joined();
   if (joined == nullptr || core_.now < joined->next_probe) return;
-  peer.state.probe(core_.now + kProbeTimeout, core_.now + kProbePeriod);
+  peer.state.on_auth_request(core_.now + kProbeTimeout, core_.now + kProbePeriod);
   exchange_.probe(peer);
 }
 
@@ -213,7 +213,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   if (assessment.effort == Effort::request) make_room_for_answer(core_, account_);
   const bool taken =
       may_spend(peer, assessment.effort) && handshake.receive(message, assessment, core_.now, out);
-  if (handshake.started()) peer.state.begin();
+  if (handshake.started()) peer.state.on_handshake_begun();
   if (!taken) return request_resend(peer);
   if (handshake.refusals() > 0 && peer.state.association() == nullptr) note_failure(peer);
   // A final message is sent once the keys are ready for what the peer sends next.
@@ -241,7 +241,7 @@ void Handshakes::request_resend(const Peer& peer) {
 
 bool Handshakes::advance(Peer& peer) {
   auto& handshake = *peer.state.handshake();
-  if (handshake.started()) peer.state.begin();
+  if (handshake.started()) peer.state.on_handshake_begun();
   if (handshake.failure()) {
     refuse(peer);
     return false;
@@ -252,7 +252,7 @@ bool Handshakes::advance(Peer& peer) {
   const bool had_keys = peer.state.association() != nullptr;
   const bool was_admitted = peer.state.is_admitted();
   if (had_keys) core_.host.on_replaced(GuidPrefix(peer.prefix()));
-  if (!peer.state.replace()) return false;
+  if (!peer.state.on_handshake_finished()) return false;
   auto association = associate(peer);
   if (!association) {
     if (had_keys) revision_.request();
@@ -268,7 +268,7 @@ bool Handshakes::advance(Peer& peer) {
   revision_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
   fragments_.forget(peer.prefix());
   core_.sender.amplification_limit().end(peer.prefix());
-  return peer.state.associate(std::move(*association), core_.now);
+  return peer.state.on_permissions_validated(std::move(*association), core_.now);
 }
 
 Result<Association> Handshakes::associate(Peer& peer) {
@@ -291,7 +291,7 @@ bool Handshakes::wake(Peer peer) {
     return false;
   }
   peer.state.association()->place = place_of(subjects_, prefix);
-  peer.state.ask_again(core_.now);
+  peer.state.on_keys_timeout(core_.now);
   schedule(core_.peers.emplace(prefix, std::move(peer)).first->second);
   return true;
 }
@@ -313,11 +313,11 @@ Error Handshakes::no_place_error(const Peer& peer) {
 }
 
 void Handshakes::try_later(Peer& peer) {
-  peer.state.refuse(peer.state.is_admitted());
+  peer.state.on_refusal(peer.state.is_admitted());
   note_failure(peer);
   auto handshake = handshake_with(peer.data);
   handshake->start_at(core_.now + PeerHandshake::kResend);
-  peer.state.announce_again(std::move(handshake));
+  peer.state.on_another_announcement(std::move(handshake));
 }
 
 Result<PeerPermissions> Handshakes::permissions_of(const Peer& peer) {
@@ -375,7 +375,7 @@ Status Handshakes::adopt_proven_data(Peer& peer) {
 void Handshakes::refuse(Peer& peer) {
   const bool was_admitted = peer.state.is_admitted();
   if (peer.state.association() != nullptr) revision_.request();
-  if (!peer.state.refuse(admission_.admits_unauthenticated())) return;
+  if (!peer.state.on_refusal(admission_.admits_unauthenticated())) return;
   note_failure(peer);
   peer.refused_at = core_.now;
   peer.next_attempt_at = core_.now + pause_after_refusal(peer);
@@ -385,7 +385,7 @@ void Handshakes::refuse(Peer& peer) {
 }
 
 void Handshakes::note_key_exchange(Peer& peer) {
-  if (peer.state.note_key_exchange()) schedule(peer);
+  if (peer.state.on_key_exchange_message()) schedule(peer);
 }
 
 }  // namespace ddssec::rtps

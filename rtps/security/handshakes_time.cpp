@@ -99,7 +99,7 @@ void Handshakes::tick_association(Peer& peer) {
   const auto since = peer.state.awaiting_keys()->since;
   if (needs_no_tokens(core_, peer) && now >= since + kTokenTimeout) return exchange_.join(peer);
   if (now < since + kKeysTimeout) return;
-  peer.state.ask_again(now);
+  peer.state.on_keys_timeout(now);
   core_.host.on_unconfirmed(GuidPrefix(peer.prefix()));
   peer.state.handshake()->begin_again(now);
 }
@@ -112,7 +112,7 @@ MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
 }
 
 void Handshakes::end_probe(Peer& peer) {
-  peer.state.end_probe();
+  peer.state.on_probe_ended();
   const bool answered =
       CryptoTokenExchange::is_trusted(peer) && CryptoTokenExchange::is_up_to_date(peer);
   if (!answered && budgets_.may_begin(peer.source, core_.now))
@@ -121,7 +121,7 @@ void Handshakes::end_probe(Peer& peer) {
 
 // The handshake does not end here: an attacker can hold messages back, or forge them.
 void Handshakes::note_overdue(Peer& peer) {
-  if (!peer.state.handshake()->is_overdue() || !peer.state.time_out()) return;
+  if (!peer.state.handshake()->is_overdue() || !peer.state.on_handshake_timeout()) return;
   note_failure(peer);
   core_.raise(Error(Code::rtps_authentication_timeout,
                     {.document = "the handshake with participant " + peer.name(),
@@ -142,7 +142,7 @@ MonotonicTime Handshakes::next_admission(const Peer& peer) const {
 }
 
 void Handshakes::admit_meanwhile(Peer& peer) {
-  if (!peer.state.admit_unauthenticated()) return;
+  if (!peer.state.on_admission_timeout()) return;
   const bool was_refused = peer.state.handshake()->refusals() > 0;
   core_.raise(Error(Code::rtps_admitted_unauthenticated,
                     {.document = "participant " + peer.name(),

@@ -41,30 +41,30 @@ using peer::Unproven;
 using peer::Waiting;
 
 // The events that cause transitions.
-struct HandshakeBegins {};
-struct TakesTooLong {};
+struct HandshakeBegun {};
+struct HandshakeTimeout {};
 struct AdmissionTimeout {};
 struct HandshakeFinished {};
-struct PermissionsAreGood {
+struct PermissionsValidated {
   Association association;
   MonotonicTime now;
 };
-struct MessageByItsKey {};
-struct ConfirmationIsDue {
+struct KeyExchangeMessage {};
+struct KeysTimeout {
   MonotonicTime now;
 };
 struct ParticipantTokens {};
 struct AuthRequest {
   MonotonicTime deadline, next;
 };
-struct ProbeEnds {};
+struct ProbeEnded {};
 struct Refusal {
   bool admits;
 };
 struct AnotherAnnouncement {
   std::unique_ptr<PeerHandshake> handshake;
 };
-struct TrustEnds {};
+struct TrustEnded {};
 
 // Result of a transition that stays in the same state.
 struct Stays {};
@@ -74,10 +74,10 @@ struct Illegal {};
 // The state object stays the same, apart from what `on` changed in it.
 constexpr Stays kStays;
 
-Authenticating on(Announced& state, const HandshakeBegins&) { return {std::move(state)}; }
+Authenticating on(Announced& state, const HandshakeBegun&) { return {std::move(state)}; }
 
-Waiting on(Announced& state, const TakesTooLong&) { return {std::move(state)}; }
-Waiting on(Authenticating& state, const TakesTooLong&) { return {std::move(state)}; }
+Waiting on(Announced& state, const HandshakeTimeout&) { return {std::move(state)}; }
+Waiting on(Authenticating& state, const HandshakeTimeout&) { return {std::move(state)}; }
 
 Stays on(Authenticating& state, const AdmissionTimeout&) {
   state.is_admitted = true;
@@ -97,16 +97,16 @@ Authenticating on(Joined& state, const HandshakeFinished&) {
   return {{std::move(state.association.handshake)}};
 }
 
-AwaitingKeys on(Authenticating& state, PermissionsAreGood& event) {
+AwaitingKeys on(Authenticating& state, PermissionsValidated& event) {
   event.association.handshake = std::move(state.handshake);
   return {std::move(event.association), event.now};
 }
 
-Stays on(AwaitingKeys& state, const MessageByItsKey&) {
+Stays on(AwaitingKeys& state, const KeyExchangeMessage&) {
   state.exchanges_keys = true;
   return kStays;
 }
-Stays on(AwaitingKeys& state, const ConfirmationIsDue& event) {
+Stays on(AwaitingKeys& state, const KeysTimeout& event) {
   state.since = event.now;
   return kStays;
 }
@@ -117,7 +117,7 @@ Stays on(Joined& state, const AuthRequest& event) {
   state.probe_deadline = event.deadline;
   return kStays;
 }
-Stays on(Joined& state, const ProbeEnds&) {
+Stays on(Joined& state, const ProbeEnded&) {
   state.probe_deadline = kNever;
   return kStays;
 }
@@ -138,12 +138,12 @@ Distrusted without_channel(Association& association) {
   return {std::move(association)};
 }
 
-Distrusted on(Announced&, const TrustEnds&) { return {}; }
-Distrusted on(Authenticating&, const TrustEnds&) { return {}; }
-Distrusted on(Waiting&, const TrustEnds&) { return {}; }
-Distrusted on(AwaitingKeys& state, const TrustEnds&) { return without_channel(state.association); }
-Distrusted on(Joined& state, const TrustEnds&) { return without_channel(state.association); }
-Distrusted on(Refused&, const TrustEnds&) { return {}; }
+Distrusted on(Announced&, const TrustEnded&) { return {}; }
+Distrusted on(Authenticating&, const TrustEnded&) { return {}; }
+Distrusted on(Waiting&, const TrustEnded&) { return {}; }
+Distrusted on(AwaitingKeys& state, const TrustEnded&) { return without_channel(state.association); }
+Distrusted on(Joined& state, const TrustEnded&) { return without_channel(state.association); }
+Distrusted on(Refused&, const TrustEnded&) { return {}; }
 
 // All other combinations.
 Illegal on(auto&, const auto&) { return {}; }
@@ -170,25 +170,25 @@ bool PeerState::apply(Event&& event) {
       state_);
 }
 
-bool PeerState::begin() { return apply(HandshakeBegins{}); }
-bool PeerState::time_out() { return apply(TakesTooLong{}); }
-bool PeerState::admit_unauthenticated() { return apply(AdmissionTimeout{}); }
-bool PeerState::replace() { return apply(HandshakeFinished{}); }
-bool PeerState::associate(Association association, MonotonicTime now) {
-  return apply(PermissionsAreGood{std::move(association), now});
+bool PeerState::on_handshake_begun() { return apply(HandshakeBegun{}); }
+bool PeerState::on_handshake_timeout() { return apply(HandshakeTimeout{}); }
+bool PeerState::on_admission_timeout() { return apply(AdmissionTimeout{}); }
+bool PeerState::on_handshake_finished() { return apply(HandshakeFinished{}); }
+bool PeerState::on_permissions_validated(Association association, MonotonicTime now) {
+  return apply(PermissionsValidated{std::move(association), now});
 }
-bool PeerState::note_key_exchange() { return apply(MessageByItsKey{}); }
-bool PeerState::ask_again(MonotonicTime now) { return apply(ConfirmationIsDue{now}); }
-bool PeerState::join() { return apply(ParticipantTokens{}); }
-bool PeerState::probe(MonotonicTime deadline, MonotonicTime next) {
+bool PeerState::on_key_exchange_message() { return apply(KeyExchangeMessage{}); }
+bool PeerState::on_keys_timeout(MonotonicTime now) { return apply(KeysTimeout{now}); }
+bool PeerState::on_participant_tokens() { return apply(ParticipantTokens{}); }
+bool PeerState::on_auth_request(MonotonicTime deadline, MonotonicTime next) {
   return apply(AuthRequest{deadline, next});
 }
-bool PeerState::end_probe() { return apply(ProbeEnds{}); }
-bool PeerState::refuse(bool admits) { return apply(Refusal{admits}); }
-bool PeerState::announce_again(std::unique_ptr<PeerHandshake> handshake) {
+bool PeerState::on_probe_ended() { return apply(ProbeEnded{}); }
+bool PeerState::on_refusal(bool admits) { return apply(Refusal{admits}); }
+bool PeerState::on_another_announcement(std::unique_ptr<PeerHandshake> handshake) {
   return apply(AnotherAnnouncement{std::move(handshake)});
 }
-bool PeerState::distrust() { return apply(TrustEnds{}); }
+bool PeerState::on_trust_ended() { return apply(TrustEnded{}); }
 
 const Unproven* PeerState::unproven() const {
   return std::visit(

@@ -150,23 +150,23 @@ class PeerState {
   explicit PeerState(std::unique_ptr<PeerHandshake> handshake);
 
   // Transitions, in the order of the list in peer.cpp:
-  bool begin();
-  bool time_out();
-  bool admit_unauthenticated();
+  bool on_handshake_begun();
+  bool on_handshake_timeout();
+  bool on_admission_timeout();
   /// Ends everything that an earlier handshake agreed on, because another one was finished.
-  bool replace();
+  bool on_handshake_finished();
   /// `association` comes without its handshake, which is taken from the state that is left.
-  bool associate(Association association, MonotonicTime now);
-  bool note_key_exchange();
+  bool on_permissions_validated(Association association, MonotonicTime now);
+  bool on_key_exchange_message();
   /// Notes that another handshake was requested, because the keys did not arrive.
-  bool ask_again(MonotonicTime now);
-  bool join();
-  bool probe(MonotonicTime deadline, MonotonicTime next);
-  bool end_probe();
+  bool on_keys_timeout(MonotonicTime now);
+  bool on_participant_tokens();
+  bool on_auth_request(MonotonicTime deadline, MonotonicTime next);
+  bool on_probe_ended();
   /// If `admits`, the peer takes part without authentication from now on, or goes on to do so.
-  bool refuse(bool admits);
-  bool announce_again(std::unique_ptr<PeerHandshake> handshake);
-  bool distrust();
+  bool on_refusal(bool admits);
+  bool on_another_announcement(std::unique_ptr<PeerHandshake> handshake);
+  bool on_trust_ended();
 
   template <class S>
   bool is() const {

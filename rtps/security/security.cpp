@@ -187,7 +187,7 @@ void Security::distrust(const GuidPrefix& prefix) {
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
   if (peer->state.association() != nullptr) revision_.request();
-  peer->state.distrust();
+  peer->state.on_trust_ended();
 }
 
 Status Security::revise_keys() {

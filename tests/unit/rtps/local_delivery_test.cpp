@@ -52,8 +52,8 @@ TEST_F(LocalDeliveryTest, AnAttachedReader_GetsEachChangeOnce) {
   auto& proxy = attach();
   add(3);
   history.discard({2});
-  delivery.feed_all();
-  delivery.feed_all();
+  delivery.offer_to_all();
+  delivery.offer_to_all();
   EXPECT_THAT(taken, ElementsAre(1, 3));
   EXPECT_EQ(proxy.acknowledged(), SequenceNumber{3});
 }
@@ -62,11 +62,11 @@ TEST_F(LocalDeliveryTest, WhatAReaderRefuses_StaysUntilItAsks) {
   auto& proxy = attach();
   room = 1;
   add(3);
-  delivery.feed_all();
+  delivery.offer_to_all();
   EXPECT_EQ(proxy.acknowledged(), SequenceNumber{1});
   EXPECT_FALSE(readers.acknowledged().reach({3}));
   room = 100;
-  delivery.feed(proxy);
+  delivery.offer(proxy);
   EXPECT_THAT(taken, ElementsAre(1, 2, 3));
   EXPECT_TRUE(readers.acknowledged().reach({3}));
 }
@@ -74,7 +74,7 @@ TEST_F(LocalDeliveryTest, WhatAReaderRefuses_StaysUntilItAsks) {
 TEST_F(LocalDeliveryTest, AReaderOfHistoryOnly_GetsNothingNew) {
   auto& proxy = attach({3});
   add(4);
-  delivery.feed_all();
+  delivery.offer_to_all();
   EXPECT_THAT(taken, ElementsAre(1, 2));
   EXPECT_EQ(proxy.acknowledged(), SequenceNumber{4});
 }
@@ -82,7 +82,7 @@ TEST_F(LocalDeliveryTest, AReaderOfHistoryOnly_GetsNothingNew) {
 TEST_F(LocalDeliveryTest, AReaderThatIsNotAttached_GetsNothing) {
   attach().local = nullptr;
   add(1);
-  delivery.feed_all();
+  delivery.offer_to_all();
   delivery.assert_liveliness();
   delivery.detach_all();
   EXPECT_THAT(taken, IsEmpty());
@@ -105,10 +105,10 @@ TEST_F(LocalDeliveryTest, TheGroupIsTold_OnceAllIsTaken) {
   attach();
   room = 1;
   add(2);
-  delivery.feed_all();
+  delivery.offer_to_all();
   EXPECT_THAT(groups, IsEmpty());
   room = 2;
-  delivery.feed_all();
+  delivery.offer_to_all();
   EXPECT_THAT(groups, ElementsAre(7));
 }
 

@@ -180,12 +180,12 @@ TEST_F(Packing, Readers_AreAskedNowAndThen) {
 TEST_F(Packing, WaitForAcknowledgments_AsksAtOnce) {
   write();
   EXPECT_EQ(questions(transport.sent), 0u);
-  writer.ask_for_acknowledgments();
+  writer.request_acknowledgments();
   EXPECT_EQ(questions(transport.sent), 1u);
   writer.on_acknack(kB, {testing::kReader, testing::kWriter, SequenceNumberSet({2}), 1, true}, now,
                     true);
   transport.sent.clear();
-  writer.ask_for_acknowledgments();
+  writer.request_acknowledgments();
   EXPECT_TRUE(transport.sent.empty());
 }
 

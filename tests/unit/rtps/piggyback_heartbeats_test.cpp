@@ -21,7 +21,7 @@ Qos keep_all(std::int32_t max_samples = kLengthUnlimited) {
 // question.
 int samples_before_question(PiggybackHeartbeats& heartbeats, std::size_t octets) {
   for (int i = 0; i < 10'000; ++i)
-    if (heartbeats.on_sample(octets, kStart, [] { return false; }) == Kind::question) return i;
+    if (heartbeats.on_sample(octets, kStart, [] { return false; }) == Kind::without_final) return i;
   return -1;
 }
 
@@ -37,10 +37,9 @@ TEST(PiggybackHeartbeats, WithinAMillisecond_OneIsSent) {
 
 TEST(PiggybackHeartbeats, Questions_CountSamplesAndOctets) {
   PiggybackHeartbeats heartbeats(keep_all());
-  EXPECT_EQ(samples_before_question(heartbeats, 1),
-            PiggybackHeartbeats::kMaxSamplesPerQuestion - 1);
-  heartbeats.note_question();
-  EXPECT_EQ(samples_before_question(heartbeats, PiggybackHeartbeats::kOctetsPerQuestion / 4), 3);
+  EXPECT_EQ(samples_before_question(heartbeats, 1), PiggybackHeartbeats::kMaxSamplesPerRequest - 1);
+  heartbeats.note_heartbeat_without_final();
+  EXPECT_EQ(samples_before_question(heartbeats, PiggybackHeartbeats::kOctetsPerRequest / 4), 3);
 }
 
 TEST(PiggybackHeartbeats, AShortHistory_IsAskedForBeforeItIsFull) {
@@ -52,7 +51,7 @@ TEST(PiggybackHeartbeats, AShortHistory_IsAskedForBeforeItIsFull) {
 
 TEST(PiggybackHeartbeats, AFullHistory_IsAskedForAtOnce) {
   PiggybackHeartbeats heartbeats(keep_all());
-  EXPECT_EQ(heartbeats.on_sample(1, kStart, [] { return true; }), Kind::question);
+  EXPECT_EQ(heartbeats.on_sample(1, kStart, [] { return true; }), Kind::without_final);
 }
 
 }  // namespace

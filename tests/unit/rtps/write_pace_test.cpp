@@ -36,7 +36,7 @@ TEST(WritePace, ABudget_LetsAllButQuestionsWait) {
   pace.set_budget(Duration::from(milliseconds(7)));
   pace.note_write(kStart, 0);
   EXPECT_TRUE(pace.may_wait(Kind::final));
-  EXPECT_FALSE(pace.may_wait(Kind::question));
+  EXPECT_FALSE(pace.may_wait(Kind::without_final));
   EXPECT_EQ(pace.longest_wait(), milliseconds(7));
   pace.set_budget(kDurationInfinite);
   EXPECT_EQ(pace.longest_wait(), WritePace::kMaxBudget);

@@ -17,56 +17,64 @@ constexpr In kAll[] = {In::announced, In::authenticating, In::waiting,   In::awa
                        In::joined,    In::refused,        In::distrusted};
 
 enum class Edge {
-  begin,
-  time_out,
-  admit_unauthenticated,
-  replace,
-  associate,
-  note_key_exchange,
-  ask_again,
-  join,
-  probe,
-  end_probe,
-  refuse,
-  announce_again,
-  distrust
+  handshake_begun,
+  handshake_timeout,
+  admission_timeout,
+  handshake_finished,
+  permissions_validated,
+  key_exchange_message,
+  keys_timeout,
+  participant_tokens,
+  auth_request,
+  probe_ended,
+  refusal,
+  another_announcement,
+  trust_ended
 };
-constexpr Edge kEdges[] = {Edge::begin,     Edge::time_out,  Edge::admit_unauthenticated,
-                           Edge::replace,   Edge::associate, Edge::note_key_exchange,
-                           Edge::ask_again, Edge::join,      Edge::probe,
-                           Edge::end_probe, Edge::refuse,    Edge::announce_again,
-                           Edge::distrust};
+constexpr Edge kEdges[] = {Edge::handshake_begun,
+                           Edge::handshake_timeout,
+                           Edge::admission_timeout,
+                           Edge::handshake_finished,
+                           Edge::permissions_validated,
+                           Edge::key_exchange_message,
+                           Edge::keys_timeout,
+                           Edge::participant_tokens,
+                           Edge::auth_request,
+                           Edge::probe_ended,
+                           Edge::refusal,
+                           Edge::another_announcement,
+                           Edge::trust_ended};
 
 // The list at the top of peer.cpp. Returns nothing if the transition is not legal.
 std::optional<In> leads_to(In from, Edge edge) {
   using enum In;
   static const std::map<std::pair<In, Edge>, In> legal = {
-      {{announced, Edge::begin}, authenticating},
-      {{announced, Edge::time_out}, waiting},
-      {{authenticating, Edge::time_out}, waiting},
-      {{authenticating, Edge::admit_unauthenticated}, authenticating},
-      {{waiting, Edge::admit_unauthenticated}, waiting},
-      {{authenticating, Edge::replace}, authenticating},
-      {{waiting, Edge::replace}, authenticating},
-      {{awaiting_keys, Edge::replace}, authenticating},
-      {{joined, Edge::replace}, authenticating},
-      {{authenticating, Edge::associate}, awaiting_keys},
-      {{awaiting_keys, Edge::note_key_exchange}, awaiting_keys},
-      {{awaiting_keys, Edge::ask_again}, awaiting_keys},
-      {{awaiting_keys, Edge::join}, joined},
-      {{joined, Edge::probe}, joined},
-      {{joined, Edge::end_probe}, joined},
-      {{announced, Edge::refuse}, refused},
-      {{authenticating, Edge::refuse}, refused},
-      {{waiting, Edge::refuse}, refused},
-      {{awaiting_keys, Edge::refuse}, refused},
-      {{refused, Edge::announce_again}, announced},
-      {{announced, Edge::distrust}, distrusted},
-      {{authenticating, Edge::distrust}, distrusted},
-      {{waiting, Edge::distrust}, distrusted},
-      {{awaiting_keys, Edge::distrust}, distrusted},
-      {{joined, Edge::distrust}, distrusted},
-      {{refused, Edge::distrust}, distrusted},
+      {{announced, Edge::handshake_begun}, authenticating},
+      {{announced, Edge::handshake_timeout}, waiting},
+      {{authenticating, Edge::handshake_timeout}, waiting},
+      {{authenticating, Edge::admission_timeout}, authenticating},
+      {{waiting, Edge::admission_timeout}, waiting},
+      {{authenticating, Edge::handshake_finished}, authenticating},
+      {{waiting, Edge::handshake_finished}, authenticating},
+      {{awaiting_keys, Edge::handshake_finished}, authenticating},
+      {{joined, Edge::handshake_finished}, authenticating},
+      {{authenticating, Edge::permissions_validated}, awaiting_keys},
+      {{awaiting_keys, Edge::key_exchange_message}, awaiting_keys},
+      {{awaiting_keys, Edge::keys_timeout}, awaiting_keys},
+      {{awaiting_keys, Edge::participant_tokens}, joined},
+      {{joined, Edge::auth_request}, joined},
+      {{joined, Edge::probe_ended}, joined},
+      {{announced, Edge::refusal}, refused},
+      {{authenticating, Edge::refusal}, refused},
+      {{waiting, Edge::refusal}, refused},
+      {{awaiting_keys, Edge::refusal}, refused},
+      {{refused, Edge::another_announcement}, announced},
+      {{announced, Edge::trust_ended}, distrusted},
+      {{authenticating, Edge::trust_ended}, distrusted},
+      {{waiting, Edge::trust_ended}, distrusted},
+      {{awaiting_keys, Edge::trust_ended}, distrusted},
+      {{joined, Edge::trust_ended}, distrusted},
+      {{refused, Edge::trust_ended}, distrusted},
   };
   const auto at = legal.find({from, edge});
   return at == legal.end() ? std::nullopt : std::optional(at->second);
@@ -87,62 +95,62 @@ class PeerStatesTest : public ::testing::Test {
   std::unique_ptr<PeerState> state(In in) {
     auto out = std::make_unique<PeerState>(handshake());
     const auto proven = [&] {
-      EXPECT_TRUE(out->begin());
-      EXPECT_TRUE(out->associate(association(), 1s));
+      EXPECT_TRUE(out->on_handshake_begun());
+      EXPECT_TRUE(out->on_permissions_validated(association(), 1s));
     };
     switch (in) {
       case In::announced:
         break;
       case In::authenticating:
-        EXPECT_TRUE(out->begin());
+        EXPECT_TRUE(out->on_handshake_begun());
         break;
       case In::waiting:
-        EXPECT_TRUE(out->time_out());
+        EXPECT_TRUE(out->on_handshake_timeout());
         break;
       case In::awaiting_keys:
         proven();
         break;
       case In::joined:
         proven();
-        EXPECT_TRUE(out->join());
+        EXPECT_TRUE(out->on_participant_tokens());
         break;
       case In::refused:
-        EXPECT_TRUE(out->refuse(false));
+        EXPECT_TRUE(out->on_refusal(false));
         break;
       case In::distrusted:
-        EXPECT_TRUE(out->distrust());
+        EXPECT_TRUE(out->on_trust_ended());
         break;
     }
     return out;
   }
   bool apply(PeerState& state, Edge edge) {
     switch (edge) {
-      case Edge::begin:
-        return state.begin();
-      case Edge::time_out:
-        return state.time_out();
-      case Edge::admit_unauthenticated:
-        return state.admit_unauthenticated();
-      case Edge::replace:
-        return state.replace();
-      case Edge::associate:
-        return state.associate(association(), 2s);
-      case Edge::note_key_exchange:
-        return state.note_key_exchange();
-      case Edge::ask_again:
-        return state.ask_again(2s);
-      case Edge::join:
-        return state.join();
-      case Edge::probe:
-        return state.probe(3s, 4s);
-      case Edge::end_probe:
-        return state.end_probe();
-      case Edge::refuse:
-        return state.refuse(false);
-      case Edge::announce_again:
-        return state.announce_again(handshake());
-      case Edge::distrust:
-        return state.distrust();
+      case Edge::handshake_begun:
+        return state.on_handshake_begun();
+      case Edge::handshake_timeout:
+        return state.on_handshake_timeout();
+      case Edge::admission_timeout:
+        return state.on_admission_timeout();
+      case Edge::handshake_finished:
+        return state.on_handshake_finished();
+      case Edge::permissions_validated:
+        return state.on_permissions_validated(association(), 2s);
+      case Edge::key_exchange_message:
+        return state.on_key_exchange_message();
+      case Edge::keys_timeout:
+        return state.on_keys_timeout(2s);
+      case Edge::participant_tokens:
+        return state.on_participant_tokens();
+      case Edge::auth_request:
+        return state.on_auth_request(3s, 4s);
+      case Edge::probe_ended:
+        return state.on_probe_ended();
+      case Edge::refusal:
+        return state.on_refusal(false);
+      case Edge::another_announcement:
+        return state.on_another_announcement(handshake());
+      case Edge::trust_ended:
+        return state.on_trust_ended();
     }
     return false;
   }
@@ -192,15 +200,16 @@ TEST_F(PeerStatesTest, IllegalEdge_KeepsWhatTheStateOwns) {
       EXPECT_EQ(peer->handshake(), before);
       EXPECT_EQ(handshakes(), held);
       // What came with the transition is returned at once.
-      EXPECT_EQ(given_back(), edge == Edge::associate ? "keys permissions " : "");
+      EXPECT_EQ(given_back(), edge == Edge::permissions_validated ? "keys permissions " : "");
     }
 }
 
 TEST_F(PeerStatesTest, Handshake_GoesFromStateToState) {
   const auto peer = state(In::announced);
   const auto* handshake = peer->handshake();
-  for (const auto edge : {Edge::begin, Edge::time_out, Edge::replace, Edge::associate, Edge::join,
-                          Edge::replace, Edge::associate}) {
+  for (const auto edge : {Edge::handshake_begun, Edge::handshake_timeout, Edge::handshake_finished,
+                          Edge::permissions_validated, Edge::participant_tokens,
+                          Edge::handshake_finished, Edge::permissions_validated}) {
     ASSERT_TRUE(apply(*peer, edge));
     EXPECT_EQ(peer->handshake(), handshake);
   }
@@ -211,7 +220,7 @@ TEST_F(PeerStatesTest, NewProof_GivesBackKeysBeforePermissions) {
   for (const auto from : {In::awaiting_keys, In::joined}) {
     const auto peer = state(from);
     given_back();
-    ASSERT_TRUE(peer->replace());
+    ASSERT_TRUE(peer->on_handshake_finished());
     EXPECT_EQ(given_back(), "keys permissions ");
     EXPECT_EQ(peer->association(), nullptr);
   }
@@ -221,7 +230,7 @@ TEST_F(PeerStatesTest, Refusal_GivesBackAll) {
   for (const auto from : {In::announced, In::authenticating, In::waiting, In::awaiting_keys}) {
     const auto peer = state(from);
     given_back();
-    ASSERT_TRUE(peer->refuse(false));
+    ASSERT_TRUE(peer->on_refusal(false));
     EXPECT_EQ(handshakes(), 0);
     EXPECT_EQ(peer->handshake(), nullptr);
     EXPECT_EQ(given_back(), from == In::awaiting_keys ? "keys permissions " : "");
@@ -230,7 +239,7 @@ TEST_F(PeerStatesTest, Refusal_GivesBackAll) {
 
 TEST_F(PeerStatesTest, Distrusted_KeepsKeysForItsEndpointsUntilItDies) {
   auto peer = state(In::joined);
-  ASSERT_TRUE(peer->distrust());
+  ASSERT_TRUE(peer->on_trust_ended());
   EXPECT_EQ(given_back(), "");
   EXPECT_EQ(peer->association(), nullptr);
   EXPECT_EQ(peer->handshake(), nullptr);
@@ -242,24 +251,24 @@ TEST_F(PeerStatesTest, Distrusted_KeepsKeysForItsEndpointsUntilItDies) {
 TEST_F(PeerStatesTest, Admission_EndsWithAnAssociation) {
   const auto peer = state(In::authenticating);
   EXPECT_FALSE(peer->is_admitted());
-  ASSERT_TRUE(peer->admit_unauthenticated());
+  ASSERT_TRUE(peer->on_admission_timeout());
   EXPECT_TRUE(peer->is_admitted());
-  ASSERT_TRUE(peer->time_out());
+  ASSERT_TRUE(peer->on_handshake_timeout());
   EXPECT_TRUE(peer->is_admitted());
-  ASSERT_TRUE(peer->replace());
+  ASSERT_TRUE(peer->on_handshake_finished());
   EXPECT_TRUE(peer->is_admitted());
-  ASSERT_TRUE(peer->associate(association(), 1s));
+  ASSERT_TRUE(peer->on_permissions_validated(association(), 1s));
   EXPECT_FALSE(peer->is_admitted());
 }
 
 TEST_F(PeerStatesTest, ARefusedPeer_ThatIsAdmitted_StaysSoWhileItIsTriedAgain) {
   const auto peer = state(In::authenticating);
   for (const bool admits : {true, false}) {
-    ASSERT_TRUE(peer->refuse(admits));
+    ASSERT_TRUE(peer->on_refusal(admits));
     EXPECT_EQ(peer->is_admitted(), admits);
-    ASSERT_TRUE(peer->announce_again(handshake()));
+    ASSERT_TRUE(peer->on_another_announcement(handshake()));
     EXPECT_EQ(peer->is_admitted(), admits);
-    ASSERT_TRUE(peer->begin());
+    ASSERT_TRUE(peer->on_handshake_begun());
     EXPECT_EQ(peer->is_admitted(), admits);
   }
 }
@@ -267,19 +276,19 @@ TEST_F(PeerStatesTest, ARefusedPeer_ThatIsAdmitted_StaysSoWhileItIsTriedAgain) {
 TEST_F(PeerStatesTest, Probe_HasADeadlineUntilItEnds) {
   const auto peer = state(In::joined);
   EXPECT_EQ(peer->joined()->probe_deadline, kNever);
-  ASSERT_TRUE(peer->probe(3s, 4s));
+  ASSERT_TRUE(peer->on_auth_request(3s, 4s));
   EXPECT_EQ(peer->joined()->probe_deadline, 3s);
   EXPECT_EQ(peer->joined()->next_probe, 4s);
-  ASSERT_TRUE(peer->end_probe());
+  ASSERT_TRUE(peer->on_probe_ended());
   EXPECT_EQ(peer->joined()->probe_deadline, kNever);
 }
 
 TEST_F(PeerStatesTest, AwaitingKeys_NotesTheKeyExchange) {
   const auto peer = state(In::awaiting_keys);
   EXPECT_FALSE(peer->awaiting_keys()->exchanges_keys);
-  ASSERT_TRUE(peer->note_key_exchange());
+  ASSERT_TRUE(peer->on_key_exchange_message());
   EXPECT_TRUE(peer->awaiting_keys()->exchanges_keys);
-  ASSERT_TRUE(peer->ask_again(7s));
+  ASSERT_TRUE(peer->on_keys_timeout(7s));
   EXPECT_EQ(peer->awaiting_keys()->since, 7s);
 }
 
