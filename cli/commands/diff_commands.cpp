@@ -22,18 +22,19 @@ bool is_not_only_spelling(const governance::PermissionChange& change) {
   return change.element != "rewritten";
 }
 
-bool is_other_to_products(const governance::Readings& readings, const DiffSides& sides) {
-  return !readings.all.empty() || sides.before.signer != sides.after.signer;
+bool is_other_to_products(const governance::Interpretations& interpretations,
+                          const DiffSides& sides) {
+  return !interpretations.all.empty() || sides.before.signer != sides.after.signer;
 }
 
-bool is_wider_to_others(const governance::Readings& readings) {
-  return std::ranges::any_of(readings.all, [](const governance::Reading& reading) {
+bool is_wider_to_others(const governance::Interpretations& interpretations) {
+  return std::ranges::any_of(interpretations.all, [](const governance::Interpretation& reading) {
     return reading.is_new && reading.widens;
   });
 }
 
-bool is_narrower_to_others(const governance::Readings& readings) {
-  return std::ranges::any_of(readings.all, &governance::Reading::narrows);
+bool is_narrower_to_others(const governance::Interpretations& interpretations) {
+  return std::ranges::any_of(interpretations.all, &governance::Interpretation::narrows);
 }
 
 // Warns if stock products read a range of domains differently, because the comparison then does not
@@ -76,12 +77,12 @@ Result<Answer<GovernanceComparison>> governance_diff(const Arguments& arguments,
   warn_of_open_ranges(report, Rule::GOV004, after.notes, sides.after.path);
   const bool unknown = diff.verdict == ChangeClass::unknown;
   const bool reached = threshold == "weaker" ? is_worse(diff.verdict, ChangeClass::weaker) ||
-                                                   is_wider_to_others(diff.readings)
+                                                   is_wider_to_others(diff.interpretations)
                        : threshold == "breaking" ? unknown || !diff.flag_day_domains.empty()
                        : threshold == "any"      ? unknown || !diff.changes.empty() ||
-                                                  is_other_to_products(diff.readings, sides)
+                                                  is_other_to_products(diff.interpretations, sides)
                                             : false;
-  if (is_wider_to_others(diff.readings))
+  if (is_wider_to_others(diff.interpretations))
     report.text += "this verdict is ddssec's; another product allows more, as is listed above\n";
   if (reached) report.exit = Exit::no;
   return Answer<GovernanceComparison>{
@@ -109,13 +110,13 @@ Result<Answer<PermissionsComparison>> permissions_diff(const Arguments& argument
   warn_of_open_ranges(report, Rule::PERM004, after.notes, sides.after.path);
   const bool reached =
       threshold == "wider"
-          ? is_worse(diff.verdict, ChangeClass::wider) || is_wider_to_others(diff.readings)
-      : threshold == "narrower"
-          ? is_worse(diff.verdict, ChangeClass::narrower) || is_narrower_to_others(diff.readings)
+          ? is_worse(diff.verdict, ChangeClass::wider) || is_wider_to_others(diff.interpretations)
+      : threshold == "narrower" ? is_worse(diff.verdict, ChangeClass::narrower) ||
+                                      is_narrower_to_others(diff.interpretations)
       : threshold == "any" ? std::ranges::any_of(diff.changes, is_not_only_spelling) ||
-                                 is_other_to_products(diff.readings, sides)
+                                 is_other_to_products(diff.interpretations, sides)
                            : false;
-  if (is_wider_to_others(diff.readings))
+  if (is_wider_to_others(diff.interpretations))
     report.text += "this verdict is ddssec's; another product allows more, as is listed above\n";
   if (reached) report.exit = Exit::no;
   return Answer<PermissionsComparison>{{std::move(diff), sides, std::move(forecast)},

@@ -159,19 +159,20 @@ Json domains_json(const std::vector<governance::DomainRange>& domains) {
   return list;
 }
 
-std::string readings_text(const governance::Readings& readings) {
-  if (readings.all.empty()) return {};
+std::string interpretations_text(const governance::Interpretations& interpretations) {
+  if (interpretations.all.empty()) return {};
   std::string text = "what other products may read differently, and only one document has:\n";
-  for (const auto& reading : readings.all)
+  for (const auto& reading : interpretations.all)
     text += wrapped("  interop   ",
                     {escaped(reading.sentence),
                      reading.is_new ? lines_text(0, reading.line) : lines_text(reading.line, 0)});
-  return readings.is_complete ? text : text + "  there may be more\n";
+  return interpretations.is_complete ? text : text + "  there may be more\n";
 }
 
-ShownReadings ShownReadings::of(const governance::Readings& readings, const DiffSides& sides) {
-  ShownReadings out{.complete = readings.is_complete};
-  for (const auto& reading : readings.all)
+ShownInterpretations ShownInterpretations::of(const governance::Interpretations& interpretations,
+                                              const DiffSides& sides) {
+  ShownInterpretations out{.complete = interpretations.is_complete};
+  for (const auto& reading : interpretations.all)
     out.all.push_back({reading.is_new ? "new" : "old", if_any(reading.expression), reading.sentence,
                        reading.widens,
                        place(reading.is_new ? sides.after.path : sides.before.path, reading.line)});

@@ -10,7 +10,7 @@
 #include "base/clock.hpp"
 #include "cli/frame/command.hpp"
 #include "cli/frame/fields.hpp"
-#include "governance/compare/readings.hpp"
+#include "governance/compare/interpretations.hpp"
 #include "governance/model.hpp"
 
 namespace ddssec::cli {
@@ -70,11 +70,11 @@ std::string signer_text(const DiffSides& sides);
 Result<std::optional<std::string>> fail_on(const Arguments& arguments,
                                            const std::vector<std::string>& words);
 
-/// Returns a line for each reading, under a heading. Empty if there are no readings.
-std::string readings_text(const governance::Readings& readings);
+/// Returns a line for each interpretation, under a heading. Empty if there are none.
+std::string interpretations_text(const governance::Interpretations& interpretations);
 
 /// One place that products interpret differently.
-struct ShownReading {
+struct ShownInterpretation {
   std::string_view document;
   std::optional<std::string> expression;
   std::string sentence;
@@ -82,7 +82,7 @@ struct ShownReading {
   std::optional<std::string> at;
 
   static constexpr auto fields() {
-    using T = ShownReading;
+    using T = ShownInterpretation;
     return std::tuple(field<&T::document>({.words = "old|new"}),
                       field<&T::expression>({"null: another construct"}), field<&T::sentence>(),
                       field<&T::widens>(), field<&T::at>());
@@ -90,14 +90,15 @@ struct ShownReading {
 };
 
 /// All such places, with the member `complete` if there may be more.
-struct ShownReadings {
+struct ShownInterpretations {
   static constexpr std::string_view kDef = "readings";
-  std::vector<ShownReading> all = {};
+  std::vector<ShownInterpretation> all = {};
   bool complete;
 
-  static ShownReadings of(const governance::Readings& readings, const DiffSides& sides);
+  static ShownInterpretations of(const governance::Interpretations& interpretations,
+                                 const DiffSides& sides);
   static constexpr auto fields() {
-    using T = ShownReadings;
+    using T = ShownInterpretations;
     return std::tuple(field<&T::all>(), field<&T::complete>());
   }
 };

@@ -181,8 +181,8 @@ std::vector<ShownGovernanceChange> GovernanceComparison::changes() const {
 }
 
 std::string GovernanceComparison::text() const {
-  return to_text(diff, only_listed) + readings_text(diff.readings) + signer_text(sides) +
-         verdict_text(diff, live.is_phased) +
+  return to_text(diff, only_listed) + interpretations_text(diff.interpretations) +
+         signer_text(sides) + verdict_text(diff, live.is_phased) +
          (only_listed ? "only the topics of --topics were compared; for others the verdict says "
                         "nothing\n"
                       : "") +

@@ -122,7 +122,9 @@ struct GovernanceComparison {
             kRanges),
         field("complete", &T::diff, &Diff::complete),
         computed<T>("readings",
-                    [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
+                    [](const T& one) {
+                      return ShownInterpretations::of(one.diff.interpretations, one.sides);
+                    },
                     {"what other products may read differently, and only one document has"}),
         field("signer", &T::sides, ShownSigners::of),
         field<&T::live>(

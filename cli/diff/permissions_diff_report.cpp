@@ -74,7 +74,7 @@ std::string verdict_text(const governance::PermissionsDiff& diff) {
                          "every combination"});
   }
   const bool is_read_otherwise =
-      std::ranges::any_of(diff.readings.all,
+      std::ranges::any_of(diff.interpretations.all,
                           [](const auto& one) { return one.widens || one.narrows; }) ||
       std::ranges::any_of(diff.changes, [](const auto& change) {
         return change.element == "subject_name" && change.change == ChangeClass::interop;
@@ -108,8 +108,8 @@ std::string PermissionsComparison::text() const {
   std::string out;
   for (const auto& subject : subjects)
     out += fmt::format("subject {}\n{}", name_text(subject), texts[subject]);
-  return out + readings_text(diff.readings) + signer_text(sides) + verdict_text(diff) +
-         takes_effect.text;
+  return out + interpretations_text(diff.interpretations) + signer_text(sides) +
+         verdict_text(diff) + takes_effect.text;
 }
 
 }  // namespace ddssec::cli

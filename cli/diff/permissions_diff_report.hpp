@@ -79,7 +79,9 @@ struct PermissionsComparison {
         field("complete", &T::diff, &governance::PermissionsDiff::is_complete),
         computed<T>("approximate", [](const T& one) { return !one.diff.is_exact; }),
         computed<T>("readings",
-                    [](const T& one) { return ShownReadings::of(one.diff.readings, one.sides); },
+                    [](const T& one) {
+                      return ShownInterpretations::of(one.diff.interpretations, one.sides);
+                    },
                     {"what other products may read differently, and only one document has"}),
         field("signer", &T::sides, ShownSigners::of),
         field<&T::takes_effect>(

@@ -218,7 +218,7 @@ class GovernanceComparison {
       diff_.unknown_domains.push_back({0, kMaxGovernedDomainId});
     }
     finish();
-    diff_.readings = readings_of(old_, new_);
+    diff_.interpretations = interpretations_of(old_, new_);
     return std::move(diff_);
   }
 

@@ -7,8 +7,8 @@
 
 #include "governance/compare/domain_space.hpp"
 #include "governance/compare/governance_elements.hpp"
+#include "governance/compare/interpretations.hpp"
 #include "governance/compare/protection_properties.hpp"
-#include "governance/compare/readings.hpp"
 #include "governance/compare/topic_words.hpp"
 #include "governance/model.hpp"
 #include "governance/topic_sets.hpp"
@@ -76,7 +76,7 @@ struct GovernanceDiff {
   /// False if some rules that changed in the same way as others are not listed.
   bool complete = true;
   /// Constructs that other products read differently.
-  Readings readings = {};
+  Interpretations interpretations = {};
 };
 
 /// What to compare, and how much work the comparison may take.

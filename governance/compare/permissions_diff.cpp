@@ -95,7 +95,7 @@ class PermissionsComparison {
       : options_(options),
         limits_(options.limits.sharing(effort_)),
         subjects_(subjects_of(old_document, new_document)) {
-    diff_.readings = readings_of(old_document, new_document);
+    diff_.interpretations = interpretations_of(old_document, new_document);
   }
 
   PermissionsDiff run() {

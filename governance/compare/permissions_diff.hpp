@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "governance/compare/grant_diff.hpp"
-#include "governance/compare/readings.hpp"
+#include "governance/compare/interpretations.hpp"
 #include "governance/model.hpp"
 #include "governance/topic_sets.hpp"
 
@@ -23,7 +23,7 @@ struct PermissionsDiff {
   /// then.
   bool is_exact = true;
   /// Constructs that other products read differently.
-  Readings readings = {};
+  Interpretations interpretations = {};
 };
 
 /// How subjects and rules are compared, and how much work the comparison may take.

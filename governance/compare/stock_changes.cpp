@@ -34,11 +34,11 @@ std::string domains_of(const DomainScope& scope) {
   return scope.domains.empty() ? std::string() : " in domain " + to_text(scope.domains);
 }
 
-void put(Readings& readings, Reading reading) {
-  if (readings.all.size() < kMaxReadings)
-    readings.all.push_back(std::move(reading));
+void put(Interpretations& interpretations, Interpretation reading) {
+  if (interpretations.all.size() < kMaxInterpretations)
+    interpretations.all.push_back(std::move(reading));
   else
-    readings.is_complete = false;
+    interpretations.is_complete = false;
 }
 
 // True if both are about the same element, and `ours` is not less serious and covers at least the
@@ -106,7 +106,7 @@ bool is_found_elsewhere(const std::vector<StockPermissionsDiff>& stock, const Pe
 // The changes that products have and ddssec does not, each once, with the products that have it.
 class Found {
  public:
-  void add(std::string_view product, Reading reading) {
+  void add(std::string_view product, Interpretation reading) {
     const auto known = std::ranges::find_if(
         all_, [&](const auto& one) { return one.second.sentence == reading.sentence; });
     if (known != all_.end())
@@ -114,15 +114,15 @@ class Found {
     else
       all_.emplace_back(product, std::move(reading));
   }
-  void put_into(Readings& readings) && {
+  void put_into(Interpretations& interpretations) && {
     for (auto& [products, reading] : all_) {
       reading.sentence = fmt::format("with {}: {}", products, reading.sentence);
-      put(readings, std::move(reading));
+      put(interpretations, std::move(reading));
     }
   }
 
  private:
-  std::vector<std::pair<std::string, Reading>> all_;
+  std::vector<std::pair<std::string, Interpretation>> all_;
 };
 
 }  // namespace
@@ -147,7 +147,7 @@ void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, Governance
     ours.flag_day_domains.insert(ours.flag_day_domains.end(), diff.flag_day_domains.begin(),
                                  diff.flag_day_domains.end());
   }
-  std::move(found).put_into(ours.readings);
+  std::move(found).put_into(ours.interpretations);
   ours.flag_day_domains = joined(std::move(ours.flag_day_domains));
 }
 
@@ -173,7 +173,7 @@ void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, Permissio
                  .narrows = loses(change.change)});
     }
   }
-  std::move(found).put_into(ours.readings);
+  std::move(found).put_into(ours.interpretations);
 }
 
 }  // namespace ddssec::governance

@@ -14,8 +14,8 @@ struct StockGovernanceDiff {
   StockProduct product;
   GovernanceDiff diff;
 };
-/// Adds to the readings of `ours`, the comparison of two documents, those changes that appear only
-/// in the comparisons for the products.
+/// Adds to the interpretations of `ours`, the comparison of two documents, those changes that
+/// appear only in the comparisons for the products.
 void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, GovernanceDiff& ours);
 
 /// The same for permissions.

@@ -50,7 +50,7 @@ void IdentityTable::drop_end(std::int64_t handle, const Common& identity) {
   if (identity.ends) ends_.erase({*identity.ends, handle});
 }
 
-void IdentityTable::note_renewed(spi::IdentityHandle handle, const pki::ChainValid& chain) {
+void IdentityTable::set_renewed(spi::IdentityHandle handle, const pki::ChainValid& chain) {
   const std::unique_lock lock(mutex_);
   const auto local = locals_.find(handle.value);
   if (local == locals_.end() || local->second.has_ended) return;
@@ -94,9 +94,8 @@ Status IdentityTable::renew_claim(spi::IdentityHandle handle, RemoteClaim claim)
   return {};
 }
 
-Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle local_handle,
-                                                          RemoteClaim claim,
-                                                          const spi::Challenge& own_challenge) {
+Result<std::shared_ptr<IdentityPair>> IdentityTable::admit_remote(
+    spi::IdentityHandle local_handle, RemoteClaim claim, const spi::Challenge& own_challenge) {
   const std::unique_lock lock(mutex_);
   DDSSEC_RETURN_IF_ERROR(live_local(local_handle));
   Local& local = locals_.at(local_handle.value);
@@ -106,8 +105,8 @@ Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle lo
   }
   DDSSEC_RETURN_IF_ERROR(local.counts.check_claim(claim.guid, remote_limits_));
   const auto handle = next_handle();
-  std::shared_ptr<Pair> pair(
-      new Pair{local_handle, {handle}, local.identity, claim.guid, own_challenge, {}});
+  std::shared_ptr<IdentityPair> pair(
+      new IdentityPair{local_handle, {handle}, local.identity, claim.guid, own_challenge, {}});
   const auto known = local.remotes.emplace(claim.guid, handle).first;
   Rollback forget([&] { local.remotes.erase(known); });
   Remote& remote = remotes_[handle];
@@ -118,8 +117,8 @@ Result<std::shared_ptr<Pair>> IdentityTable::admit_remote(spi::IdentityHandle lo
   return pair;
 }
 
-Result<std::shared_ptr<Pair>> IdentityTable::pair(spi::IdentityHandle local,
-                                                  spi::IdentityHandle remote) const {
+Result<std::shared_ptr<IdentityPair>> IdentityTable::pair(spi::IdentityHandle local,
+                                                          spi::IdentityHandle remote) const {
   const std::shared_lock lock(mutex_);
   DDSSEC_RETURN_IF_ERROR(live_local(local));
   DDSSEC_ASSIGN_OR_RETURN(const auto live, live_remote(remote));
@@ -129,7 +128,7 @@ Result<std::shared_ptr<Pair>> IdentityTable::pair(spi::IdentityHandle local,
   return pair;
 }
 
-Result<std::shared_ptr<Pair>> IdentityTable::pair_of(spi::HandshakeHandle handle) const {
+Result<std::shared_ptr<IdentityPair>> IdentityTable::pair_of(spi::HandshakeHandle handle) const {
   const std::shared_lock lock(mutex_);
   const auto found = handshakes_.find(handle.value);
   if (found == handshakes_.end()) return fail(Code::unknown_handshake);
@@ -138,7 +137,7 @@ Result<std::shared_ptr<Pair>> IdentityTable::pair_of(spi::HandshakeHandle handle
   return found->second;
 }
 
-spi::HandshakeHandle IdentityTable::add_handshake(const std::shared_ptr<Pair>& pair) {
+spi::HandshakeHandle IdentityTable::add_handshake(const std::shared_ptr<IdentityPair>& pair) {
   const std::unique_lock lock(mutex_);
   const auto handle = next_handle();
   // The host may have returned the identity meanwhile. The handshake can then no longer be used,
@@ -160,7 +159,7 @@ bool IdentityTable::remove_handshake(spi::HandshakeHandle handle) {
   return true;
 }
 
-void IdentityTable::drop_handshakes(const Pair& pair) {
+void IdentityTable::drop_handshakes(const IdentityPair& pair) {
   const auto handles = handshakes_of_.find(&pair);
   if (handles == handshakes_of_.end()) return;
   for (const auto handle : handles->second) handshakes_.erase(handle);
@@ -175,7 +174,7 @@ void IdentityTable::set_end_of(std::int64_t handle, Remote& remote, const Proofs
   remote.ends_with_ours = ends_with_ours;
 }
 
-void IdentityTable::note_verified_again(spi::IdentityHandle handle, const Proofs& proofs) {
+void IdentityTable::set_verified_again(spi::IdentityHandle handle, const Proofs& proofs) {
   const std::unique_lock lock(mutex_);
   const auto found = remotes_.find(handle.value);
   if (found == remotes_.end() || found->second.has_ended) return;
@@ -185,7 +184,7 @@ void IdentityTable::note_verified_again(spi::IdentityHandle handle, const Proofs
     set_end_of(handle.value, remote, proofs);
 }
 
-void IdentityTable::note_followed(spi::IdentityHandle handle, const Proofs& proofs) {
+void IdentityTable::extend_by_renewal_list(spi::IdentityHandle handle, const Proofs& proofs) {
   auto peer = proofs.peer.certificate();
   auto own = proofs.own.certificate();
   const std::unique_lock lock(mutex_);
@@ -197,7 +196,7 @@ void IdentityTable::note_followed(spi::IdentityHandle handle, const Proofs& proo
   remote.own_seen = std::move(own);
 }
 
-Status IdentityTable::note_authenticated(spi::IdentityHandle handle, const Proofs& proofs) {
+Status IdentityTable::set_authenticated(spi::IdentityHandle handle, const Proofs& proofs) {
   const auto& [chain, own, peer_keeps_session, peer_reads_lists] = proofs;
   const std::unique_lock lock(mutex_);
   const auto found = remotes_.find(handle.value);
@@ -225,7 +224,7 @@ void IdentityTable::forget(Remotes::iterator remote) {
   remotes_.erase(remote);
 }
 
-std::shared_ptr<Pair> IdentityTable::pair_of(spi::IdentityHandle handle) const {
+std::shared_ptr<IdentityPair> IdentityTable::pair_of(spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
   const auto remote = remotes_.find(handle.value);
   return remote == remotes_.end() ? nullptr : remote->second.pair;
@@ -299,9 +298,10 @@ std::vector<IdentityTable::OurOwn> IdentityTable::locals(spi::IdentityHandle one
   return locals;
 }
 
-std::vector<std::shared_ptr<Pair>> IdentityTable::pairs_of(spi::IdentityHandle handle) const {
+std::vector<std::shared_ptr<IdentityPair>> IdentityTable::pairs_of(
+    spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
-  std::vector<std::shared_ptr<Pair>> pairs;
+  std::vector<std::shared_ptr<IdentityPair>> pairs;
   const auto local = locals_.find(handle.value);
   if (local == locals_.end()) return pairs;
   for (const auto& [guid, remote] : local->second.remotes)

@@ -36,7 +36,7 @@ struct PairHandshake {
 
 /// A remote participant as one local participant knows it. Lock order: a pair's mutex before the
 /// table's.
-struct Pair {
+struct IdentityPair {
   const spi::IdentityHandle local_handle;
   const spi::IdentityHandle remote_handle;
   const std::shared_ptr<const LocalIdentity> local;
@@ -84,24 +84,25 @@ class IdentityTable {
   /// identity token replaces the first, unless the remote has authenticated. Errors:
   /// unknown_identity, identity_ended, too_many_remote_identities, too_many_identities_of_subject,
   /// identity_token_changed.
-  Result<std::shared_ptr<Pair>> admit_remote(spi::IdentityHandle local, RemoteClaim claim,
-                                             const spi::Challenge& own_challenge);
+  Result<std::shared_ptr<IdentityPair>> admit_remote(spi::IdentityHandle local, RemoteClaim claim,
+                                                     const spi::Challenge& own_challenge);
   /// Returns an existing pair. Errors: unknown_identity (also if the remote identity belongs to
   /// another local one), identity_ended.
-  Result<std::shared_ptr<Pair>> pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
+  Result<std::shared_ptr<IdentityPair>> pair(spi::IdentityHandle local,
+                                             spi::IdentityHandle remote) const;
   /// Returns the pair of a remote identity, expired or not; nullptr if there is none.
-  std::shared_ptr<Pair> pair_of(spi::IdentityHandle remote) const;
+  std::shared_ptr<IdentityPair> pair_of(spi::IdentityHandle remote) const;
   /// Returns the pair of a handshake. Errors: unknown_handshake, identity_ended.
-  Result<std::shared_ptr<Pair>> pair_of(spi::HandshakeHandle handle) const;
+  Result<std::shared_ptr<IdentityPair>> pair_of(spi::HandshakeHandle handle) const;
 
   /// Adds a handshake of the pair, and returns its new handle.
-  spi::HandshakeHandle add_handshake(const std::shared_ptr<Pair>& pair);
+  spi::HandshakeHandle add_handshake(const std::shared_ptr<IdentityPair>& pair);
   /// Removes a handshake. False if there is no such handshake.
   bool remove_handshake(spi::HandshakeHandle handle);
 
   /// Notes that a local identity has a renewed certificate: it then expires with `chain`. Its
   /// remote identities do so when they have authenticated again. Does nothing if it has expired.
-  void note_renewed(spi::IdentityHandle local, const pki::ChainValid& chain);
+  void set_renewed(spi::IdentityHandle local, const pki::ChainValid& chain);
 
   struct Proofs {
     const pki::ChainValid& peer;
@@ -114,14 +115,14 @@ class IdentityTable {
   /// ends first. Our own certificate counts because the peer ends the session with it, unless the
   /// peer keeps its sessions. Also success if the identity was removed meanwhile. Errors:
   /// too_many_remote_identities, too_many_identities_of_subject.
-  Status note_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
+  Status set_authenticated(spi::IdentityHandle remote, const Proofs& proofs);
   /// Notes that other CAs have verified the same certificates. The chains of these CAs may end
   /// earlier or later.
-  void note_verified_again(spi::IdentityHandle remote, const Proofs& proofs);
+  void set_verified_again(spi::IdentityHandle remote, const Proofs& proofs);
   /// Notes that the session goes on with certificates that are later than those of its handshake:
   /// one of the peer, by the renewal list, or ours, or both. Does nothing if the session has ended.
   /// The last two members of `proofs` are not used.
-  void note_followed(spi::IdentityHandle remote, const Proofs& proofs);
+  void extend_by_renewal_list(spi::IdentityHandle remote, const Proofs& proofs);
 
   /// Removes an identity, and with a local one its remote ones. False if there is no such identity.
   bool remove(spi::IdentityHandle handle);
@@ -151,7 +152,7 @@ class IdentityTable {
   /// Returns one local identity, or all (nil). Expired ones are left out.
   std::vector<OurOwn> locals(spi::IdentityHandle local) const;
   /// Returns all pairs of a local identity.
-  std::vector<std::shared_ptr<Pair>> pairs_of(spi::IdentityHandle local) const;
+  std::vector<std::shared_ptr<IdentityPair>> pairs_of(spi::IdentityHandle local) const;
   struct Authenticated {
     spi::IdentityHandle handle;
     PeerName name;
@@ -199,7 +200,7 @@ class IdentityTable {
     std::optional<pki::Certificate> authenticated = {};
     std::optional<pki::Certificate> listed = {};    ///< the later one on the renewal list
     std::optional<pki::Certificate> own_seen = {};  ///< our certificate with which it authenticated
-    std::shared_ptr<Pair> pair;
+    std::shared_ptr<IdentityPair> pair;
     bool keeps_session = false;  ///< true if it keeps the session after the end of our certificate
     bool reads_lists = false;
     bool ends_with_ours = false;
@@ -219,7 +220,7 @@ class IdentityTable {
   void set_end_of(std::int64_t handle, Remote& remote, const Proofs& proofs);
   void set_end(std::int64_t handle, Common& identity, WallTime end, std::string whose);
   void drop_end(std::int64_t handle, const Common& identity);
-  void drop_handshakes(const Pair& pair);
+  void drop_handshakes(const IdentityPair& pair);
   Common* find(std::int64_t handle);
   Result<const Local*> live_local(spi::IdentityHandle handle) const;
   Result<const Remote*> live_remote(spi::IdentityHandle handle) const;
@@ -229,8 +230,8 @@ class IdentityTable {
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::int64_t, Local> locals_;
   Remotes remotes_;
-  std::unordered_map<std::int64_t, std::shared_ptr<Pair>> handshakes_;
-  std::map<const Pair*, std::vector<std::int64_t>> handshakes_of_;
+  std::unordered_map<std::int64_t, std::shared_ptr<IdentityPair>> handshakes_;
+  std::map<const IdentityPair*, std::vector<std::int64_t>> handshakes_of_;
   std::set<std::pair<WallTime, std::int64_t>> ends_;
 };
 

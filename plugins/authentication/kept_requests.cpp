@@ -8,7 +8,7 @@ namespace ddssec::authentication {
 
 // The keys are kept without the peer's credentials, whose size the peer chose. The caller holds the
 // pair's lock.
-std::vector<ReplyKey> KeptRequests::reply_keys(Pair& pair) {
+std::vector<ReplyKey> KeptRequests::reply_keys(IdentityPair& pair) {
   auto out = std::move(pair.reply_keys);
   for (auto& one : pair.handshakes)
     if (auto* state = std::get_if<AwaitFinal>(&one.state))
@@ -17,7 +17,7 @@ std::vector<ReplyKey> KeptRequests::reply_keys(Pair& pair) {
   return out;
 }
 
-void KeptRequests::keep(Pair& pair, MonotonicTime now) {
+void KeptRequests::keep(IdentityPair& pair, MonotonicTime now) {
   const auto has_ended = [](const PairHandshake& one) {
     return std::holds_alternative<Established>(one.state);
   };

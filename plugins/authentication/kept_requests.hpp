@@ -37,7 +37,7 @@ class KeptRequests {
   /// Stores the pair's challenge, a request that waits for its answer, and the keys of replies,
   /// unless a handshake of the pair was established. The pair must already be removed from all
   /// tables. `now` is Clock::monotonic.
-  void keep(Pair& pair, MonotonicTime now);
+  void keep(IdentityPair& pair, MonotonicTime now);
   /// Returns the stored challenge; empty if there is none or it is older than kLife.
   std::optional<spi::Challenge> challenge(spi::IdentityHandle local, const Guid& remote,
                                           MonotonicTime now);
@@ -57,7 +57,7 @@ class KeptRequests {
     MonotonicTime since;
     Taken held = {};
   };
-  static std::vector<ReplyKey> reply_keys(Pair& pair);
+  static std::vector<ReplyKey> reply_keys(IdentityPair& pair);
   void make_room(MonotonicTime now);
 
   Random& random_;

@@ -57,7 +57,7 @@ std::optional<std::string> follow(IdentityTable& table, const Authenticated& pee
   if (!found.peer) return found.why_not;
   const auto own = followed_own(peer, local, now);
   if (!own) return "";
-  table.note_followed(peer.handle, {*found.peer, *own});
+  table.extend_by_renewal_list(peer.handle, {*found.peer, *own});
   if (found.by_list) services.events.raise(event_about(peer.name, listed(*found.peer)));
   return std::nullopt;
 }

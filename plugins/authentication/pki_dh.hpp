@@ -91,7 +91,7 @@ class PkiDh final : public spi::Authentication {
   void drop_credentials_given_out();
   bool has_outlived(const std::vector<IdentityTable::EndedIdentity>& all,
                     const IdentityTable::EndedIdentity& session) const;
-  bool may_go_on(const Pair& pair, const PairHandshake& handshake,
+  bool may_go_on(const IdentityPair& pair, const PairHandshake& handshake,
                  const std::shared_ptr<const PresentedDocuments>& own) const;
   Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
   Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
@@ -100,29 +100,29 @@ class PkiDh final : public spi::Authentication {
                                       BytesView participant_data);
   Result<HandshakeStep> begin_reply(const Token& request, IdentityHandle local,
                                     IdentityHandle remote, BytesView participant_data);
-  Result<HandshakeStep> answer_request(const std::shared_ptr<Pair>& pair, const Token& request,
-                                       BytesView participant_data);
+  Result<HandshakeStep> answer_request(const std::shared_ptr<IdentityPair>& pair,
+                                       const Token& request, BytesView participant_data);
   void drop_excess(HandshakeHandle newest);
   Result<HandshakeStep> process_step(HandshakeHandle handle, const Token& message);
-  Result<HandshakeContext> handshake_context(const Pair& pair) const;
-  Status note_authenticated(const Pair& pair, const Established& done);
-  void note_unused_ocsp(const Pair& pair, const Established& done) const;
-  Result<JudgedOffer> judge_peer_offer(const Pair& pair, const Established& session,
+  Result<HandshakeContext> handshake_context(const IdentityPair& pair) const;
+  Status note_authenticated(const IdentityPair& pair, const Established& done);
+  void note_unused_ocsp(const IdentityPair& pair, const Established& done) const;
+  Result<JudgedOffer> judge_peer_offer(const IdentityPair& pair, const Established& session,
                                        const Token& offer) const;
-  Event renewed_peer(const Pair& pair, const Established& session) const;
-  void take_up_request(const std::shared_ptr<Pair>& pair);
-  Token presented_token(const Token& message, const Pair& pair,
+  Event renewed_peer(const IdentityPair& pair, const Established& session) const;
+  void take_up_request(const std::shared_ptr<IdentityPair>& pair);
+  Token presented_token(const Token& message, const IdentityPair& pair,
                         const PresentedDocuments& own) const;
-  Status check_room(const Pair& pair) const;
-  void make_room(Pair& pair);
-  HandshakeStep keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
+  Status check_room(const IdentityPair& pair) const;
+  void make_room(IdentityPair& pair);
+  HandshakeStep keep(const std::shared_ptr<IdentityPair>& pair, HandshakeOutcome outcome,
                      BytesView participant_data, UnprovenOctets::Share unproven = {});
-  UnprovenOctets::Share share_of(const Pair& pair, const Token& request,
+  UnprovenOctets::Share share_of(const IdentityPair& pair, const Token& request,
                                  const HandshakeOutcome& outcome);
-  /// Calls `f(const Pair&, PairHandshake&, Established&)` under the pair's lock.
+  /// Calls `f(const IdentityPair&, PairHandshake&, Established&)` under the pair's lock.
   template <class F>
   auto with_session(HandshakeHandle handle, F&& f) const
-      -> std::invoke_result_t<F, const Pair&, PairHandshake&, Established&>;
+      -> std::invoke_result_t<F, const IdentityPair&, PairHandshake&, Established&>;
   /// Calls `f(const Established&)` in the same way, if `f` only reads.
   template <class F>
   auto with_established(HandshakeHandle handle, F&& f) const
@@ -141,7 +141,7 @@ class PkiDh final : public spi::Authentication {
 
 template <class F>
 auto PkiDh::with_session(HandshakeHandle handle, F&& f) const
-    -> std::invoke_result_t<F, const Pair&, PairHandshake&, Established&> {
+    -> std::invoke_result_t<F, const IdentityPair&, PairHandshake&, Established&> {
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
   const std::scoped_lock lock(pair->mutex);
   const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
@@ -155,9 +155,10 @@ template <class F>
 auto PkiDh::with_established(HandshakeHandle handle, F&& f) const
     -> Result<std::invoke_result_t<F, const Established&>> {
   using Answer = Result<std::invoke_result_t<F, const Established&>>;
-  return with_session(handle, [&](const Pair&, PairHandshake&, const Established& done) -> Answer {
-    return f(done);
-  });
+  return with_session(handle,
+                      [&](const IdentityPair&, PairHandshake&, const Established& done) -> Answer {
+                        return f(done);
+                      });
 }
 
 }  // namespace ddssec::authentication

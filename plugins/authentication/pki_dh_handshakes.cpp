@@ -29,7 +29,7 @@ Status check_participant_data_size(BytesView participant_data) {
 
 }  // namespace
 
-Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
+Result<HandshakeContext> PkiDh::handshake_context(const IdentityPair& pair) const {
   const WallTime now = services_.clock.calendar_seconds();
   DDSSEC_RETURN_IF_ERROR(pair.local->verify(now));
   return HandshakeContext{*pair.local, pair.remote_guid, pair.own_challenge,
@@ -37,7 +37,7 @@ Result<HandshakeContext> PkiDh::handshake_context(const Pair& pair) const {
 }
 
 // Takes up the request that was kept for the pair. The caller holds the pair's lock.
-void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
+void PkiDh::take_up_request(const std::shared_ptr<IdentityPair>& pair) {
   auto [request, reply_keys] = kept_requests_.take(pair->local_handle, pair->remote_guid);
   pair->reply_keys = std::move(reply_keys);
   if (!request) return;
@@ -49,14 +49,14 @@ void PkiDh::take_up_request(const std::shared_ptr<Pair>& pair) {
 // A handshake that is under way continues with the documents with which it began. If these were
 // renewed since, it may continue for kPendingAge. After that the same message begins another
 // handshake.
-bool PkiDh::may_go_on(const Pair& pair, const PairHandshake& handshake,
+bool PkiDh::may_go_on(const IdentityPair& pair, const PairHandshake& handshake,
                       const std::shared_ptr<const PresentedDocuments>& own) const {
   return own == pair.local->presented() ||
          services_.clock.monotonic() - handshake.began_at < kPendingAge;
 }
 
 // Only a handshake that has waited long is dropped for another one.
-Status PkiDh::check_room(const Pair& pair) const {
+Status PkiDh::check_room(const IdentityPair& pair) const {
   const auto& all = pair.handshakes;
   const auto pending = std::ranges::count_if(all, is_pending);
   if (static_cast<std::size_t>(pending) < kMaxPendingPerPair) return {};
@@ -66,7 +66,7 @@ Status PkiDh::check_room(const Pair& pair) const {
               {.expected = "at most " + std::to_string(kMaxPendingPerPair)});
 }
 
-void PkiDh::make_room(Pair& pair) {
+void PkiDh::make_room(IdentityPair& pair) {
   auto& all = pair.handshakes;
   const auto drop_first = [&](auto&& is_one) {
     const auto first = std::ranges::find_if(all, is_one);
@@ -80,8 +80,9 @@ void PkiDh::make_room(Pair& pair) {
   if (all.size() - pending >= kMaxFinishedPerPair) drop_first(std::not_fn(is_pending));
 }
 
-PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOutcome outcome,
-                                 BytesView participant_data, UnprovenOctets::Share unproven) {
+PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<IdentityPair>& pair,
+                                 HandshakeOutcome outcome, BytesView participant_data,
+                                 UnprovenOctets::Share unproven) {
   PairHandshake kept{{},
                      std::move(*outcome.next),
                      to_bytes(participant_data),
@@ -95,7 +96,7 @@ PkiDh::HandshakeStep PkiDh::keep(const std::shared_ptr<Pair>& pair, HandshakeOut
   return {handle, outcome.result, std::move(outcome.message)};
 }
 
-Token PkiDh::presented_token(const Token& message, const Pair& pair,
+Token PkiDh::presented_token(const Token& message, const IdentityPair& pair,
                              const PresentedDocuments& own) const {
   return with_ocsp_response(message, *pair.local, own, services_.clock.calendar_seconds());
 }
@@ -160,7 +161,7 @@ Result<PkiDh::HandshakeStep> PkiDh::begin_reply(const Token& request, IdentityHa
   return step;
 }
 
-Result<PkiDh::HandshakeStep> PkiDh::answer_request(const std::shared_ptr<Pair>& pair,
+Result<PkiDh::HandshakeStep> PkiDh::answer_request(const std::shared_ptr<IdentityPair>& pair,
                                                    const Token& request,
                                                    BytesView participant_data) {
   const std::scoped_lock lock(pair->mutex);
@@ -183,7 +184,7 @@ Result<PkiDh::HandshakeStep> PkiDh::answer_request(const std::shared_ptr<Pair>& 
 }
 
 // Claims the memory that the request makes us keep.
-UnprovenOctets::Share PkiDh::share_of(const Pair& pair, const Token& request,
+UnprovenOctets::Share PkiDh::share_of(const IdentityPair& pair, const Token& request,
                                       const HandshakeOutcome& outcome) {
   std::size_t octets = 0, free = 0;
   for (const auto& property : request.binary_properties) octets += property.value.size();
@@ -215,16 +216,16 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
 }
 
 // If our certificate was renewed, the one of this handshake may have ended since it began.
-Status PkiDh::note_authenticated(const Pair& pair, const Established& done) {
+Status PkiDh::note_authenticated(const IdentityPair& pair, const Established& done) {
   DDSSEC_ASSIGN_OR_RETURN(const auto own, pair.local->verify(done.own->certificate,
                                                              services_.clock.calendar_seconds()));
-  return table_.note_authenticated(
+  return table_.set_authenticated(
       pair.remote_handle,
       {done.peer.chain(), own, done.peer.keeps_session(), done.peer.reads_lists()});
 }
 
 // The peer is proven, but its response is not, because it is not signed.
-void PkiDh::note_unused_ocsp(const Pair& pair, const Established& done) const {
+void PkiDh::note_unused_ocsp(const IdentityPair& pair, const Established& done) const {
   const auto& why = done.peer.ocsp_unused();
   if (!why) return;
   auto details = why->details();

@@ -58,12 +58,13 @@ void PkiDh::drop_credentials_given_out() {
 Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
   using Offered = Result<std::optional<Token>>;
   return with_session(
-      handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Offered {
+      handle,
+      [&](const IdentityPair& pair, PairHandshake& handshake, Established& done) -> Offered {
         return next_offer(done, *pair.local, handshake.offer, services_.clock.calendar_seconds());
       });
 }
 
-Result<JudgedOffer> PkiDh::judge_peer_offer(const Pair& pair, const Established& session,
+Result<JudgedOffer> PkiDh::judge_peer_offer(const IdentityPair& pair, const Established& session,
                                             const Token& offer) const {
   const auto trust = pair.local->peer_trust();
   auto judged =
@@ -77,29 +78,29 @@ Result<JudgedOffer> PkiDh::judge_peer_offer(const Pair& pair, const Established&
 
 Result<Token> PkiDh::judge_renewal(HandshakeHandle handle, const Token& offer) {
   return with_session(
-      handle, [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
+      handle, [&](const IdentityPair& pair, PairHandshake&, Established& done) -> Result<Token> {
         DDSSEC_ASSIGN_OR_RETURN(const auto found, judge_peer_offer(pair, done, offer));
         return *found.peer.credential();
       });
 }
 
 Result<Token> PkiDh::take_renewal(HandshakeHandle handle, const Token& offer) {
-  return with_session(handle,
-                      [&](const Pair& pair, PairHandshake&, Established& done) -> Result<Token> {
-                        DDSSEC_ASSIGN_OR_RETURN(auto found, judge_peer_offer(pair, done, offer));
-                        const bool is_new = found.peer.certificate() != done.peer.certificate();
-                        auto former = std::exchange(done.peer, std::move(found.peer));
-                        done.peer.drop_credential();
-                        if (auto noted = note_authenticated(pair, done); !noted) {
-                          done.peer = std::move(former);
-                          return std::unexpected(noted.error());
-                        }
-                        if (is_new) services_.events.raise(renewed_peer(pair, done));
-                        return found.answer;
-                      });
+  return with_session(
+      handle, [&](const IdentityPair& pair, PairHandshake&, Established& done) -> Result<Token> {
+        DDSSEC_ASSIGN_OR_RETURN(auto found, judge_peer_offer(pair, done, offer));
+        const bool is_new = found.peer.certificate() != done.peer.certificate();
+        auto former = std::exchange(done.peer, std::move(found.peer));
+        done.peer.drop_credential();
+        if (auto noted = note_authenticated(pair, done); !noted) {
+          done.peer = std::move(former);
+          return std::unexpected(noted.error());
+        }
+        if (is_new) services_.events.raise(renewed_peer(pair, done));
+        return found.answer;
+      });
 }
 
-Event PkiDh::renewed_peer(const Pair& pair, const Established& session) const {
+Event PkiDh::renewed_peer(const IdentityPair& pair, const Established& session) const {
   const auto& chain = session.peer.chain();
   return event_about(table_.name_of(pair.remote_handle),
                      Error(Code::peer_identity_renewed,
@@ -112,7 +113,7 @@ Event PkiDh::renewed_peer(const Pair& pair, const Established& session) const {
 Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, const Token& answer) {
   using Facts = Result<spi::SessionFacts>;
   return reported(with_session(
-      handle, [&](const Pair& pair, PairHandshake& handshake, Established& done) -> Facts {
+      handle, [&](const IdentityPair& pair, PairHandshake& handshake, Established& done) -> Facts {
         if (const auto fits = check_answer(handshake.offer, answer); !fits)
           return std::unexpected(
               fits.error().with_default_document("answer of " + done.peer.certificate().subject()));

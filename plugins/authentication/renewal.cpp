@@ -69,7 +69,7 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
     if (!is_renewed && !taken.authorities) continue;
     const auto chain = identity.verify(services.clock.calendar_seconds());
     if (!chain) continue;  // it has just ended, and `poll` reports that
-    table.note_renewed(local.handle, *chain);
+    table.set_renewed(local.handle, *chain);
     if (is_renewed)
       services.events.raise(
           event_about(our_name(identity.guid()), renewed_until(identity, *chain)));

@@ -56,7 +56,7 @@ std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authe
                   .found = "issuer " + peer.latest().issuer(),
                   .note = "serial number " + peer.latest().serial()});
   if (const auto own = whose.verify(peer.own, now))
-    table.note_verified_again(peer.handle, {*verdict, *own});
+    table.set_verified_again(peer.handle, {*verdict, *own});
   return std::nullopt;
 }
 

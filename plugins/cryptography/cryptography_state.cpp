@@ -26,14 +26,14 @@ CryptographyState::CryptographyState(const EngineServices& given, const AeadBack
       keys(key_services(aead, retired_objects, services.random, options)),
       registry(first_generation) {}
 
-SubjectId subject_of(std::int64_t identity, const Pair& pair) {
+SubjectId subject_of(std::int64_t identity, const ParticipantPair& pair) {
   if (!pair.peer_prefix) return std::uint64_t{1} << 63 | static_cast<std::uint64_t>(identity);
   std::uint64_t subject = 0;
   for (std::size_t i = 0; i < 6; ++i) subject = subject << 8 | pair.peer_prefix->octets[i];
   return subject;
 }
 
-Status CryptographyState::claim_place(RemoteEndpoint& reader, const Pair& pair) {
+Status CryptographyState::claim_place(RemoteEndpoint& reader, const ParticipantPair& pair) {
   if (reader.kind() != EntityKind::remote_reader || !reader.receiver_key || reader.place_subject)
     return {};
   const auto subject = subject_of(reader.participant.identity, pair);

@@ -39,7 +39,7 @@ struct CryptographyState {
 
   /// Takes a place among the receivers of the reader's writer, if it needs one and has none yet.
   /// The caller holds the mutex. Error: receiver_places_taken, after an event that names the peer.
-  Status claim_place(RemoteEndpoint& reader, const Pair& pair);
+  Status claim_place(RemoteEndpoint& reader, const ParticipantPair& pair);
   void release_place(RemoteEndpoint& reader) noexcept;
 
   /// Raises an event about the peer that owns `prefix`.
@@ -68,7 +68,7 @@ struct CryptographyState {
 /// the certificate's subject (DDS-Security 1.2, clause 10.3.3). A participant without a proven
 /// prefix has its own places. It is identified by its identity handle, with a bit set that six
 /// octets cannot have.
-SubjectId subject_of(std::int64_t identity, const Pair& pair);
+SubjectId subject_of(std::int64_t identity, const ParticipantPair& pair);
 
 /// Returns the peer with that prefix that has authenticated with the local participant; nullptr if
 /// there is none. Empty while another thread changes the peers.

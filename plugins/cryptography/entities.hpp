@@ -106,8 +106,8 @@ class NamesSpoken {
 };
 
 /// The state that one local and one remote participant share.
-struct Pair final : Retirable {
-  explicit Pair(const LocalParticipant& local_participant) : local(local_participant) {}
+struct ParticipantPair final : Retirable {
+  explicit ParticipantPair(const LocalParticipant& local_participant) : local(local_participant) {}
   const LocalParticipant& local;
   std::uint64_t number = 0;  ///< number of the key exchange; unique
   spi::CipherMask peer_ciphers = spi::kStandardCiphers;
@@ -135,7 +135,7 @@ struct Pair final : Retirable {
 struct PairTable final : Retirable {
   struct Row {
     std::int64_t local;
-    Pair* pair;
+    ParticipantPair* pair;
   };
   std::vector<Row> rows;
 };
@@ -146,14 +146,15 @@ struct RemoteParticipant final : Entity {
       : Entity(EntityKind::remote_participant), routes(registry) {}
   std::int64_t identity = 0;
   std::unordered_set<std::int64_t> endpoints;
-  std::unordered_map<std::int64_t, std::unique_ptr<Pair>> pairs;  ///< by local participant
+  std::unordered_map<std::int64_t, std::unique_ptr<ParticipantPair>>
+      pairs;  ///< by local participant
   Published<PairTable> pair_table;
   Routes routes;                            ///< routes to its endpoints that protect submessages
   PayloadPositions payload_positions = {};  ///< positions of its writers that protect payloads only
   mutable PeerDiscovery discovery = {};
 
   /// Returns the pair with that local participant, or nullptr. Call it under a ReadGuard.
-  Pair* pair(std::int64_t local) const {
+  ParticipantPair* pair(std::int64_t local) const {
     const auto* const table = pair_table.read();
     if (table == nullptr) return nullptr;
     for (const auto& row : table->rows)

@@ -60,7 +60,7 @@ struct Judgement {
 };
 
 Result<Judgement> judge(const CryptographyState& state, const RemoteEndpoint& sender,
-                        const Pair& pair, const TokenMessage& message) {
+                        const ParticipantPair& pair, const TokenMessage& message) {
   using Kind = TokenDecision::Kind;
   if (auto status = check_usable(message); !status)
     return Judgement{{Kind::hidden}, std::move(status).error()};
@@ -126,8 +126,8 @@ bool needs_tokens(const CryptographyState& state, const LocalParticipant& partic
 
 }  // namespace
 
-Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender, const Pair& pair,
-                   MutableBytes submessage) {
+Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
+                   const ParticipantPair& pair, MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto piece, read_data_piece(submessage));
   DDSSEC_ASSIGN_OR_RETURN(auto message, read_token_message(piece));
@@ -144,8 +144,8 @@ Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender, const
   return {};
 }
 
-void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender, const Pair& pair,
-                     BytesView submessage) {
+void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender,
+                     const ParticipantPair& pair, BytesView submessage) {
   if (state.host_checks_sources || sender.kind() != EntityKind::local_writer ||
       !pair.peer_uses_ddssec() || !writer_of_data(submessage))
     return;

@@ -11,14 +11,14 @@ namespace ddssec::cryptography {
 /// a missing message would delay all that follow. Submessages without key tokens stay unchanged.
 /// `pair` belongs to the sender's participant and the local one. Errors: those of read_data_piece,
 /// read_token_message; crypto_tokens_repeated (not accepted now, will be sent again).
-Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender, const Pair& pair,
-                   MutableBytes submessage);
+Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
+                   const ParticipantPair& pair, MutableBytes submessage);
 
 /// Inspects a `submessage` that the host sends with the local volatile writer, for key tokens of a
 /// local endpoint for one of the peer. The host has matched the two, and now waits for the peer's
 /// tokens. This is recorded only for a peer with ddssec: other plugins would not notice that the
 /// session is started anew.
-void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender, const Pair& pair,
-                     BytesView submessage);
+void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender,
+                     const ParticipantPair& pair, BytesView submessage);
 
 }  // namespace ddssec::cryptography

@@ -10,7 +10,7 @@ namespace {
 
 // Returns the token for a local key: with the receiver-specific part if there is one, and for
 // ddssec peers with the present position.
-spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Pair& to) {
+spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const ParticipantPair& to) {
   auto material = key.material().clone();
   const ReadGuard guard;  // a sending thread may change to the next session
   if (to.peer_uses_ddssec()) material.position = key.position();
@@ -50,7 +50,7 @@ class HeldTokens {
   EntityId owner() const { return held_ ? held_->remote.entity : EntityId{}; }
   // Success if tokens from the ledger are used for the participant that sent them. Error:
   // crypto_not_matched.
-  Status check_source(const Pair& pair) const {
+  Status check_source(const ParticipantPair& pair) const {
     if (held_ && pair.peer_prefix && held_->remote.prefix != *pair.peer_prefix)
       return fail(Code::crypto_not_matched);
     return {};
@@ -150,7 +150,8 @@ Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
 // Success if the endpoint was announced where the governance demands it. An endpoint that was
 // announced in the clear could avoid the check of access control without being noticed here. Error:
 // keys_not_permitted.
-Status check_announced(const RemoteEndpoint& remote, const Pair& pair, const EntityId& owner) {
+Status check_announced(const RemoteEndpoint& remote, const ParticipantPair& pair,
+                       const EntityId& owner) {
   const auto& local = remote.local;
   if (!local.gate || !local.is_discovery_protected || owner.is_zero() || !pair.peer_prefix)
     return {};
@@ -165,7 +166,7 @@ Status check_announced(const RemoteEndpoint& remote, const Pair& pair, const Ent
 }
 
 // Success if the cipher may be used with this peer. AES always may.
-Status check_cipher(const KindTraits& traits, const Pair& from) {
+Status check_cipher(const KindTraits& traits, const ParticipantPair& from) {
   if (traits.cipher != Cipher::chacha20_poly1305) return {};
   if ((from.peer_ciphers & spi::kChaCha20Poly1305Bit) == 0)
     return fail(Code::cipher_not_announced,
@@ -182,7 +183,7 @@ Status check_cipher(const KindTraits& traits, const Pair& from) {
 // announced: only then does a vendor-specific number have the same meaning on both sides.
 Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial material,
                                                              spi::ProtectionKind due,
-                                                             const Pair& from) const {
+                                                             const ParticipantPair& from) const {
   if (!fits(material, due))
     return fail(Code::key_material_kind_mismatch,
                 {.expected = std::string(to_string(due)), .found = material.kind.to_string()});
@@ -197,7 +198,7 @@ Result<std::unique_ptr<ReceiveKey>> KeyExchange::receive_key(KeyMaterial materia
 }
 
 Status KeyExchange::check_replacement(const RemoteKeys& next, const RemoteKeys* present,
-                                      const Pair* from) const {
+                                      const ParticipantPair* from) const {
   if (state_.host_checks_sources || present == nullptr) return {};
   if (are_same(next.submessage, present->submessage) && are_same(next.payload, present->payload))
     return {};
@@ -242,7 +243,7 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
 }
 
 Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
-                         Pair& pair, std::span<const spi::Token> tokens) {
+                         ParticipantPair& pair, std::span<const spi::Token> tokens) {
   if (tokens.size() != 1) return fail(Code::crypto_token_count);
   DDSSEC_ASSIGN_OR_RETURN(auto material, read_crypto_token(tokens.front()));
   // Fast DDS sends a GMAC key even if nothing is protected.
@@ -320,7 +321,7 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
 // `install`. Only the payload positions that its participant remembers for a sender key may grow
 // here.
 Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& endpoint,
-                                                              const Pair& pair,
+                                                              const ParticipantPair& pair,
                                                               std::span<const spi::Token> tokens,
                                                               EntityId owner) const {
   DDSSEC_ASSIGN_OR_RETURN(auto materials, read_all(tokens));

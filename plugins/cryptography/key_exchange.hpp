@@ -38,18 +38,19 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Result<std::vector<spi::Token>> create(Local local, Remote remote, spi::KeyStage stage);
   template <class Local, class Remote>
   Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
-  Status take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote, Pair& pair,
-              std::span<const spi::Token> tokens);
+  Status take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
+              ParticipantPair& pair, std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
-                                                  const Pair& from) const;
+                                                  const ParticipantPair& from) const;
   /// Success if `next` may replace the present keys. Error: keys_already_set, with an event.
   Status check_replacement(const RemoteKeys& next, const RemoteKeys* present,
-                           const Pair* from) const;
+                           const ParticipantPair* from) const;
   Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpoint& remote,
                                                     std::vector<KeyMaterial> materials) const;
   /// Returns the keys of tokens that may replace the present ones. Errors: those of read_all,
   /// endpoint_keys, check_owner and check_replacement.
-  Result<std::unique_ptr<RemoteKeys>> checked_keys(RemoteEndpoint& endpoint, const Pair& pair,
+  Result<std::unique_ptr<RemoteKeys>> checked_keys(RemoteEndpoint& endpoint,
+                                                   const ParticipantPair& pair,
                                                    std::span<const spi::Token> tokens,
                                                    EntityId owner) const;
   void install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> keys);

@@ -23,7 +23,7 @@ bool is_volatile(EntityKind kind, const spi::PropertyList& properties) {
 }
 
 // True if both have the same material, which means the same shared secret.
-bool same_key_exchange(const Pair& a, const Pair& b) {
+bool same_key_exchange(const ParticipantPair& a, const ParticipantPair& b) {
   return a.key_exchange_send->material().sender_key == b.key_exchange_send->material().sender_key;
 }
 
@@ -163,12 +163,12 @@ Status KeyFactory::begin_life(LocalParticipant& participant) {
   return {};
 }
 
-Result<std::unique_ptr<Pair>> KeyFactory::make_pair(const LocalParticipant& local,
-                                                    const spi::SharedSecret& shared_secret) {
+Result<std::unique_ptr<ParticipantPair>> KeyFactory::make_pair(
+    const LocalParticipant& local, const spi::SharedSecret& shared_secret) {
   if (shared_secret.secret.empty()) return fail(Code::length_out_of_range);
   if (local.key.read() != nullptr)
     DDSSEC_RETURN_IF_ERROR(check_peer(local.cipher, shared_secret.peer_ciphers));
-  auto pair = std::make_unique<Pair>(local);
+  auto pair = std::make_unique<ParticipantPair>(local);
   pair->number = ++state_.pairs_made;
   pair->peer_ciphers = shared_secret.peer_ciphers;
   pair->peer_prefix = shared_secret.peer_prefix;
@@ -205,7 +205,8 @@ void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) 
   remote.pair_table.replace(std::move(table), state_.retired_objects);
 }
 
-Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh) {
+Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remote,
+                               ParticipantPair& fresh) {
   if (!fresh.receiver_key) return {};
   const auto subject = subject_of(remote.value, fresh);
   if (auto status = local.receivers.claim(subject); !status) {
@@ -216,7 +217,7 @@ Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remo
   return {};
 }
 
-Pair* KeyFactory::known_pair(std::int64_t local, spi::IdentityHandle remote) const {
+ParticipantPair* KeyFactory::known_pair(std::int64_t local, spi::IdentityHandle remote) const {
   const auto known = by_identity_.find(remote.value);
   if (known == by_identity_.end()) return nullptr;
   const auto pair = known->second->pairs.find(local);
@@ -386,7 +387,7 @@ void KeyFactory::release_peer_key(const RemoteEndpoint& writer) noexcept {
     writer.local.peer_keys.erase(writer.participant.handle());
 }
 
-Status KeyFactory::claim_share(RemoteEndpoint& remote, const Pair& pair) {
+Status KeyFactory::claim_share(RemoteEndpoint& remote, const ParticipantPair& pair) {
   auto& local = remote.local;
   if (!is_counted(local)) return {};
   auto& work = remote.participant.discovery.work;

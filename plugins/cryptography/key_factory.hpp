@@ -76,11 +76,11 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   void forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now);
   /// Success if the cipher is available and allowed. Error: cipher_not_allowed.
   Status check_cipher(Cipher cipher, spi::CipherMask allowed) const;
-  Result<std::unique_ptr<Pair>> make_pair(const LocalParticipant& local,
-                                          const spi::SharedSecret& shared_secret);
+  Result<std::unique_ptr<ParticipantPair>> make_pair(const LocalParticipant& local,
+                                                     const spi::SharedSecret& shared_secret);
   Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
   /// Returns the pair of the two participants; nullptr if there is none.
-  Pair* known_pair(std::int64_t local, spi::IdentityHandle remote) const;
+  ParticipantPair* known_pair(std::int64_t local, spi::IdentityHandle remote) const;
   void publish_pairs(RemoteParticipant& remote, std::int64_t without = 0);
   Result<std::int64_t> register_local_endpoint(EntityKind kind,
                                                spi::ParticipantCryptoHandle participant,
@@ -90,7 +90,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   struct Match {
     LocalEndpoint& local;
     RemoteParticipant& parent;
-    const Pair& pair;
+    const ParticipantPair& pair;
   };
   /// Looks up the match. The caller holds the mutex. Errors: those of Registry::find,
   /// crypto_not_matched.
@@ -108,12 +108,12 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   static void release_peer_key(const RemoteEndpoint& writer) noexcept;
   /// Takes a place for the remote participant. Error: receiver_places_taken, after an event that
   /// names the peer.
-  Status claim_place(LocalParticipant& local, spi::IdentityHandle remote, Pair& fresh);
+  Status claim_place(LocalParticipant& local, spi::IdentityHandle remote, ParticipantPair& fresh);
   /// True if the matches of the endpoint are counted for the subjects of its peers.
   bool is_counted(const LocalEndpoint& local) const;
   /// Counts the match and charges its work (discovery_work.hpp). Error: too_many_matches, after an
   /// event that names the peer.
-  Status claim_share(RemoteEndpoint& remote, const Pair& pair);
+  Status claim_share(RemoteEndpoint& remote, const ParticipantPair& pair);
   void drop(const Entity& entity);
   void drop_local(LocalParticipant& participant);
   void drop_remote(RemoteParticipant& participant);

@@ -158,7 +158,7 @@ Status check_receivers(spi::ProtectionKind kind, std::size_t count) {
 
 // Raises an event if the peer of the pair would get key tokens that are not for it. The host sends
 // them only if the peer asked for them.
-Status check_volatile(const CryptographyState& state, Pair& pair, BytesView submessage) {
+Status check_volatile(const CryptographyState& state, ParticipantPair& pair, BytesView submessage) {
   // Such a host has one volatile writer for each peer, which can send to no other one. Its
   // fragments may be too small to name the destination.
   if (state.host_checks_sources) {

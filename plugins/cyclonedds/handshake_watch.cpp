@@ -7,7 +7,7 @@ namespace ddssec::cyclonedds {
 using spi::HandshakeHandle;
 using spi::IdentityHandle;
 
-void HandshakeWatch::note_met(Pair pair, const Guid& guid, CoreTimerState timer) {
+void HandshakeWatch::note_met(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
@@ -17,7 +17,7 @@ void HandshakeWatch::note_met(Pair pair, const Guid& guid, CoreTimerState timer)
   if (timer == CoreTimerState::stopped) half.met = now;
 }
 
-void HandshakeWatch::not_admitted(Pair pair, const Guid& guid, CoreTimerState timer) {
+void HandshakeWatch::not_admitted(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
@@ -31,7 +31,7 @@ bool HandshakeWatch::was_unanswered(const Guid& remote) const {
   return past != past_.end() && past->second.was_longest;
 }
 
-void HandshakeWatch::progressed(Pair pair, HandshakeHandle handshake) {
+void HandshakeWatch::progressed(WatchedPair pair, HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   const auto known = remotes_.find(pair.remote);
   if (known == remotes_.end()) return;

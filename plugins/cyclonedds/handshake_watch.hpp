@@ -42,22 +42,23 @@ class HandshakeWatch {
   explicit HandshakeWatch(const Clock& clock) : clock_(clock) {}
 
   /// A local participant and a remote one.
-  struct Pair {
+  struct WatchedPair {
     spi::IdentityHandle local;
     spi::IdentityHandle remote;
   };
   /// Tells whether the core's own timer still runs for the handshake.
   enum class CoreTimerState { stopped, runs };
   /// Notes that the host has met a remote participant.
-  void note_met(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
+  void note_met(WatchedPair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
   /// Notes that an announcement in its name was refused. The host asks again, and the wait
   /// continues.
-  void not_admitted(Pair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
+  void not_admitted(WatchedPair pair, const Guid& guid,
+                    CoreTimerState timer = CoreTimerState::stopped);
   /// True if the peer was given up after kMaxWait, and is not forgotten yet. If governance admits
   /// unauthenticated participants, it counts as one of them afterwards.
   bool was_unanswered(const Guid& remote) const;
   /// Notes that a request or a reply was sent.
-  void progressed(Pair pair, spi::HandshakeHandle handshake);
+  void progressed(WatchedPair pair, spi::HandshakeHandle handshake);
   /// Notes that a request, or a message of this handshake, was refused.
   void refused(spi::IdentityHandle remote);
   void refused(spi::HandshakeHandle handshake);
@@ -150,7 +151,7 @@ class HandshakeWatch {
   const Clock& clock_;
   mutable std::mutex mutex_;
   std::map<spi::IdentityHandle, Remote> remotes_;
-  std::map<spi::HandshakeHandle, Pair> handshakes_;
+  std::map<spi::HandshakeHandle, WatchedPair> handshakes_;
   std::map<Guid, Past> past_;
   /// The times when remote participants were last revoked for one local participant while another
   /// had a session with them. They are kept until all have one.

@@ -13,7 +13,7 @@ SessionResets& SessionResets::of_process() {
   return resets;
 }
 
-void SessionResets::expect(Pair pair, spi::IdentityHandle identity,
+void SessionResets::expect(ResetPair pair, spi::IdentityHandle identity,
                            spi::ResetToken token) noexcept {
   const std::lock_guard lock(mutex_);
   try {

@@ -21,13 +21,13 @@ class SessionResets {
   static SessionResets& of_process();
 
   /// A remote and a local participant.
-  struct Pair {
+  struct ResetPair {
     spi::ParticipantCryptoHandle peer;
     spi::ParticipantCryptoHandle local;
   };
   /// Notes that the peer can prove with `token` that it has lost the session. If memory runs out it
   /// cannot, and the session stays as it is.
-  void expect(Pair pair, spi::IdentityHandle identity, spi::ResetToken token) noexcept;
+  void expect(ResetPair pair, spi::IdentityHandle identity, spi::ResetToken token) noexcept;
   /// Forgets a remote participant, or a local one. A peer that hears the end of a local participant
   /// loses only the session with it.
   void forget(spi::ParticipantCryptoHandle participant);
@@ -39,7 +39,7 @@ class SessionResets {
 
  private:
   struct Session {
-    Pair pair;
+    ResetPair pair;
     spi::IdentityHandle identity;
     spi::ResetProof proof;
     bool is_lost = false;

@@ -27,7 +27,7 @@ SharedSecrets::Block::~Block() { wipe(content.octets); }
 void SharedSecrets::note(spi::HandshakeHandle handshake, spi::IdentityHandle initiator,
                          spi::IdentityHandle replier) {
   const std::lock_guard lock(mutex_);
-  const Pair pair{initiator, replier};
+  const HandlePair pair{initiator, replier};
   const auto [noted, is_new] = pair_of_.try_emplace(handshake, pair);
   if (!is_new) return;
   Rollback forget([&] { pair_of_.erase(noted); });
@@ -65,7 +65,7 @@ std::optional<std::pair<spi::IdentityHandle, spi::IdentityHandle>> SharedSecrets
 
 void SharedSecrets::drop(spi::IdentityHandle identity) {
   const std::lock_guard lock(mutex_);
-  const auto is_of = [&](const Pair& pair) {
+  const auto is_of = [&](const HandlePair& pair) {
     return pair.first == identity || pair.second == identity;
   };
   std::erase_if(pair_of_, [&](const auto& entry) { return is_of(entry.second); });

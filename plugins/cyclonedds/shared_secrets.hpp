@@ -51,13 +51,13 @@ class SharedSecrets {
     spi::HandshakeHandle handshake;
     std::unique_ptr<Block> block;
   };
-  using Pair = std::pair<spi::IdentityHandle, spi::IdentityHandle>;
+  using HandlePair = std::pair<spi::IdentityHandle, spi::IdentityHandle>;
 
   void forget_oldest_unfinished(std::vector<Entry>& entries);
 
   mutable std::mutex mutex_;
-  std::map<Pair, std::vector<Entry>> entries_;  ///< for each pair in the order of `note`
-  std::map<spi::HandshakeHandle, Pair> pair_of_;
+  std::map<HandlePair, std::vector<Entry>> entries_;  ///< for each pair in the order of `note`
+  std::map<spi::HandshakeHandle, HandlePair> pair_of_;
 };
 
 }  // namespace ddssec::cyclonedds

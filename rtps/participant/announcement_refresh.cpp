@@ -33,7 +33,7 @@ void AnnouncementRefresh::note_alive(const EntityId& endpoint) {
   ended_.erase(at);
 }
 
-bool AnnouncementRefresh::begin_reading_if_due(MonotonicTime now) {
+bool AnnouncementRefresh::begin_refresh_if_due(MonotonicTime now) {
   if (now < std::min(due_, routine_)) return false;
   // If the routine refresh comes first while a change waits, the pause grows as for changes that go
   // on.
@@ -46,7 +46,7 @@ bool AnnouncementRefresh::begin_reading_if_due(MonotonicTime now) {
   return true;
 }
 
-bool AnnouncementRefresh::end_reading_if_over(MonotonicTime now) {
+bool AnnouncementRefresh::end_refresh_if_over(MonotonicTime now) {
   if (now < over_) return false;
   over_ = kNever;
   return true;

@@ -27,8 +27,8 @@ namespace ddssec::rtps {
 ///
 /// The legal transitions are
 ///   idle -> due                 note_change, note_end, or kMaxPause after the last reading
-///   due -> being read           begin_reading_if_due, when the pause is over
-///   being read -> idle          end_reading_if_over, kAnswerTimeout later
+///   due -> being read           begin_refresh_if_due, when the pause is over
+///   being read -> idle          end_refresh_if_over, kAnswerTimeout later
 ///   being read -> due           note_change, note_end: what changes meanwhile is read once more
 class AnnouncementRefresh {
  public:
@@ -55,9 +55,9 @@ class AnnouncementRefresh {
   /// Notes that a known endpoint is announced: it has not ended.
   void note_alive(const EntityId& endpoint);
   /// Returns true if all announcements are to be read again now.
-  bool begin_reading_if_due(MonotonicTime now);
+  bool begin_refresh_if_due(MonotonicTime now);
   /// Returns true once, after the time by which the answer must have arrived.
-  bool end_reading_if_over(MonotonicTime now);
+  bool end_refresh_if_over(MonotonicTime now);
   struct EndedEndpoint {
     EntityId endpoint;
     bool counts;  ///< true if its end counted from the beginning
@@ -72,7 +72,7 @@ class AnnouncementRefresh {
   /// True from a request until its answer must have arrived.
   bool is_under_way() const { return over_ != kNever; }
   MonotonicTime due() const { return due_; }
-  /// Returns the earliest time at which begin_reading_if_due or end_reading_if_over can return
+  /// Returns the earliest time at which begin_refresh_if_due or end_refresh_if_over can return
   /// true.
   MonotonicTime next() const;
   /// Returns the endpoints whose keys are not kept, and whether they were requested since.

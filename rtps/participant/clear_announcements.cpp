@@ -205,8 +205,8 @@ void ClearAnnouncements::on_time(MonotonicTime now) {
   for (const auto& [prefix, known] : remotes_.all()) {
     auto& remote = *remotes_.find(prefix);
     auto& reading = remote.announcement_refresh;
-    if (reading.end_reading_if_over(now)) on_refreshed(remote);
-    if (reading.begin_reading_if_due(now)) builtin_.refresh_announcements(remote);
+    if (reading.end_refresh_if_over(now)) on_refreshed(remote);
+    if (reading.begin_refresh_if_due(now)) builtin_.refresh_announcements(remote);
     if (now >= remote.next_offer) {
       builtin_.offer_again(remote);
       remote.next_offer = now + kOfferPeriod;

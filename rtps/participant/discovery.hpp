@@ -6,7 +6,7 @@
 #include "rtps/participant/announcer.hpp"
 #include "rtps/participant/clear_announcements.hpp"
 #include "rtps/participant/endpoint_lookup.hpp"
-#include "rtps/participant/proven_readings.hpp"
+#include "rtps/participant/proven_refreshes.hpp"
 #include "rtps/participant/resting_participants.hpp"
 #include "rtps/participant/writer_liveliness.hpp"
 
@@ -79,7 +79,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   const Parts parts_;
   BuiltinMatcher builtin_;
   ClearAnnouncements clear_;
-  ProvenReadings proven_;
+  ProvenRefreshes proven_;
   RestingParticipants resting_;
   std::vector<GuidPrefix> gone_;
 };

@@ -5,7 +5,7 @@
 
 namespace ddssec::rtps {
 
-void ReaderEndChecks::add(const Pair& pair, MonotonicTime now) {
+void ReaderEndChecks::add(const ReaderPair& pair, MonotonicTime now) {
   if (pending_.contains(pair)) return;
   const auto answers = host_.answers(pair);
   if (!answers) return;
@@ -38,7 +38,7 @@ MonotonicTime ReaderEndChecks::longest_interval(const GuidPrefix& readers) const
   return kMaxInterval * (1 + static_cast<std::int64_t>(pairs / kMaxQuestions));
 }
 
-bool ReaderEndChecks::check_answer(const Pair& pair, PendingCheck& check, MonotonicTime now) {
+bool ReaderEndChecks::check_answer(const ReaderPair& pair, PendingCheck& check, MonotonicTime now) {
   const auto answers = host_.answers(pair);
   if (!answers) return false;
   check.is_answered = check.is_answered || *answers != check.answers;

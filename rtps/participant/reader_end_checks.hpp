@@ -28,24 +28,24 @@ class ReaderEndChecks {
   /// How many pairs with silent readers of one participant are asked in kMaxInterval.
   static constexpr std::size_t kMaxQuestions = 64;
 
-  struct Pair {
+  struct ReaderPair {
     Guid writer, reader;
-    auto operator<=>(const Pair&) const = default;
+    auto operator<=>(const ReaderPair&) const = default;
   };
   class Host {
    public:
     virtual ~Host() = default;
     /// Returns how often the reader has answered. Empty if it neither matches nor counts as ended.
-    virtual std::optional<std::uint64_t> answers(const Pair& pair) = 0;
-    virtual void request_sign_of_life(const Pair& pair) = 0;
+    virtual std::optional<std::uint64_t> answers(const ReaderPair& pair) = 0;
+    virtual void request_sign_of_life(const ReaderPair& pair) = 0;
     /// Called when the reader counts as ended from now on.
-    virtual void on_no_answer(const Pair& pair) = 0;
+    virtual void on_no_answer(const ReaderPair& pair) = 0;
   };
   /// `host` must outlive this object.
   explicit ReaderEndChecks(Host& host) : host_(host) {}
 
   /// Begins to doubt the reader. It is asked in the next `tick`.
-  void add(const Pair& pair, MonotonicTime now);
+  void add(const ReaderPair& pair, MonotonicTime now);
   /// Asks all readers for which that is due, and reports those that stayed silent.
   void tick(MonotonicTime now);
   MonotonicTime next() const { return next_; }
@@ -59,10 +59,10 @@ class ReaderEndChecks {
     bool is_answered = false, has_ended = false;
   };
 
-  using Pending = std::map<Pair, PendingCheck>;
+  using Pending = std::map<ReaderPair, PendingCheck>;
 
   /// Returns false if the pair is no longer doubted.
-  bool check_answer(const Pair& pair, PendingCheck& check, MonotonicTime now);
+  bool check_answer(const ReaderPair& pair, PendingCheck& check, MonotonicTime now);
   /// The longest time between two questions to a silent reader of that participant.
   MonotonicTime longest_interval(const GuidPrefix& readers) const;
   Pending::iterator remove(Pending::iterator at);

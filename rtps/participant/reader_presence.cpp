@@ -58,7 +58,7 @@ void ReaderPresence::tick() {
 
 // ---- doubt
 
-std::optional<std::uint64_t> ReaderPresence::answers(const ReaderEndChecks::Pair& pair) {
+std::optional<std::uint64_t> ReaderPresence::answers(const ReaderEndChecks::ReaderPair& pair) {
   const auto* writer = local_.find_writer(pair.writer.entity);
   if (writer == nullptr) return std::nullopt;
   const auto silent = writer->silent.find(pair.reader);
@@ -68,7 +68,7 @@ std::optional<std::uint64_t> ReaderPresence::answers(const ReaderEndChecks::Pair
   return proxy->acknacks.taken();
 }
 
-void ReaderPresence::request_sign_of_life(const ReaderEndChecks::Pair& pair) {
+void ReaderPresence::request_sign_of_life(const ReaderEndChecks::ReaderPair& pair) {
   auto* writer = local_.find_writer(pair.writer.entity);
   auto* remote = remotes_.find(pair.reader.prefix);
   const auto* data = remotes_.endpoint(pair.reader);
@@ -77,7 +77,7 @@ void ReaderPresence::request_sign_of_life(const ReaderEndChecks::Pair& pair) {
 }
 
 // The keys of the reader are kept, so that its answer can be read.
-void ReaderPresence::on_no_answer(const ReaderEndChecks::Pair& pair) {
+void ReaderPresence::on_no_answer(const ReaderEndChecks::ReaderPair& pair) {
   auto* writer = local_.find_writer(pair.writer.entity);
   const auto* data = remotes_.endpoint(pair.reader);
   if (writer == nullptr || data == nullptr) return;

@@ -43,9 +43,9 @@ class ReaderPresence final : private ReaderEndChecks::Host {
  private:
   bool shows_readiness(const LocalWriter& writer, const EndpointData& reader) const;
   void note_ready(LocalWriter& writer, const Guid& reader);
-  std::optional<std::uint64_t> answers(const ReaderEndChecks::Pair& pair) override;
-  void request_sign_of_life(const ReaderEndChecks::Pair& pair) override;
-  void on_no_answer(const ReaderEndChecks::Pair& pair) override;
+  std::optional<std::uint64_t> answers(const ReaderEndChecks::ReaderPair& pair) override;
+  void request_sign_of_life(const ReaderEndChecks::ReaderPair& pair) override;
+  void on_no_answer(const ReaderEndChecks::ReaderPair& pair) override;
 
   ParticipantCore& core_;
   LocalEndpoints& local_;

@@ -17,7 +17,7 @@ namespace ddssec::rtps {
 class ReadinessQueue {
  public:
   static constexpr MonotonicTime kMatchTimeout = std::chrono::seconds(1);
-  struct Pair {
+  struct WaitingMatch {
     Guid writer, reader;
     MonotonicTime deadline;
   };
@@ -31,7 +31,7 @@ class ReadinessQueue {
     while (!pairs_.empty() && !waits(pairs_.front())) pairs_.pop_front();
   }
   /// Removes and returns the next pair that has waited long enough.
-  std::optional<Pair> take_due(MonotonicTime now) {
+  std::optional<WaitingMatch> take_due(MonotonicTime now) {
     if (next() > now) return std::nullopt;
     const auto due = pairs_.front();
     remove(due.writer, due.reader);
@@ -40,14 +40,14 @@ class ReadinessQueue {
   MonotonicTime next() const { return pairs_.empty() ? kNever : pairs_.front().deadline; }
 
  private:
-  bool waits(const Pair& pair) const {
+  bool waits(const WaitingMatch& pair) const {
     const auto at = waiting_.find({pair.writer, pair.reader});
     return at != waiting_.end() && at->second == pair.deadline;
   }
 
   /// The deadline of each pair that waits.
   std::map<std::pair<Guid, Guid>, MonotonicTime> waiting_;
-  std::deque<Pair> pairs_;  ///< sorted by deadline; the first one waits, others may not
+  std::deque<WaitingMatch> pairs_;  ///< sorted by deadline; the first one waits, others may not
 };
 
 }  // namespace ddssec::rtps

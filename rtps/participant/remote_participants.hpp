@@ -70,7 +70,7 @@ struct RemoteParticipant {
   bool has_unproven_endpoints = false;
   AnnouncementRefresh announcement_refresh = {};
   MonotonicTime next_offer = kNever;  ///< when our plain announcements are next offered to it
-  /// Endpoints that it has not announced again since that is protected (ProvenReadings).
+  /// Endpoints that it has not announced again since that is protected (ProvenRefreshes).
   std::set<EntityId> unconfirmed = {};
   /// The addresses that its clear announcements add to its own ones.
   ClearAddresses clear_addresses = {};

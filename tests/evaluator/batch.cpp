@@ -69,9 +69,9 @@ Json to_json(const governance::PermissionChange& change) {
 }
 
 // Returns the readings that are about expressions.
-Json to_json(const governance::Readings& readings) {
+Json to_json(const governance::Interpretations& interpretations) {
   Json out = Json::array();
-  for (const auto& reading : readings.all)
+  for (const auto& reading : interpretations.all)
     if (!reading.expression.empty()) out.push_back({reading.is_new, hex(reading.expression)});
   return out;
 }
@@ -82,7 +82,7 @@ Json result_of(const Diff& diff) {
   for (const auto& change : diff.changes) changes.push_back(to_json(change));
   return {{"verdict", governance::to_string(diff.verdict)},
           {"changes", changes},
-          {"readings", to_json(diff.readings)}};
+          {"readings", to_json(diff.interpretations)}};
 }
 
 // Reads both documents from XML text, as the program does, and compares them.

@@ -15,7 +15,7 @@ class SubjectOfPair : public ::testing::Test {
   }
 
   LocalParticipant local_;
-  Pair pair_{local_};
+  ParticipantPair pair_{local_};
 };
 
 TEST_F(SubjectOfPair, ProvenPrefix_CountsWithItsFirstSixOctets) {

@@ -29,10 +29,10 @@ TEST(StockChanges, RangeThatBecomesOpen_IsWeakerToStockProductsAlone) {
   const auto diff = compare(two_rules({0, 230}), two_rules({0, 230, true}));
   EXPECT_EQ(diff.verdict, ChangeClass::neutral);
   EXPECT_THAT(diff.changes, IsEmpty());
-  const auto found = std::ranges::find_if(diff.readings.all, [](const Reading& one) {
+  const auto found = std::ranges::find_if(diff.interpretations.all, [](const Interpretation& one) {
     return one.sentence.contains("data_protection_kind ENCRYPT -> NONE in domain 1-230");
   });
-  ASSERT_NE(found, diff.readings.all.end());
+  ASSERT_NE(found, diff.interpretations.all.end());
   EXPECT_TRUE(found->is_new);
   EXPECT_TRUE(found->widens);
   EXPECT_THAT(found->sentence, StartsWith("with Cyclone DDS and Fast DDS: "));
@@ -43,8 +43,8 @@ TEST(StockChanges, ChangeOfADocumentAsAProductReadsIt_HasTheLineOfItsRule) {
   after.domain_rules[1].line = 31;
   after.domain_rules[1].topic_rules[0].line = 47;
   const auto diff = compare(before, after);
-  ASSERT_FALSE(diff.readings.all.empty());
-  for (const auto& reading : diff.readings.all)
+  ASSERT_FALSE(diff.interpretations.all.empty());
+  for (const auto& reading : diff.interpretations.all)
     EXPECT_EQ(reading.line, reading.sentence.contains("topics such as") ? 47 : 31)
         << reading.sentence;
 }
@@ -63,8 +63,8 @@ TEST(StockChanges, ChangesOfGovernance_OutliveTheDocuments) {
 
 TEST(StockChanges, RangeThatIsClosed_WidensNothing) {
   const auto diff = compare(two_rules({0, 230, true}), two_rules({0, 230}));
-  EXPECT_FALSE(diff.readings.all.empty());
-  EXPECT_TRUE(std::ranges::none_of(diff.readings.all, &Reading::widens));
+  EXPECT_FALSE(diff.interpretations.all.empty());
+  EXPECT_TRUE(std::ranges::none_of(diff.interpretations.all, &Interpretation::widens));
 }
 
 TEST(StockChanges, SameForAll_IsSaidOnce) {
@@ -73,7 +73,7 @@ TEST(StockChanges, SameForAll_IsSaidOnce) {
     rule->rtps_protection_kind = Kind::none;
   const auto diff = compare(before, after);
   EXPECT_EQ(diff.verdict, ChangeClass::weaker);
-  EXPECT_THAT(diff.readings.all, IsEmpty());
+  EXPECT_THAT(diff.interpretations.all, IsEmpty());
 }
 
 // Returns a document with ENCRYPT for the topics of that expression, and NONE for all others.
@@ -87,7 +87,7 @@ Governance protects(const std::string& expression, bool is_padded = false) {
 // Returns the products for which the change from `secret` is weaker.
 std::vector<std::string> weaker_with(const Governance& after) {
   std::vector<std::string> out;
-  for (const auto& one : compare(protects("secret"), after).readings.all)
+  for (const auto& one : compare(protects("secret"), after).interpretations.all)
     if (one.widens && one.sentence.contains("data_protection_kind ENCRYPT -> NONE"))
       out.push_back(one.sentence.substr(0, one.sentence.find(':')));
   return out;
@@ -126,8 +126,8 @@ TEST(StockChanges, DenialThatLosesItsPartitions_IsWiderToCycloneDds) {
     list->front().partitions = std::nullopt;
   const auto diff = compare(before, after);
   EXPECT_EQ(diff.verdict, ChangeClass::neutral);
-  ASSERT_EQ(diff.readings.all.size(), 2U);
-  for (const auto& reading : diff.readings.all) {
+  ASSERT_EQ(diff.interpretations.all.size(), 2U);
+  for (const auto& reading : diff.interpretations.all) {
     EXPECT_TRUE(reading.widens);
     EXPECT_THAT(reading.sentence, StartsWith("with Cyclone DDS: "));
     EXPECT_THAT(reading.sentence, HasSubstr("denied -> allowed in domain 0"));
@@ -150,14 +150,14 @@ TEST(StockChanges, RulesPutIntoOne_IsWiderToFastDds) {
   const auto joined = with({about(true, {square, circle})});
   const auto diff = compare(apart, joined);
   EXPECT_EQ(diff.verdict, ChangeClass::neutral);
-  ASSERT_FALSE(diff.readings.all.empty());
-  for (const auto& reading : diff.readings.all) {
+  ASSERT_FALSE(diff.interpretations.all.empty());
+  for (const auto& reading : diff.interpretations.all) {
     EXPECT_TRUE(reading.widens) << reading.sentence;
     EXPECT_THAT(reading.sentence, StartsWith("with Fast DDS: rule publish"));
   }
   const auto back = compare(joined, apart);
-  EXPECT_FALSE(back.readings.all.empty());
-  EXPECT_TRUE(std::ranges::none_of(back.readings.all, &Reading::widens));
+  EXPECT_FALSE(back.interpretations.all.empty());
+  EXPECT_TRUE(std::ranges::none_of(back.interpretations.all, &Interpretation::widens));
 }
 
 TEST(StockChanges, DenialThatProductsReadInTheirWay_IsWiderToThem) {
@@ -166,7 +166,7 @@ TEST(StockChanges, DenialThatProductsReadInTheirWay_IsWiderToThem) {
   };
   const auto diff = compare(denies("secret"), denies("s\\ecret"));
   EXPECT_EQ(diff.verdict, ChangeClass::neutral);
-  EXPECT_TRUE(std::ranges::any_of(diff.readings.all, &Reading::widens));
+  EXPECT_TRUE(std::ranges::any_of(diff.interpretations.all, &Interpretation::widens));
 }
 
 // In Fast DDS the first rule with the topic decides, whatever its partitions are.
@@ -175,9 +175,9 @@ TEST(StockChanges, RulesThatSwap_ChangeWhatFastDdsAllows) {
              deny = about(false, {publish("Square", "b")});
   const auto diff = compare(with({deny, allow}), with({allow, deny}));
   EXPECT_EQ(diff.verdict, ChangeClass::neutral);
-  ASSERT_EQ(diff.readings.all.size(), 1U);
-  EXPECT_TRUE(diff.readings.all[0].widens);
-  EXPECT_THAT(diff.readings.all[0].sentence, HasSubstr("partition \"a\""));
+  ASSERT_EQ(diff.interpretations.all.size(), 1U);
+  EXPECT_TRUE(diff.interpretations.all[0].widens);
+  EXPECT_THAT(diff.interpretations.all[0].sentence, HasSubstr("partition \"a\""));
 }
 
 TEST(StockChanges, LaterRuleForOtherPartitions_CountsForNothingToFastDds) {
@@ -185,11 +185,11 @@ TEST(StockChanges, LaterRuleForOtherPartitions_CountsForNothingToFastDds) {
   const auto all = about(true, {publish("Square", "*")});
   const auto narrow = compare(with({all}), with({first, all}));
   EXPECT_EQ(narrow.verdict, ChangeClass::neutral);
-  ASSERT_FALSE(narrow.readings.all.empty());
-  EXPECT_TRUE(std::ranges::none_of(narrow.readings.all, &Reading::widens));
+  ASSERT_FALSE(narrow.interpretations.all.empty());
+  EXPECT_TRUE(std::ranges::none_of(narrow.interpretations.all, &Interpretation::widens));
   const auto wide = compare(with({first, all}), with({all}));
   EXPECT_EQ(wide.verdict, ChangeClass::neutral);
-  EXPECT_TRUE(std::ranges::any_of(wide.readings.all, &Reading::widens));
+  EXPECT_TRUE(std::ranges::any_of(wide.interpretations.all, &Interpretation::widens));
 }
 
 TEST(StockChanges, ManyElementsWithPartitionsOfTheirOwn_TakeNoLongerThanTheirNumber) {
@@ -210,9 +210,9 @@ TEST(StockChanges, DenialWithAnOpenRange_IsWiderToBothProducts) {
   const auto diff = compare(with({rule(false, {{""}}, {0, 230}), allow}),
                             with({rule(false, {{""}}, {0, 230, true}), allow}));
   EXPECT_EQ(diff.verdict, ChangeClass::neutral);
-  ASSERT_FALSE(diff.readings.all.empty());
-  EXPECT_TRUE(diff.readings.all[0].widens);
-  EXPECT_THAT(diff.readings.all[0].sentence, HasSubstr("in domain 1-230"));
+  ASSERT_FALSE(diff.interpretations.all.empty());
+  EXPECT_TRUE(diff.interpretations.all[0].widens);
+  EXPECT_THAT(diff.interpretations.all[0].sentence, HasSubstr("in domain 1-230"));
 }
 
 // Returns two grants for the subject in this spelling. The first one allows one topic, and the
@@ -233,10 +233,11 @@ TEST(StockChanges, SpellingOfAFirstGrant_CycloneDdsTakesTheSecond_IsWiderToIt) {
   for (const auto* spelling : {"cn=talker", "CN = talker", "CN=\\74alker"}) {
     const auto diff = compare(two_grants("CN=talker"), two_grants(spelling));
     EXPECT_EQ(diff.verdict, ChangeClass::neutral) << spelling;
-    EXPECT_TRUE(std::ranges::any_of(diff.readings.all, &Reading::widens)) << spelling;
+    EXPECT_TRUE(std::ranges::any_of(diff.interpretations.all, &Interpretation::widens)) << spelling;
     const auto back = compare(two_grants(spelling), two_grants("CN=talker"));
-    EXPECT_FALSE(back.readings.all.empty()) << spelling;
-    EXPECT_TRUE(std::ranges::none_of(back.readings.all, &Reading::widens)) << spelling;
+    EXPECT_FALSE(back.interpretations.all.empty()) << spelling;
+    EXPECT_TRUE(std::ranges::none_of(back.interpretations.all, &Interpretation::widens))
+        << spelling;
   }
 }
 
@@ -244,10 +245,10 @@ TEST(StockChanges, SpellingOfTheOnlyGrant_CycloneDdsTakesNone_IsNarrowerToIt) {
   auto before = with({rule(true, {{"*"}})}), after = before;
   after.grants[0].subject_name = "cn=talker";
   const auto diff = compare(before, after);
-  EXPECT_TRUE(std::ranges::any_of(diff.readings.all, [](const Reading& one) {
+  EXPECT_TRUE(std::ranges::any_of(diff.interpretations.all, [](const Interpretation& one) {
     return one.narrows && one.sentence.contains("narrower");
   }));
-  EXPECT_TRUE(std::ranges::none_of(diff.readings.all, &Reading::widens));
+  EXPECT_TRUE(std::ranges::none_of(diff.interpretations.all, &Interpretation::widens));
 }
 
 }  // namespace

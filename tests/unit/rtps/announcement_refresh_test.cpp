@@ -10,12 +10,12 @@ constexpr MonotonicTime kStart = std::chrono::hours(1);
 TEST(AnnouncementRefreshTest, ManyChanges_LeadToOneReading) {
   AnnouncementRefresh reading;
   EXPECT_EQ(reading.due(), kNever);
-  EXPECT_FALSE(reading.begin_reading_if_due(kStart));
+  EXPECT_FALSE(reading.begin_refresh_if_due(kStart));
   for (int i = 0; i < 100; ++i) reading.note_change(kStart + std::chrono::milliseconds(i));
   EXPECT_EQ(reading.due(), kStart + AnnouncementRefresh::kMinPause);
-  EXPECT_FALSE(reading.begin_reading_if_due(reading.due() - MonotonicTime(1)));
-  EXPECT_TRUE(reading.begin_reading_if_due(kStart + AnnouncementRefresh::kMinPause));
-  EXPECT_FALSE(reading.begin_reading_if_due(kStart + AnnouncementRefresh::kMaxPause));
+  EXPECT_FALSE(reading.begin_refresh_if_due(reading.due() - MonotonicTime(1)));
+  EXPECT_TRUE(reading.begin_refresh_if_due(kStart + AnnouncementRefresh::kMinPause));
+  EXPECT_FALSE(reading.begin_refresh_if_due(kStart + AnnouncementRefresh::kMaxPause));
 }
 
 TEST(AnnouncementRefreshTest, ChangesThatGoOn_LeadToReadingsLessAndLessOften) {
@@ -24,7 +24,7 @@ TEST(AnnouncementRefreshTest, ChangesThatGoOn_LeadToReadingsLessAndLessOften) {
   int readings = 0;
   for (; now < kStart + std::chrono::hours(1); now += std::chrono::seconds(1)) {
     reading.note_change(now);
-    readings += reading.begin_reading_if_due(now) ? 1 : 0;
+    readings += reading.begin_refresh_if_due(now) ? 1 : 0;
   }
   EXPECT_GE(readings, 15);
   EXPECT_LE(readings, 22);
@@ -37,7 +37,7 @@ TEST(AnnouncementRefreshTest, RoutineRefresh_DoesNotEndThePauseOfChangesThatGoOn
   int readings = 0;
   for (; now < kStart + std::chrono::hours(1); now += std::chrono::milliseconds(700)) {
     reading.note_change(now);
-    readings += reading.begin_reading_if_due(now) ? 1 : 0;
+    readings += reading.begin_refresh_if_due(now) ? 1 : 0;
   }
   EXPECT_GE(readings, 15);
   EXPECT_LE(readings, 24);
@@ -47,10 +47,10 @@ TEST(AnnouncementRefreshTest, PauseAfterALongRest_IsShortAgain) {
   AnnouncementRefresh reading;
   for (auto now = kStart; now < kStart + std::chrono::minutes(10); now += std::chrono::seconds(1)) {
     reading.note_change(now);
-    reading.begin_reading_if_due(now);
+    reading.begin_refresh_if_due(now);
   }
   ASSERT_NE(reading.due(), kNever);
-  EXPECT_TRUE(reading.begin_reading_if_due(reading.due()));
+  EXPECT_TRUE(reading.begin_refresh_if_due(reading.due()));
   const auto later = kStart + std::chrono::hours(1);
   reading.note_change(later);
   EXPECT_EQ(reading.due(), later + AnnouncementRefresh::kMinPause);
@@ -64,13 +64,13 @@ EntityId endpoint(std::size_t number) {
 TEST(AnnouncementRefreshTest, EndpointsThatEnded_AreReturnedWhenTheReadingIsOver) {
   AnnouncementRefresh reading;
   EXPECT_TRUE(reading.note_end(endpoint(1), kStart));
-  EXPECT_FALSE(reading.end_reading_if_over(kStart + AnnouncementRefresh::kMinPause));
-  ASSERT_TRUE(reading.begin_reading_if_due(kStart + AnnouncementRefresh::kMinPause));
+  EXPECT_FALSE(reading.end_refresh_if_over(kStart + AnnouncementRefresh::kMinPause));
+  ASSERT_TRUE(reading.begin_refresh_if_due(kStart + AnnouncementRefresh::kMinPause));
   const auto over = kStart + AnnouncementRefresh::kMinPause + AnnouncementRefresh::kAnswerTimeout;
   EXPECT_EQ(reading.next(), over);
   EXPECT_TRUE(reading.note_end(endpoint(2), over));
-  ASSERT_TRUE(reading.end_reading_if_over(over));
-  EXPECT_FALSE(reading.end_reading_if_over(over)) << "once";
+  ASSERT_TRUE(reading.end_refresh_if_over(over));
+  EXPECT_FALSE(reading.end_refresh_if_over(over)) << "once";
   const auto read = reading.take_confirmed_ends();
   ASSERT_EQ(read.size(), 1u) << "the second one is not read yet";
   EXPECT_EQ(read[0].endpoint, endpoint(1));
@@ -84,7 +84,7 @@ TEST(AnnouncementRefreshTest, AboveTheLimit_AnEndCountsOnlyWhenItIsRead) {
   EXPECT_TRUE(reading.note_end(endpoint(0), kStart)) << "each takes room once";
   for (const auto more : {1000u, 1001u}) EXPECT_FALSE(reading.note_end(endpoint(more), kStart));
   reading.note_alive(endpoint(1001));
-  ASSERT_TRUE(reading.begin_reading_if_due(reading.due()));
+  ASSERT_TRUE(reading.begin_refresh_if_due(reading.due()));
   std::size_t uncounted = 0;
   for (const auto& ended : reading.take_confirmed_ends())
     if (!ended.counts) {

@@ -11,20 +11,20 @@ namespace {
 using namespace testing;
 
 struct Count final : ReaderEndChecks::Host {
-  std::optional<std::uint64_t> answers(const ReaderEndChecks::Pair&) override {
+  std::optional<std::uint64_t> answers(const ReaderEndChecks::ReaderPair&) override {
     return matches ? std::optional<std::uint64_t>(7) : std::nullopt;
   }
-  void request_sign_of_life(const ReaderEndChecks::Pair& pair) override {
+  void request_sign_of_life(const ReaderEndChecks::ReaderPair& pair) override {
     ++asked[pair.reader.prefix.octets[0]];
   }
-  void on_no_answer(const ReaderEndChecks::Pair&) override { ++silent; }
+  void on_no_answer(const ReaderEndChecks::ReaderPair&) override { ++silent; }
   std::map<std::uint8_t, int> asked;
   int silent = 0;
   bool matches = true;
 };
 
-ReaderEndChecks::Pair pair_with(std::uint8_t participant, std::uint32_t reader = 0) {
-  ReaderEndChecks::Pair pair;
+ReaderEndChecks::ReaderPair pair_with(std::uint8_t participant, std::uint32_t reader = 0) {
+  ReaderEndChecks::ReaderPair pair;
   pair.reader.prefix.octets[0] = participant;
   pair.reader.entity.octets = {static_cast<std::uint8_t>(reader >> 8),
                                static_cast<std::uint8_t>(reader), 0, 7};

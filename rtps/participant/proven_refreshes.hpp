@@ -10,10 +10,10 @@ namespace ddssec::rtps {
 /// Reads again what authenticated participants announce of their endpoints and of themselves, and
 /// forgets endpoints that they do not confirm. A forged announcement from before must not count as
 /// one under their keys.
-class ProvenReadings {
+class ProvenRefreshes {
  public:
-  ProvenReadings(ParticipantCore& core, RemoteParticipants& remotes, EndpointMatcher& matcher,
-                 BuiltinMatcher& builtin)
+  ProvenRefreshes(ParticipantCore& core, RemoteParticipants& remotes, EndpointMatcher& matcher,
+                  BuiltinMatcher& builtin)
       : core_(core), remotes_(remotes), matcher_(matcher), builtin_(builtin) {}
 
   /// Must be called once a second: begins when SecurityCore::former_domain says so.

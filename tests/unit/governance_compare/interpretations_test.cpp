@@ -1,4 +1,4 @@
-#include "governance/compare/readings.hpp"
+#include "governance/compare/interpretations.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,51 +49,51 @@ Permissions permissions(std::vector<GrantRule> rules) {
   return out;
 }
 
-TEST(Readings, GovernanceReadings_AreExpressionsAndNotes) {
+TEST(Interpretations, GovernanceReadings_AreExpressionsAndNotes) {
   const auto before = governance({topic("rt/a", 4), topic("*", 5)});
   auto after = governance({topic("rt/\\a", 6), topic("*", 7)});
   after.notes = {{NoteKind::no_max, 2, "/dds", "<id_range> has no <max>"},
                  {NoteKind::padding, 3, "/dds", "<id> has blanks"}};
   const auto diff = compare(before, after);
   EXPECT_EQ(diff.verdict, neutral);
-  ASSERT_THAT(diff.readings.all, SizeIs(2));
-  EXPECT_EQ(diff.readings.all[0].sentence, "<id> has blanks");
-  EXPECT_EQ(diff.readings.all[0].line, 3);
-  EXPECT_EQ(diff.readings.all[1].expression, "rt/\\a");
-  EXPECT_TRUE(diff.readings.all[1].is_new);
-  EXPECT_THAT(diff.readings.all[1].sentence, HasSubstr("Fast DDS matches"));
-  EXPECT_FALSE(compare(after, before).readings.all[0].is_new);
+  ASSERT_THAT(diff.interpretations.all, SizeIs(2));
+  EXPECT_EQ(diff.interpretations.all[0].sentence, "<id> has blanks");
+  EXPECT_EQ(diff.interpretations.all[0].line, 3);
+  EXPECT_EQ(diff.interpretations.all[1].expression, "rt/\\a");
+  EXPECT_TRUE(diff.interpretations.all[1].is_new);
+  EXPECT_THAT(diff.interpretations.all[1].sentence, HasSubstr("Fast DDS matches"));
+  EXPECT_FALSE(compare(after, before).interpretations.all[0].is_new);
   after.domain_rules[0].topic_rules[0].topic_expression = "rt/[a]";
   after.notes.clear();
-  EXPECT_THAT(compare(before, after).readings.all, IsEmpty());
+  EXPECT_THAT(compare(before, after).interpretations.all, IsEmpty());
 }
 
 // A note about another place or value does not hide a new one.
-TEST(Readings, SameKindElsewhere_IsNew) {
+TEST(Interpretations, SameKindElsewhere_IsNew) {
   const Note padded{NoteKind::padding, 3, "/dds/topic[1]", "<topic> has blanks", " Foo "};
   auto before = governance({topic("*")}), after = before;
   before.notes = after.notes = {padded};
-  EXPECT_THAT(compare(before, after).readings.all, IsEmpty());
+  EXPECT_THAT(compare(before, after).interpretations.all, IsEmpty());
   auto elsewhere = padded, changed = padded;
   elsewhere.path = "/dds/topic[2]";
   changed.value = " Bar ";
   after.notes = {padded, elsewhere};
-  EXPECT_THAT(compare(before, after).readings.all, SizeIs(1));
+  EXPECT_THAT(compare(before, after).interpretations.all, SizeIs(1));
   after.notes = {changed};
-  EXPECT_THAT(compare(before, after).readings.all, SizeIs(2));
+  EXPECT_THAT(compare(before, after).interpretations.all, SizeIs(2));
 }
 
-TEST(Readings, ManyReadings_AreBounded) {
+TEST(Interpretations, ManyReadings_AreBounded) {
   std::vector<TopicRule> rules;
-  for (std::size_t i = 0; i <= kMaxReadings; ++i)
+  for (std::size_t i = 0; i <= kMaxInterpretations; ++i)
     rules.push_back(topic("a" + std::to_string(i) + "["));
   const auto diff = compare(governance({topic("*")}), governance(rules));
-  EXPECT_THAT(diff.readings.all, SizeIs(kMaxReadings));
-  EXPECT_FALSE(diff.readings.is_complete);
+  EXPECT_THAT(diff.interpretations.all, SizeIs(kMaxInterpretations));
+  EXPECT_FALSE(diff.interpretations.is_complete);
 }
 
 // The set of names is the same, and every product reads it alike.
-TEST(Readings, OnlyTheSpellingChanged_GivesNone) {
+TEST(Interpretations, OnlyTheSpellingChanged_GivesNone) {
   for (const auto& [text, other] : {std::pair("rt/a", "rt/[a]"), std::pair("*", "**")}) {
     const auto diff =
         compare(permissions({allow({{text, 5}})}), permissions({allow({{other, 5}})}));
@@ -103,28 +103,28 @@ TEST(Readings, OnlyTheSpellingChanged_GivesNone) {
     EXPECT_EQ(diff.changes[0].change, neutral);
     EXPECT_THAT(diff.changes[0].expressions_old, ElementsAre(text));
     EXPECT_THAT(diff.changes[0].expressions_new, ElementsAre(other));
-    EXPECT_THAT(diff.readings.all, IsEmpty());
+    EXPECT_THAT(diff.interpretations.all, IsEmpty());
   }
 }
 
-TEST(Readings, PermissionsReadings_IncludePartitions) {
+TEST(Interpretations, PermissionsReadings_IncludePartitions) {
   auto partitioned = allow({{"a", 5}});
   partitioned.publish[0].partitions = {{"[^p]", 6}};
   auto same = allow({{"a", 5}});
   same.publish[0].partitions = {{"[!p]", 7}};
   const auto diff = compare(permissions({partitioned}), permissions({same}));
   EXPECT_EQ(diff.verdict, neutral);
-  ASSERT_THAT(diff.readings.all, SizeIs(3));
-  const auto& reading = diff.readings.all[0];
+  ASSERT_THAT(diff.interpretations.all, SizeIs(3));
+  const auto& reading = diff.interpretations.all[0];
   EXPECT_FALSE(reading.is_new);
   EXPECT_EQ(reading.expression, "[^p]");
   EXPECT_EQ(reading.line, 6);
   EXPECT_THAT(reading.sentence, HasSubstr("Cyclone DDS matches \"p\", which ddssec does not"));
   // With Cyclone DDS the change therefore gives and takes partitions.
-  EXPECT_THAT(diff.readings.all[1].sentence, HasSubstr("with Cyclone DDS: "));
-  EXPECT_THAT(diff.readings.all[2].sentence, HasSubstr("with Cyclone DDS: "));
-  EXPECT_NE(diff.readings.all[1].widens, diff.readings.all[2].widens);
-  EXPECT_THAT(compare(permissions({partitioned}), permissions({partitioned})).readings.all,
+  EXPECT_THAT(diff.interpretations.all[1].sentence, HasSubstr("with Cyclone DDS: "));
+  EXPECT_THAT(diff.interpretations.all[2].sentence, HasSubstr("with Cyclone DDS: "));
+  EXPECT_NE(diff.interpretations.all[1].widens, diff.interpretations.all[2].widens);
+  EXPECT_THAT(compare(permissions({partitioned}), permissions({partitioned})).interpretations.all,
               IsEmpty());
 }
 

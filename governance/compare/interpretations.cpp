@@ -1,4 +1,4 @@
-#include "governance/compare/readings.hpp"
+#include "governance/compare/interpretations.hpp"
 
 #include <algorithm>
 #include <map>
@@ -117,9 +117,9 @@ class Collector {
     for (const auto& [text, line] : own.expressions)
       if (!other.expressions.contains(text)) add_expression(text, line, is_new);
     std::ranges::stable_sort(out_.all.begin() + static_cast<std::ptrdiff_t>(begin), out_.all.end(),
-                             {}, &Reading::line);
+                             {}, &Interpretation::line);
   }
-  Readings take() { return std::move(out_); }
+  Interpretations take() { return std::move(out_); }
 
  private:
   static std::string sentence_about(const SpellingProblem& problem) {
@@ -152,14 +152,14 @@ class Collector {
   static bool is_suspect(const std::string& text) {
     return text.find_first_of("[]\\") != std::string::npos;
   }
-  void put(Reading reading) {
-    if (out_.all.size() < kMaxReadings)
+  void put(Interpretation reading) {
+    if (out_.all.size() < kMaxInterpretations)
       out_.all.push_back(std::move(reading));
     else
       out_.is_complete = false;
   }
 
-  Readings out_;
+  Interpretations out_;
   std::size_t tried_ = 0;
   SetEffort effort_{100'000'000};  // about a second
 };
@@ -170,7 +170,7 @@ void add_strays(Constructs& out, const Permissions& document,
     out.strays.try_emplace({stray.certificate, stray.grant->subject_name}, stray);
 }
 
-Readings compared(const Constructs& before, const Constructs& after) {
+Interpretations compared(const Constructs& before, const Constructs& after) {
   Collector collector;
   collector.add(after, before, true);
   collector.add(before, after, false);
@@ -179,11 +179,12 @@ Readings compared(const Constructs& before, const Constructs& after) {
 
 }  // namespace
 
-Readings readings_of(const Governance& old_document, const Governance& new_document) {
+Interpretations interpretations_of(const Governance& old_document, const Governance& new_document) {
   return compared(constructs_of(old_document), constructs_of(new_document));
 }
 
-Readings readings_of(const Permissions& old_document, const Permissions& new_document) {
+Interpretations interpretations_of(const Permissions& old_document,
+                                   const Permissions& new_document) {
   const Permissions* const both[] = {&old_document, &new_document};
   auto before = constructs_of(old_document), after = constructs_of(new_document);
   add_strays(before, old_document, both);

@@ -1,4 +1,4 @@
-#include "rtps/participant/proven_readings.hpp"
+#include "rtps/participant/proven_refreshes.hpp"
 
 #include <utility>
 
@@ -13,7 +13,7 @@ bool are_proven(const spi::ParticipantSecurityAttributes& attributes, bool secur
 
 }  // namespace
 
-void ProvenReadings::begin(const spi::ParticipantSecurityAttributes& former) {
+void ProvenRefreshes::begin(const spi::ParticipantSecurityAttributes& former) {
   for (const bool secure : {false, true}) {
     if (are_proven(former, secure) || !are_proven(core_.attributes(), secure)) continue;
     for (const auto& [prefix, known] : remotes_.all())
@@ -22,7 +22,7 @@ void ProvenReadings::begin(const spi::ParticipantSecurityAttributes& former) {
   }
 }
 
-void ProvenReadings::read_again(const GuidPrefix& participant) {
+void ProvenRefreshes::read_again(const GuidPrefix& participant) {
   auto* remote = remotes_.find(participant);
   if (remote == nullptr || !core_.is_authenticated(participant)) return;
   for (const bool secure : {false, true}) {
@@ -32,14 +32,14 @@ void ProvenReadings::read_again(const GuidPrefix& participant) {
   }
 }
 
-void ProvenReadings::begin(RemoteParticipant& remote, bool secure, bool drops_recorded) {
+void ProvenRefreshes::begin(RemoteParticipant& remote, bool secure, bool drops_recorded) {
   for (const auto& [id, endpoint] : remote.endpoints)
     if (endpoint.data.by_secure_discovery == secure) remote.unconfirmed.insert(id);
   builtin_.refresh_announcements(remote, secure, drops_recorded);
   if (secure) builtin_.refresh_participant(remote, drops_recorded);
 }
 
-void ProvenReadings::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {
+void ProvenRefreshes::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {
   const auto id = endpoint.guid.entity;
   if (remote.unconfirmed.erase(id) == 0) return;
   const auto known = remote.endpoints.find(id);
@@ -49,12 +49,12 @@ void ProvenReadings::note_announced(RemoteParticipant& remote, const EndpointDat
     matcher_.remove(remote, id);
 }
 
-bool ProvenReadings::has_read(const RemoteParticipant& remote) const {
+bool ProvenRefreshes::has_read(const RemoteParticipant& remote) const {
   return builtin_.has_read(remote, false) && builtin_.has_read(remote, true);
 }
 
 // A participant that does not answer is not matched for longer than its lease.
-void ProvenReadings::tick() {
+void ProvenRefreshes::tick() {
   if (!core_.security) return;
   if (const auto former = std::exchange(core_.security->core().former_domain, std::nullopt))
     begin(*former);

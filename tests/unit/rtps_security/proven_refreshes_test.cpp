@@ -1,5 +1,5 @@
 // What is left of forged announcements when discovery becomes protected.
-#include "rtps/participant/proven_readings.hpp"
+#include "rtps/participant/proven_refreshes.hpp"
 
 #include "rtps/discovery/serialized.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
@@ -21,7 +21,7 @@ bool knows_forged(Fleet& fleet) {
   return known.contains(EntityId{{0x40, 0, 1, 7}});
 }
 
-TEST(ProvenReadings, ForgedAnnouncementsFromBefore_AreForgotten) {
+TEST(ProvenRefreshes, ForgedAnnouncementsFromBefore_AreForgotten) {
   const Rules bare{.secure_topics = true};
   for (const auto& [before, after, secure] :
        {Case{bare, {.discovery = kSign, .secure_topics = true}, true},
@@ -81,7 +81,7 @@ void forge_bob(Fleet& fleet) {
                           fleet.world.now, *Locator::parse("127.0.0.1", 7999));
 }
 
-TEST(ProvenReadings, ForgedDataOfAParticipantFromBefore_GivesWayToItsOwn) {
+TEST(ProvenRefreshes, ForgedDataOfAParticipantFromBefore_GivesWayToItsOwn) {
   const Rules bare{.secure_topics = true};
   for (const auto& after : {Rules{.discovery = kSign, .secure_topics = true},
                             Rules{.rtps = kSign, .secure_topics = true}}) {
@@ -100,7 +100,7 @@ TEST(ProvenReadings, ForgedDataOfAParticipantFromBefore_GivesWayToItsOwn) {
   }
 }
 
-TEST(ProvenReadings, AddressesThatNothingProtects_AreNotTakenAsSigned) {
+TEST(ProvenRefreshes, AddressesThatNothingProtects_AreNotTakenAsSigned) {
   Fleet fleet(Rules{.secure_topics = true});
   fleet.run(1);
   const auto addresses = bob(fleet).metatraffic;
