@@ -4,7 +4,7 @@
 # The API: what an application or the author of a plugin may include. Changes of it stand in CHANGELOG.md.
 set(DDSSEC_PUBLIC_HEADERS
   # a secured participant in one call, and the three plugins for a participant made by hand
-  secured/engines.hpp
+  secured/security_plugin_set.hpp
   secured/participant.hpp
   # the entities of DDS 1.4, and what their calls take and return
   rtps/dcps/builtin_topics.hpp
@@ -66,7 +66,7 @@ set(DDSSEC_PUBLIC_HEADERS
   base/bytes.hpp
   base/clock.hpp
   base/code.hpp
-  base/engine_services.hpp
+  base/plugin_services.hpp
   base/event.hpp
   base/event_log.hpp
   base/hash.hpp

@@ -5,7 +5,7 @@
 
 #include "base/event_log.hpp"
 #include "base/rate_limited_sink.hpp"
-#include "secured/engines.hpp"
+#include "secured/security_plugin_set.hpp"
 
 namespace ddssec::secured {
 
@@ -17,7 +17,7 @@ struct Participant::State {
   EventSink& events;
   LoggedEvents logged{events, EventLog::of_environment()};
   RateLimitedSink limited{logged, clock};
-  Engines engines{{clock, random, limited}};
+  SecurityPluginSet plugins{{clock, random, limited}};
   std::unique_ptr<rtps::DomainParticipant> participant = {};
   rtps::Publisher* publisher = nullptr;
   rtps::Subscriber* subscriber = nullptr;
@@ -41,7 +41,7 @@ void StandardErrorEvents::raise(const Event& event) {
 Result<Participant> Participant::join(const std::filesystem::path& folder,
                                       rtps::DomainParticipantOptions options, EventSink* events) {
   auto state = std::make_unique<State>(events);
-  DDSSEC_ASSIGN_OR_RETURN(auto security, state->engines.security_options(folder));
+  DDSSEC_ASSIGN_OR_RETURN(auto security, state->plugins.security_options(folder));
   options.security.emplace(std::move(security));
   DDSSEC_ASSIGN_OR_RETURN(state->participant,
                           rtps::DomainParticipant::create(

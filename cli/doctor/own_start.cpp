@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "base/clock.hpp"
-#include "base/engine_services.hpp"
 #include "base/event.hpp"
+#include "base/plugin_services.hpp"
 #include "cli/doctor/folder_configuration.hpp"
 #include "cli/inputs/files.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
@@ -25,7 +25,7 @@
 #include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "rtps/security/own_security.hpp"
-#include "secured/engines.hpp"
+#include "secured/security_plugin_set.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -45,7 +45,7 @@ Status start(spi::PropertyList properties, const access_control::AccessControlOp
   const ManualClock clock(settings.now);
   SystemRandom random;
   NoEvents events;
-  const EngineServices services{clock, random, events};
+  const PluginServices services{clock, random, events};
   const auto authentication = authentication::make_authentication(services);
   const auto access_control = access_control::make_access_control(services, options);
   const auto cryptography = cryptography::make_cryptography(services);

@@ -26,7 +26,7 @@ using Participants = std::set<const LocalParticipant*>;
 
 class AccessControlPlugin final : public spi::AccessControl {
  public:
-  AccessControlPlugin(const EngineServices& services, AccessControlOptions options)
+  AccessControlPlugin(const PluginServices& services, AccessControlOptions options)
       : services_(services),
         options_(std::move(options)),
         judgement_(services_.clock, options_.accept_relays),
@@ -239,7 +239,7 @@ class AccessControlPlugin final : public spi::AccessControl {
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
 
-  const EngineServices services_;
+  const PluginServices services_;
   const AccessControlOptions options_;
   const AccessDecisions judgement_;
   DocumentCache documents_;
@@ -490,7 +490,7 @@ std::vector<PermissionsHandle> AccessControlPlugin::poll(PermissionsHandle local
 
 }  // namespace
 
-std::unique_ptr<spi::AccessControl> make_access_control(const EngineServices& services,
+std::unique_ptr<spi::AccessControl> make_access_control(const PluginServices& services,
                                                         AccessControlOptions options) {
   return std::make_unique<AccessControlPlugin>(services, std::move(options));
 }

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/spi/access_control.hpp"
 
 namespace ddssec::access_control {
@@ -44,7 +44,7 @@ inline constexpr std::size_t kMaxCachedDocuments = 256;
 inline constexpr std::size_t kMaxCachedOctets = 64 * 1024 * 1024;
 /// Makes a plugin without any participant; `services` must outlive it. Each local participant's own
 /// documents govern what it may do and which peers it trusts.
-std::unique_ptr<spi::AccessControl> make_access_control(const EngineServices& services,
+std::unique_ptr<spi::AccessControl> make_access_control(const PluginServices& services,
                                                         AccessControlOptions options = {});
 
 }  // namespace ddssec::access_control

@@ -6,7 +6,7 @@ namespace ddssec::access_control {
 namespace {
 
 // Extends the permissions of peers. Returns true if a peer ends.
-bool follow(const Entries& entries, const EngineServices& services) {
+bool follow(const Entries& entries, const PluginServices& services) {
   const WallTime now = services.clock.calendar_seconds();
   bool one_ends = false;
   for (const auto& [handle, holder] : entries) {
@@ -21,7 +21,7 @@ bool follow(const Entries& entries, const EngineServices& services) {
 }  // namespace
 
 void follow_renewal_lists(const Entries& entries, DocumentCache& documents,
-                          const EngineServices& services) {
+                          const PluginServices& services) {
   if (!follow(entries, services)) return;
   for (const auto& [handle, holder] : entries) {
     if (holder->remote()) continue;

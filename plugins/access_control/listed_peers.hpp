@@ -1,7 +1,7 @@
 // Peers whose permissions the renewal list extends.
 #pragma once
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/access_control/handle_table.hpp"
 
 namespace ddssec::access_control {
@@ -10,6 +10,6 @@ namespace ddssec::access_control {
 /// that knows the peer (PermissionsHolder::follow_list). Before a peer's permissions end, the list
 /// is read once more. Raises the events about extensions and about unusable lists.
 void follow_renewal_lists(const Entries& entries, DocumentCache& documents,
-                          const EngineServices& services);
+                          const PluginServices& services);
 
 }  // namespace ddssec::access_control

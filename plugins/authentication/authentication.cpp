@@ -205,7 +205,7 @@ std::vector<IdentityHandle> PkiDh::poll(IdentityHandle local) {
   return handles;
 }
 
-std::unique_ptr<spi::Authentication> make_authentication(const EngineServices& services,
+std::unique_ptr<spi::Authentication> make_authentication(const PluginServices& services,
                                                          AuthenticationOptions options) {
   return std::make_unique<PkiDh>(services, options);
 }

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "pki/chain.hpp"
 #include "plugins/spi/authentication.hpp"
 
@@ -51,7 +51,7 @@ inline constexpr std::chrono::seconds kPendingAge{5};
 ///   handle. Another identity token replaces the first one as long as no peer authenticated under
 ///   that GUID, because neither token proves anything. Afterwards it is refused until
 ///   return_identity_handle.
-std::unique_ptr<spi::Authentication> make_authentication(const EngineServices& services,
+std::unique_ptr<spi::Authentication> make_authentication(const PluginServices& services,
                                                          AuthenticationOptions options = {});
 
 }  // namespace ddssec::authentication

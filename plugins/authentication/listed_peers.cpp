@@ -51,7 +51,7 @@ Error listed(const pki::ChainValid& chain) {
 // Lets a session go on, if it can. Returns nothing if it goes on, and otherwise a note about the
 // peer's certificate, which may be blank.
 std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
-                                  const LocalIdentity& local, const EngineServices& services) {
+                                  const LocalIdentity& local, const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto found = followed_peer(peer, local, now);
   if (!found.peer) return found.why_not;
@@ -65,12 +65,12 @@ std::optional<std::string> follow(IdentityTable& table, const Authenticated& pee
 }  // namespace
 
 bool follow_renewal_list(IdentityTable& table, const Authenticated& peer,
-                         const LocalIdentity& local, const EngineServices& services) {
+                         const LocalIdentity& local, const PluginServices& services) {
   return !follow(table, peer, local, services);
 }
 
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,
-                          const EngineServices& services) {
+                          const PluginServices& services) {
   std::set<const LocalIdentity*> looked;
   std::erase_if(ended, [&](IdentityTable::EndedIdentity& one) {
     const auto peer = table.authenticated(one.handle);

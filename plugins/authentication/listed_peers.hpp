@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/authentication/identity_table.hpp"
 
 namespace ddssec::authentication {
@@ -18,11 +18,11 @@ namespace ddssec::authentication {
 /// For the others EndedIdentity::note has the reason why a listed certificate does not count. If a
 /// peer has ended, the lists are read once more before.
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,
-                          const EngineServices& services);
+                          const PluginServices& services);
 
 /// Does the same for a peer whose certificate was issued by none of the CAs trusted now. Returns
 /// true if the session goes on.
 bool follow_renewal_list(IdentityTable& table, const IdentityTable::Authenticated& peer,
-                         const LocalIdentity& local, const EngineServices& services);
+                         const LocalIdentity& local, const PluginServices& services);
 
 }  // namespace ddssec::authentication

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/authentication/identity_table.hpp"
 #include "plugins/authentication/kept_requests.hpp"
@@ -28,7 +28,7 @@ struct Revocations;  // revocations.hpp
 /// The builtin plugin DDS:Auth:PKI-DH (DDS-Security 1.2, clause 10.3). Thread-safe.
 class PkiDh final : public spi::Authentication {
  public:
-  PkiDh(const EngineServices& services, const AuthenticationOptions& options)
+  PkiDh(const PluginServices& services, const AuthenticationOptions& options)
       : services_(services),
         stores_(options.crl_policy),
         table_(options.max_local_identities,
@@ -128,7 +128,7 @@ class PkiDh final : public spi::Authentication {
   auto with_established(HandshakeHandle handle, F&& f) const
       -> Result<std::invoke_result_t<F, const Established&>>;
 
-  const EngineServices services_;
+  const PluginServices services_;
   TrustStores stores_;
   UnprovenOctets unproven_;
   IdentityTable table_;

@@ -8,7 +8,7 @@ namespace {
 using Taken = LocalIdentity::AuthoritiesTaken;
 
 Taken renew_authorities(LocalIdentity& identity, TrustStores& stores,
-                        const EngineServices& services) {
+                        const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto taken = identity.renew_authorities(stores, services.clock);
   if (!taken) services.events.raise(event_about(us, taken.error()));
@@ -19,14 +19,14 @@ Taken renew_authorities(LocalIdentity& identity, TrustStores& stores,
   return *taken;
 }
 
-bool renew_certificate(LocalIdentity& identity, const EngineServices& services) {
+bool renew_certificate(LocalIdentity& identity, const PluginServices& services) {
   const auto renewed = identity.renew_identity(services.clock);
   if (!renewed) services.events.raise(event_about(our_name(identity.guid()), renewed.error()));
   return renewed && *renewed;
 }
 
 // A revocation of our own certificate is reported with the revocations (revocations.cpp).
-void renew_ocsp_response(LocalIdentity& identity, const EngineServices& services) {
+void renew_ocsp_response(LocalIdentity& identity, const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto renewed = identity.renew_ocsp_response(services.clock);
   if (!renewed && renewed.error().code() != Code::ocsp_revoked)
@@ -50,7 +50,7 @@ Error renewed_until(const LocalIdentity& identity, const pki::ChainValid& chain)
 
 }  // namespace
 
-void look_at_renewal_list(const LocalIdentity& identity, const EngineServices& services) {
+void look_at_renewal_list(const LocalIdentity& identity, const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto taken = identity.listed().poll(services.clock, *identity.peer_trust());
   if (!taken) services.events.raise(event_about(us, taken.error()));
@@ -58,7 +58,7 @@ void look_at_renewal_list(const LocalIdentity& identity, const EngineServices& s
 }
 
 void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStores& stores,
-                      const EngineServices& services) {
+                      const PluginServices& services) {
   for (const auto& local : table.locals(which)) {
     auto& identity = *local.identity;
     // The CAs come first, because a new CA may have issued a renewed certificate.
@@ -77,7 +77,7 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
 }
 
 void note_documents(const IdentityTable& table, spi::IdentityHandle which,
-                    const EngineServices& services) {
+                    const PluginServices& services) {
   if (services.documents == nullptr) return;
   for (const auto& local : table.locals(which)) {
     const auto& identity = *local.identity;
@@ -88,7 +88,7 @@ void note_documents(const IdentityTable& table, spi::IdentityHandle which,
   }
 }
 
-void forget_documents(spi::IdentityHandle local, const EngineServices& services) {
+void forget_documents(spi::IdentityHandle local, const PluginServices& services) {
   constexpr std::array kOurs = {DocumentKind::identity_certificate, DocumentKind::identity_ca,
                                 DocumentKind::revocation_list, DocumentKind::renewal_list,
                                 DocumentKind::ocsp_response};

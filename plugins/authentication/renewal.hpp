@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/documents_in_use.hpp"
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/authentication/identity_table.hpp"
 
 namespace ddssec::authentication {
@@ -11,17 +11,17 @@ namespace ddssec::authentication {
 /// moves its end. Raises an event for each file that was taken or cannot be used. Call it before
 /// the documents in force are used to judge anything.
 void renew_identities(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
-                      const EngineServices& services);
+                      const PluginServices& services);
 
 /// Reads the renewal list of one local identity, if it may have changed, and raises the events
 /// about it.
-void look_at_renewal_list(const LocalIdentity& identity, const EngineServices& services);
+void look_at_renewal_list(const LocalIdentity& identity, const PluginServices& services);
 
 /// Notes the documents that one local identity uses, or all of them (nil), if the services include
 /// a record.
 void note_documents(const IdentityTable& table, spi::IdentityHandle local,
-                    const EngineServices& services);
+                    const PluginServices& services);
 /// Removes a local identity that has left from the record.
-void forget_documents(spi::IdentityHandle local, const EngineServices& services);
+void forget_documents(spi::IdentityHandle local, const PluginServices& services);
 
 }  // namespace ddssec::authentication

@@ -43,7 +43,7 @@ bool is_about_time_or_lists(Code code) {
 // Returns the reason why a peer must leave after CAs were removed from the file: no remaining CA
 // issued its certificate. For a peer that stays, the end of the session is computed again.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
-                                const LocalIdentity& whose, const EngineServices& services) {
+                                const LocalIdentity& whose, const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
   if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
@@ -60,7 +60,7 @@ std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authe
   return std::nullopt;
 }
 
-void look_at_lists(const OurOwn& local, TrustStores& stores, const EngineServices& services) {
+void look_at_lists(const OurOwn& local, TrustStores& stores, const PluginServices& services) {
   const auto renewed = local.identity->renew_revocation_lists(stores, services.clock);
   const auto us = our_name(local.identity->guid());
   if (!renewed) return services.events.raise(event_about(us, renewed.error()));
@@ -82,7 +82,7 @@ std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const Tru
 }
 
 void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
-           const EngineServices& services, Revocations& out) {
+           const PluginServices& services, Revocations& out) {
   const auto now = services.clock.calendar_seconds();
   // This waits for handshake steps that began under the former lists, so that no peer authenticates
   // under these after the judgement.
@@ -101,7 +101,7 @@ void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
 }  // namespace
 
 Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, TrustStores& stores,
-                             const EngineServices& services) {
+                             const PluginServices& services) {
   Revocations out;
   for (const auto& local : table.locals(which)) {
     look_at_lists(local, stores, services);

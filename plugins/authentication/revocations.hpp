@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/authentication/identity_table.hpp"
 
 namespace ddssec::authentication {
@@ -27,6 +27,6 @@ struct Revocations {
 /// file with newer lists, or with lists that cannot be used. Judges authenticated peers by new
 /// lists, and by CAs that renew_identities has taken. Does not mark any identity.
 Revocations find_revocations(IdentityTable& table, spi::IdentityHandle local, TrustStores& stores,
-                             const EngineServices& services);
+                             const PluginServices& services);
 
 }  // namespace ddssec::authentication

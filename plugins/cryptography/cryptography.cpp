@@ -24,7 +24,7 @@ T starting_number(Random& random) {
 
 class Engine final : public spi::Cryptography {
  public:
-  Engine(const EngineServices& services, const AeadBackend& aead,
+  Engine(const PluginServices& services, const AeadBackend& aead,
          const CryptographyOptions& options)
       : state_(services, aead, options, starting_number<std::uint64_t>(services.random)),
         factory_(state_, starting_number<std::uint32_t>(services.random)),
@@ -50,7 +50,7 @@ spi::CipherMask supported_ciphers(AeadChoice choice) {
   return aead == nullptr ? 0 : ciphers_of(*aead);
 }
 
-std::unique_ptr<spi::Cryptography> make_cryptography(const EngineServices& services,
+std::unique_ptr<spi::Cryptography> make_cryptography(const PluginServices& services,
                                                      CryptographyOptions options) {
   const auto* aead = aead_backend(options.aead);
   if (aead == nullptr) {

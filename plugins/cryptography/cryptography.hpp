@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/spi/cryptography.hpp"
 
 namespace ddssec::cryptography {
@@ -44,7 +44,7 @@ spi::CipherMask supported_ciphers(AeadChoice choice = AeadChoice::automatic);
 /// missing implementation and as described in CryptographyOptions. Other refusals are only
 /// returned, and the host decides whether to log them: an attacker who sends garbage must not fill
 /// a log.
-std::unique_ptr<spi::Cryptography> make_cryptography(const EngineServices& services,
+std::unique_ptr<spi::Cryptography> make_cryptography(const PluginServices& services,
                                                      CryptographyOptions options = {});
 
 }  // namespace ddssec::cryptography

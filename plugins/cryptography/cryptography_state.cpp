@@ -17,7 +17,7 @@ KeyServices key_services(const AeadBackend& aead, RetiredObjects& retired_object
 
 }  // namespace
 
-CryptographyState::CryptographyState(const EngineServices& given, const AeadBackend& aead,
+CryptographyState::CryptographyState(const PluginServices& given, const AeadBackend& aead,
                                      const CryptographyOptions& options,
                                      std::uint64_t first_generation)
     : services(given),

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cryptography/entities.hpp"
 #include "plugins/cryptography/subject_id.hpp"
@@ -14,7 +14,7 @@ namespace ddssec::cryptography {
 
 /// The shared state. Any change requires `mutex`.
 struct CryptographyState {
-  CryptographyState(const EngineServices& services, const AeadBackend& aead,
+  CryptographyState(const PluginServices& services, const AeadBackend& aead,
                     const CryptographyOptions& options, std::uint64_t first_generation);
 
   template <class H>
@@ -49,7 +49,7 @@ struct CryptographyState {
   /// The caller holds the mutex.
   void note_former(std::int64_t handle, const RemoteKeys& remote_keys);
 
-  const EngineServices services;
+  const PluginServices services;
   const bool header_prefix_is_network_order;
   const bool host_checks_sources;
   RetiredObjects retired_objects;  // declared before the members that retire objects into it

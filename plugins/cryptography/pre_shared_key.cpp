@@ -71,7 +71,7 @@ KeyMaterial derive_pre_shared_material(const Passphrase& passphrase, TransformKi
 
 Result<std::unique_ptr<PreSharedKeyRing>> PreSharedKeyRing::create(PassphraseFiles files,
                                                                    Domain domain,
-                                                                   const EngineServices& services,
+                                                                   const PluginServices& services,
                                                                    const KeyServices& keys) {
   DDSSEC_ASSIGN_OR_RETURN(auto passphrases, files.load(services.events));
   std::unique_ptr<PreSharedKeyRing> out(

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/cryptography/message.hpp"
 #include "plugins/cryptography/passphrase.hpp"
 #include "plugins/spi/pre_shared_key.hpp"
@@ -43,7 +43,7 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
   /// Reads the passphrases. `services` and `keys` must outlive the result. Errors: those of
   /// PassphraseFiles::load.
   static Result<std::unique_ptr<PreSharedKeyRing>> create(PassphraseFiles files, Domain domain,
-                                                          const EngineServices& services,
+                                                          const PluginServices& services,
                                                           const KeyServices& keys);
 
   Result<std::size_t> encode(BytesView plain, MutableBytes out) override;
@@ -70,7 +70,7 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
     std::uint64_t last_used;
   };
 
-  PreSharedKeyRing(PassphraseFiles files, Domain domain, const EngineServices& services,
+  PreSharedKeyRing(PassphraseFiles files, Domain domain, const PluginServices& services,
                    const KeyServices& keys)
       : files_(std::move(files)), domain_(std::move(domain)), services_(services), keys_(keys) {}
   /// Uses these passphrases: at least one, the first to send with. Drops keys derived from others.
@@ -85,7 +85,7 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
 
   PassphraseFiles files_;
   const Domain domain_;
-  const EngineServices& services_;
+  const PluginServices& services_;
   const KeyServices& keys_;
   std::vector<Entry> entries_;
   /// The last event about unusable passphrases, to report it once; empty if there is none.

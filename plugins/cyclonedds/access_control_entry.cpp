@@ -10,7 +10,7 @@ using cyclonedds::AccessControlAdapter;
 
 DDSSEC_EXPORT int init_access_control(const char*, void** context, ddsi_domaingv* domain) {
   return cyclonedds::init<AccessControlAdapter, dds_security_access_control>(
-      context, domain, __builtin_return_address(0), [](const EngineServices& services) {
+      context, domain, __builtin_return_address(0), [](const PluginServices& services) {
         // A stock authentication plugin presents the permissions with which a participant began.
         return access_control::make_access_control(
             services, {.presents_renewed_permissions = cyclonedds::has_our_authentication});

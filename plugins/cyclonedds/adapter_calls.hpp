@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/cyclonedds/c_boundary.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 
@@ -12,7 +12,7 @@ namespace ddssec::cyclonedds {
 
 /// Creates an engine with the services of its host.
 template <class Engine>
-using MakeEngine = std::function<std::unique_ptr<Engine>(const EngineServices&)>;
+using MakeEngine = std::function<std::unique_ptr<Engine>(const PluginServices&)>;
 
 /// Calls `f(context) -> Result` inside the C boundary. A null instance is refused.
 template <class Context, class Instance, class F>

@@ -9,7 +9,7 @@ using cyclonedds::AuthenticationAdapter;
 
 DDSSEC_EXPORT int init_authentication(const char*, void** context, ddsi_domaingv* domain) {
   return cyclonedds::init<AuthenticationAdapter, dds_security_authentication>(
-      context, domain, __builtin_return_address(0), [](const EngineServices& services) {
+      context, domain, __builtin_return_address(0), [](const PluginServices& services) {
         return authentication::make_authentication(services, {});
       });
 }

@@ -11,7 +11,7 @@ using cyclonedds::CryptographyAdapter;
 
 DDSSEC_EXPORT int init_crypto(const char*, void** context, ddsi_domaingv* domain) {
   return cyclonedds::init<CryptographyAdapter, dds_security_cryptography>(
-      context, domain, __builtin_return_address(0), [](const EngineServices& services) {
+      context, domain, __builtin_return_address(0), [](const PluginServices& services) {
         // Cyclone's core does not remember the owners of keys.
         return cryptography::make_cryptography(services, {.host_checks_sources = false});
       });

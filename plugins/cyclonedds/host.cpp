@@ -18,7 +18,7 @@ void Host::CountingSink::raise(const Event& event) {
   }
 }
 
-const EngineServices& Host::services_with_record(bool reports) {
+const PluginServices& Host::services_with_record(bool reports) {
   documents_ = shared_status_record(reports ? &limited_ : nullptr);
   services_.documents = documents_.get();
   return services_;

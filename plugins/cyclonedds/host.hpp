@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "base/clock.hpp"
-#include "base/engine_services.hpp"
 #include "base/event.hpp"
+#include "base/plugin_services.hpp"
 #include "base/rate_limited_sink.hpp"
 #include "base/steady_calendar.hpp"
 #include "plugins/cyclonedds/host_log.hpp"
@@ -22,12 +22,12 @@ class Host {
       : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
   /// Returns the services with the record of DDSSEC_STATUS_DIR; call it before the engine is made.
   /// If `reports`, an event gives the reason if there is none although the variable requests it.
-  const EngineServices& services_with_record(bool reports);
+  const PluginServices& services_with_record(bool reports);
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
   /// Returns the services for the engine, which this object owns.
-  const EngineServices& services() const { return services_; }
+  const PluginServices& services() const { return services_; }
   const Clock& clock() const { return calendar_; }
   SteadyCalendar& calendar() { return calendar_; }
   const void* code() const { return code_; }
@@ -61,7 +61,7 @@ class Host {
   RateLimitedSink limited_;
   CountingSink counted_;
   std::shared_ptr<DocumentsInUse> documents_;  ///< nullptr if the process shows none
-  EngineServices services_{calendar_, random_, counted_};
+  PluginServices services_{calendar_, random_, counted_};
 };
 
 }  // namespace ddssec::cyclonedds

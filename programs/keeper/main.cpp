@@ -7,7 +7,7 @@
 #include "base/event_log.hpp"
 #include "base/rate_limited_sink.hpp"
 #include "rtps/keeper/keeper.hpp"
-#include "secured/engines.hpp"
+#include "secured/security_plugin_set.hpp"
 
 namespace {
 
@@ -43,12 +43,12 @@ sigset_t hold_signals() {
 }
 
 Result<rtps::DomainParticipantOptions> participant_options(const Options& options,
-                                                           secured::Engines& engines) {
+                                                           secured::SecurityPluginSet& plugins) {
   rtps::DomainParticipantOptions out{.domain_id = options.domain,
                                      .entity_name = "ddssec-keeper",
                                      .interfaces = options.interfaces};
   if (options.security != "off") {
-    DDSSEC_ASSIGN_OR_RETURN(auto security, engines.security_options(options.security));
+    DDSSEC_ASSIGN_OR_RETURN(auto security, plugins.security_options(options.security));
     out.security.emplace(std::move(security));
   }
   return out;
@@ -99,8 +99,8 @@ int run(const Options& options) {
   Log log;
   LoggedEvents logged(log, EventLog::of_environment());
   RateLimitedSink events(logged, clock);
-  const EngineServices services{clock, random, events};
-  secured::Engines engines(services);
+  const PluginServices services{clock, random, events};
+  secured::SecurityPluginSet plugins(services);
   auto wanted = participant_options(options, engines);
   if (!wanted) return print_refusal(wanted.error());
   auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeper, services);

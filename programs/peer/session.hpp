@@ -11,7 +11,7 @@
 #include "base/rate_limited_sink.hpp"
 #include "programs/peer/options.hpp"
 #include "rtps/dcps/domain_participant.hpp"
-#include "secured/engines.hpp"
+#include "secured/security_plugin_set.hpp"
 
 namespace ddssec::peer {
 
@@ -35,7 +35,7 @@ class Session final : private EventSink {
  public:
   explicit Session(const Options& options) : options_(options) {}
 
-  /// Creates the participant. Errors: those of Engines::security_options and
+  /// Creates the participant. Errors: those of SecurityPluginSet::security_options and
   /// DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
@@ -94,7 +94,7 @@ class Session final : private EventSink {
   SystemRandom random_;
   LoggedEvents logged_{*this, EventLog::of_environment()};
   RateLimitedSink limited_{logged_, clock_};
-  std::unique_ptr<secured::Engines> engines_;
+  std::unique_ptr<secured::SecurityPluginSet> plugins_;
   std::unique_ptr<rtps::DomainParticipant> participant_;
   rtps::AuthenticationCounters printed_;
   std::int64_t end_ = 0;

@@ -9,7 +9,7 @@
 #include "programs/shapes/options.hpp"
 #include "programs/shapes/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"
-#include "secured/engines.hpp"
+#include "secured/security_plugin_set.hpp"
 
 namespace ddssec::shapes {
 
@@ -56,7 +56,7 @@ class Session final : private EventSink {
   explicit Session(const Options& options) : options_(options) {}
   ~Session() override;
 
-  /// Creates the participant. Errors: those of Engines::security_options and
+  /// Creates the participant. Errors: those of SecurityPluginSet::security_options and
   /// DomainParticipant::create.
   Status open();
   const Options& options() const { return options_; }
@@ -97,7 +97,7 @@ class Session final : private EventSink {
   LoggedEvents logged_{*this, EventLog::of_environment()};
   RateLimitedSink limited_{logged_, clock_};
   StatusLines lines_;
-  secured::Engines engines_{{clock_, random_, limited_}};
+  secured::SecurityPluginSet plugins_{{clock_, random_, limited_}};
   std::unique_ptr<rtps::DomainParticipant> participant_;
 };
 

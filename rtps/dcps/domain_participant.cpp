@@ -55,7 +55,7 @@ Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& con
 
 Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
                                     const GuidPrefix& prefix, ParticipantSockets& sockets,
-                                    const EngineServices& services) {
+                                    const PluginServices& services) {
   ParticipantConfig config{.prefix = prefix,
                            .domain_id = options.domain_id,
                            .domain_tag = options.domain_tag,
@@ -86,7 +86,7 @@ Result<ParticipantConfig> config_of(const DomainParticipantOptions& options,
 
 static_assert(DomainParticipantOptions::kMaxFragment == MessageSender::kMaxFragment);
 
-detail::ServiceHolder::ServiceHolder(const EngineServices& services,
+detail::ServiceHolder::ServiceHolder(const PluginServices& services,
                                      const DomainParticipantOptions& options)
     : service_(std::make_unique<ParticipantService>(
           services, options.own_thread,
@@ -96,7 +96,7 @@ detail::ServiceHolder::ServiceHolder(const EngineServices& services,
 detail::ServiceHolder::~ServiceHolder() = default;
 
 DomainParticipant::DomainParticipant(DomainParticipantOptions options,
-                                     const EngineServices& services)
+                                     const PluginServices& services)
     : ServiceHolder(services, options),
       Entity(service_->context()),
       options_(std::move(options)),
@@ -110,7 +110,7 @@ DomainParticipant::DomainParticipant(DomainParticipantOptions options,
       groups_(*this, context_) {}
 
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
-    DomainParticipantOptions wanted, const EngineServices& services) {
+    DomainParticipantOptions wanted, const PluginServices& services) {
   if (wanted.domain_id < 0 || wanted.domain_id > kMaxDomainId)
     return bad_option_error("domain_id", "0 to 232", std::to_string(wanted.domain_id));
   if (wanted.busy_wait < std::chrono::nanoseconds::zero() ||

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/engine_services.hpp"
 #include "base/ids.hpp"
+#include "base/plugin_services.hpp"
 #include "base/result.hpp"
 #include "rtps/dcps/discovered_entities.hpp"
 #include "rtps/dcps/groups.hpp"
@@ -105,7 +105,7 @@ struct DomainParticipantCounters : ParticipantCounters {
 namespace detail {
 /// A separate base class, because it must be constructed before Entity, which needs its context.
 struct ServiceHolder {
-  ServiceHolder(const EngineServices& services, const DomainParticipantOptions& options);
+  ServiceHolder(const PluginServices& services, const DomainParticipantOptions& options);
   ~ServiceHolder();
   const std::unique_ptr<ParticipantService> service_;
 };
@@ -127,7 +127,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// rtps_thread_failed, rtps_store_unusable, rtps_store_failed; with security also those of the
   /// plugins.
   static Result<std::unique_ptr<DomainParticipant>> create(DomainParticipantOptions options,
-                                                           const EngineServices& services);
+                                                           const PluginServices& services);
   /// Waits until its listeners have returned. Must not be called from within one of them, nor from
   /// a listener of another participant that is being destroyed in a listener of this one: raises
   /// the event rtps_ended_in_listener and calls std::terminate.
@@ -283,7 +283,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   friend class Keeper;
   friend class Topic;
 
-  DomainParticipant(DomainParticipantOptions options, const EngineServices& services);
+  DomainParticipant(DomainParticipantOptions options, const PluginServices& services);
   const DomainParticipantOptions options_;
   DomainParticipantQos qos_;
   Qos default_topic_qos_;

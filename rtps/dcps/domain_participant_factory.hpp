@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 
 namespace ddssec::rtps {
@@ -16,7 +16,7 @@ namespace ddssec::rtps {
 class DomainParticipantFactory {
  public:
   /// The clock, random source and event sink in `services` must outlive the factory.
-  explicit DomainParticipantFactory(const EngineServices& services) : services_(services) {}
+  explicit DomainParticipantFactory(const PluginServices& services) : services_(services) {}
 
   /// Sets whether new participants are enabled when they are created (ENTITY_FACTORY). The default
   /// is true.
@@ -34,7 +34,7 @@ class DomainParticipantFactory {
   DomainParticipant* lookup_participant(DomainId domain) const;
 
  private:
-  const EngineServices services_;
+  const PluginServices services_;
   std::atomic<bool> autoenable_ = true;
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<DomainParticipant>> participants_;

@@ -7,7 +7,7 @@ namespace ddssec::rtps {
 
 thread_local const ParticipantContext::Calling* ParticipantContext::calling_ = nullptr;
 
-ParticipantContext::ParticipantContext(const EngineServices& services, Server& server,
+ParticipantContext::ParticipantContext(const PluginServices& services, Server& server,
                                        std::shared_ptr<ServingTurn> turn,
                                        std::shared_ptr<ProcessPeers> process_peers)
     : services_(services),

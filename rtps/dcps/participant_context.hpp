@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "rtps/dcps/callback_lock.hpp"
 #include "rtps/dcps/link.hpp"
 #include "rtps/dcps/reader_cache.hpp"
@@ -34,7 +34,7 @@ class ParticipantContext {
   };
 
   /// `turn` is nullptr if the participant has no thread of its own.
-  ParticipantContext(const EngineServices& services, Server& server,
+  ParticipantContext(const PluginServices& services, Server& server,
                      std::shared_ptr<ServingTurn> turn,
                      std::shared_ptr<ProcessPeers> process_peers);
   ~ParticipantContext();
@@ -42,7 +42,7 @@ class ParticipantContext {
   std::mutex& mutex() const { return mutex_; }
   const std::shared_ptr<ServingTurn>& turn() const { return turn_; }
   const std::shared_ptr<ProcessPeers>& process_peers() const { return process_peers_; }
-  const EngineServices& services() const { return services_; }
+  const PluginServices& services() const { return services_; }
   MonotonicTime now() const { return services_.clock.monotonic(); }
   Moment moment() const { return {now(), Time::from(services_.clock.calendar_nanoseconds())}; }
 
@@ -159,7 +159,7 @@ class ParticipantContext {
   /// already been woken.
   void wake_if(MonotonicTime other);
 
-  const EngineServices services_;
+  const PluginServices services_;
   Server& server_;
   const std::shared_ptr<ServingTurn> turn_;
   const std::shared_ptr<ProcessPeers> process_peers_;

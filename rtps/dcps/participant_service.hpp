@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "rtps/dcps/caught_exceptions.hpp"
 #include "rtps/dcps/participant_context.hpp"
 #include "rtps/participant/rtps_participant.hpp"
@@ -17,7 +17,7 @@ namespace ddssec::rtps {
 /// abandoned, counted and reported.
 class ParticipantService final : private ParticipantContext::Server, private ServingTurn::Server {
  public:
-  ParticipantService(const EngineServices& services, bool own_thread,
+  ParticipantService(const PluginServices& services, bool own_thread,
                      std::shared_ptr<ProcessPeers> process_peers)
       : turn_(own_thread ? std::make_shared<ServingTurn>(turn_server()) : nullptr),
         context_(services, *this, turn_, std::move(process_peers)),

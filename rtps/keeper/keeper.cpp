@@ -96,7 +96,7 @@ Error no_room_error(const std::string& topic) {
 
 Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
                                                KeeperOptions keeps,
-                                               const EngineServices& services) {
+                                               const PluginServices& services) {
   DDSSEC_ASSIGN_OR_RETURN(auto store,
                           DurableStore::open(keeps.store, services.events, keeps.store_octets,
                                              Time::from(services.clock.calendar_nanoseconds())));

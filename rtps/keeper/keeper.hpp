@@ -2,7 +2,7 @@
 // of a domain and gives them to late joiners, whether the writers still exist or not.
 #pragma once
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/durability/durable_store.hpp"
 
@@ -48,7 +48,7 @@ class Keeper final : private DataReaderListener {
   /// rtps_store_unusable.
   static Result<std::unique_ptr<Keeper>> create(DomainParticipantOptions options,
                                                 KeeperOptions keeps,
-                                                const EngineServices& services);
+                                                const PluginServices& services);
   ~Keeper() override;
 
   /// Returns the number of topics (of different types and partitions) that are kept.

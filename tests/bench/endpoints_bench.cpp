@@ -50,7 +50,7 @@ struct World {
                                                  .interfaces = {"127.0.0.1"},
                                                  .multicast = false,
                                                  .delivers_in_process = false},
-                                                EngineServices{clock, random, events});
+                                                PluginServices{clock, random, events});
     if (!made) std::fprintf(stderr, "%s\n", made.error().to_sentence().c_str()), std::exit(1);
     return std::move(*made);
   }

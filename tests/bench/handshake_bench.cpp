@@ -163,7 +163,7 @@ class Side {
 
  private:
   static MeteredAuthentication& metered(Node& host) {
-    const EngineServices services{host.clock, host.random, host.events};
+    const PluginServices services{host.clock, host.random, host.events};
     auto made =
         std::make_unique<MeteredAuthentication>(authentication::make_authentication(services));
     auto& out = *made;

@@ -54,7 +54,7 @@ T must(Result<T> made) {
 }
 
 template <class T>
-void measure(const EngineServices& services, const char* name) {
+void measure(const PluginServices& services, const char* name) {
   rtps::DomainParticipantOptions options{.domain_id = kDomain,
                                          .domain_tag = std::to_string(getpid()),
                                          .interfaces = {"127.0.0.1"},

@@ -4,8 +4,8 @@
 #include "bench/participants.h"
 #include "peer_types.hpp"
 #include "rtps/dcps/wait_set.hpp"
-#include "secured/engines.hpp"
 #include "secured/participant.hpp"
+#include "secured/security_plugin_set.hpp"
 
 namespace {
 
@@ -103,8 +103,8 @@ int run(const bench_options& options) {
   SystemRandom random;
   secured::StandardErrorEvents log;
   RateLimitedSink events(log, clock);
-  const EngineServices services{clock, random, events};
-  secured::Engines engines(services);
+  const PluginServices services{clock, random, events};
+  secured::SecurityPluginSet plugins(services);
   const bool fleet = !bench_is_local(&options);
   rtps::DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
                                         .interfaces = {options.address},
@@ -113,7 +113,7 @@ int run(const bench_options& options) {
   wanted.busy_wait = std::chrono::microseconds(options.busy_wait_us);
   if (fleet) wanted.peers = {};
   if (options.security != nullptr)
-    wanted.security.emplace(engines.view(),
+    wanted.security.emplace(plugins.plugins(),
                             secured::or_exit(secured::folder_properties(options.security)));
   Embedded embedded;
   embedded.stack = {&embedded, readers,       writers,     write_blob,

@@ -102,7 +102,7 @@ Status create(DomainParticipant& participant, const peer_options& options, Embed
 
 // The three engines of one process.
 struct Plugins {
-  explicit Plugins(const EngineServices& services)
+  explicit Plugins(const PluginServices& services)
       : authentication(authentication::make_authentication(services)),
         access_control(
             access_control::make_access_control(services, {.host_revises_keys = true,
@@ -154,7 +154,7 @@ int run(const peer_options& options) {
   SystemRandom random;
   StderrSink log;
   RateLimitedSink events(log, clock);
-  const EngineServices services{clock, random, events};
+  const PluginServices services{clock, random, events};
   const Plugins plugins(services);
   DomainParticipantOptions wanted{.domain_id = static_cast<DomainId>(options.domain),
                                   .interfaces = {options.address},

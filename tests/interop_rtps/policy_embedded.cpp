@@ -232,7 +232,7 @@ int run(bool appendable) {
   StderrSink log;
   RateLimitedSink events(log, clock);
   const auto participant = DomainParticipant::create(
-      {.interfaces = {"127.0.0.1"}, .multicast = false}, EngineServices{clock, random, events});
+      {.interfaces = {"127.0.0.1"}, .multicast = false}, PluginServices{clock, random, events});
   if (!participant) return 3;
   if (appendable) {
     Embedded<growing::Shape> stack(**participant, 0);

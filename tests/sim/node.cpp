@@ -92,7 +92,7 @@ Node::Node(const Surroundings& around, const Subject& subject, std::size_t numbe
       random_(dice_.next()) {}
 
 void Node::make_engines(const GuidPrefix& name) {
-  const EngineServices services{clock_, random_, *this};
+  const PluginServices services{clock_, random_, *this};
   engines_ = {authentication::make_authentication(services),
               access_control::make_access_control(services, {.host_revises_keys = true,
                                                              .host_has_pre_shared_keys = true,

@@ -15,7 +15,7 @@ int main() {
   ddssec::SystemClock clock;
   ddssec::SystemRandom random;
   Quiet quiet;
-  const ddssec::EngineServices services{clock, random, quiet};
+  const ddssec::PluginServices services{clock, random, quiet};
   const auto authentication = ddssec::authentication::make_authentication(services);
   const auto access_control = ddssec::access_control::make_access_control(services);
   const auto cryptography = ddssec::cryptography::make_cryptography(services);

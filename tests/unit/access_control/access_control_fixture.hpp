@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "base/documents_in_use.hpp"
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "governance/write.hpp"
 #include "pki/authority.hpp"
 #include "plugins/access_control/access_control.hpp"
@@ -170,7 +170,7 @@ class AccessControlTest : public testing::Test {
   SystemRandom random;
   test::RecordedEvents log;
   DocumentsInUse documents;
-  EngineServices services{clock, random, log, &documents};
+  PluginServices services{clock, random, log, &documents};
   std::unique_ptr<spi::AccessControl> plugin = make_access_control(services);
   governance::Governance governance_document = protected_governance();
 };

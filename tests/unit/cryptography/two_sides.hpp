@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/engine_services.hpp"
 #include "base/event.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "tests/support/code_of.hpp"
 #include "tests/support/recorded_events.hpp"
@@ -81,7 +81,7 @@ struct Side {
   ManualClock clock{WallTime{}};
   SystemRandom random;
   test::RecordedEvents events;
-  EngineServices services;
+  PluginServices services;
   std::unique_ptr<spi::Cryptography> engine;
   ParticipantCryptoHandle participant;
   ParticipantCryptoHandle remote;  ///< the other side's participant, as it is matched here

@@ -197,7 +197,7 @@ struct AdapterWithSharedMemory : testing::Test {
   testing::NiceMock<MockAccessControl>* engine = new testing::NiceMock<MockAccessControl>;
   AccessControlAdapter adapter{
       std::make_unique<Host>(std::make_unique<Recorder>(events)),
-      [this](const EngineServices&) { return std::unique_ptr<spi::AccessControl>(engine); },
+      [this](const PluginServices&) { return std::unique_ptr<spi::AccessControl>(engine); },
       nullptr,
       []() -> Result<std::optional<Bypass>> {
         return Bypass{"<SharedMemory><Enable>", "/dev/shm/iceoryx_mgmt is mapped"};

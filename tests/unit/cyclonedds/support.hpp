@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
@@ -51,7 +51,7 @@ struct Harness {
   Harness()
       : adapter(
             std::make_unique<Host>(std::make_unique<Recorder>(events)),
-            [this](const EngineServices& given) {
+            [this](const PluginServices& given) {
               services.emplace(given);
               auto made = std::make_unique<testing::NiceMock<Engine>>();
               engine = made.get();
@@ -63,7 +63,7 @@ struct Harness {
   ddsi_domaingv* domain() { return reinterpret_cast<ddsi_domaingv*>(&events); }
 
   std::vector<Event> events;
-  std::optional<EngineServices> services;
+  std::optional<PluginServices> services;
   testing::NiceMock<Engine>* engine = nullptr;
   Adapter adapter;
 };

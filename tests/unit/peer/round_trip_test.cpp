@@ -23,7 +23,7 @@ struct Other {
   explicit Other(std::int32_t domain) {
     participant = *rtps::DomainParticipant::create(
         {.domain_id = domain, .interfaces = {"127.0.0.1"}, .multicast = false},
-        EngineServices{clock, random, events});
+        PluginServices{clock, random, events});
     qos.history.kind = rtps::HistoryKind::keep_all;
   }
   rtps::DataWriter<Blob>& writer(const char* topic) {

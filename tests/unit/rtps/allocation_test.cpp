@@ -18,7 +18,7 @@ struct Allocations : ::testing::Test {
   std::unique_ptr<DomainParticipant> participant() {
     auto options = testing::undisturbed();
     options.delivers_in_process = is_in_process;
-    return *DomainParticipant::create(std::move(options), EngineServices{clock, random, events});
+    return *DomainParticipant::create(std::move(options), PluginServices{clock, random, events});
   }
   template <DdsType T>
   std::int64_t of(const Flow& flow) {

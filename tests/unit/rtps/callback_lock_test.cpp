@@ -137,7 +137,7 @@ TEST_P(PolledListeners, AListenerThatServesAnotherParticipant_IsStillProtected) 
 TEST_P(PolledListeners, AParticipantDestroyedInItsOwnListener_EndsTheProcessWithAReason) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   PrintedEvents printed;
-  const EngineServices loud{clock, random, printed};
+  const PluginServices loud{clock, random, printed};
   auto options = this->options();
   EXPECT_DEATH(
       {

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "rtps/dcps/domain_participant_factory.hpp"
 #include "tests/support/recorded_events.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
@@ -53,7 +53,7 @@ struct End {
   Publisher* publisher = nullptr;
   Subscriber* subscriber = nullptr;
 
-  End(const EngineServices& services, DomainParticipantOptions options) {
+  End(const PluginServices& services, DomainParticipantOptions options) {
     participant = *DomainParticipant::create(std::move(options), services);
     topic = *participant->create_topic<Reading>("Readings");
     publisher = *participant->create_publisher();
@@ -84,7 +84,7 @@ struct Polled : ::testing::TestWithParam<Way> {
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
   test::RecordedEvents events;
-  EngineServices services{clock, random, events};
+  PluginServices services{clock, random, events};
 
   // Tests run in parallel processes, so each takes a domain of its own.
   DomainParticipantOptions options() const {

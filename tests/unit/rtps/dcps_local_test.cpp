@@ -18,7 +18,7 @@ struct OneParticipant : ::testing::Test {
   ManualClock clock{WallTime(std::chrono::seconds(1'800'000'000))};
   SystemRandom random;
   test::RecordedEvents events;
-  EngineServices services{clock, random, events};
+  PluginServices services{clock, random, events};
   testing::End a{services,
                  {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
                   .domain_tag = std::to_string(::getpid()),

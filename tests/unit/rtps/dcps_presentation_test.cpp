@@ -239,7 +239,7 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
   const SystemClock clock;
   SystemRandom random;
   test::RecordedEvents events;
-  const EngineServices services{clock, random, events};
+  const PluginServices services{clock, random, events};
   for (const auto scope : {PresentationScope::instance, PresentationScope::topic}) {
     for (const bool is_in_process : {true, false}) {
       const DomainParticipantOptions options{

@@ -16,7 +16,7 @@ struct DcpsParticipants : ::testing::TestWithParam<testing::Way> {
   SystemClock clock;
   SystemRandom random;
   test::RecordedEvents events;
-  EngineServices services{clock, random, events};
+  PluginServices services{clock, random, events};
   static DomainParticipantOptions options() {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
             .domain_tag = std::to_string(::getpid()),

@@ -22,7 +22,7 @@ struct NetworkTrouble : ::testing::Test {
 
   auto create(DomainParticipantOptions options) {
     options.own_thread = false;
-    return DomainParticipant::create(std::move(options), EngineServices{clock, random, events});
+    return DomainParticipant::create(std::move(options), PluginServices{clock, random, events});
   }
   std::vector<Code> said() const { return events.codes(); }
 };
@@ -68,7 +68,7 @@ TEST_F(NetworkTrouble, Thread_OfAParticipant_BlocksTheSignalsOfTheProcess) {
   DomainParticipantOptions options{.domain_id = 76, .interfaces = {"lo"}};
   options.own_thread = true;
   const auto participant =
-      DomainParticipant::create(std::move(options), EngineServices{clock, random, events});
+      DomainParticipant::create(std::move(options), PluginServices{clock, random, events});
   ASSERT_TRUE(participant);
   const auto masks = masks_of_other_threads();
   ASSERT_EQ(masks.size(), before + 1);

@@ -20,7 +20,7 @@ struct Side {
   WaitSet unread;
   Samples<Plain> taken;
 
-  Side(const EngineServices& services, ReliabilityKind kind, const char* written,
+  Side(const PluginServices& services, ReliabilityKind kind, const char* written,
        const char* read) {
     auto options = testing::undisturbed();
     options.own_thread = true;
@@ -58,7 +58,7 @@ class SampleCost : public ::testing::TestWithParam<ReliabilityKind> {
   const SystemClock clock_;
   SystemRandom random_;
   test::Silent events_;
-  const EngineServices services_{clock_, random_, events_};
+  const PluginServices services_{clock_, random_, events_};
 
   // Measures `kRounds` answered samples, which are twice as many samples.
   Costs measure() {

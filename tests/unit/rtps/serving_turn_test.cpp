@@ -186,7 +186,7 @@ struct ServingParticipants : ::testing::Test {
   const SystemClock clock;
   SystemRandom random;
   test::RecordedEvents events;
-  EngineServices services{clock, random, events};
+  PluginServices services{clock, random, events};
 
   static DomainParticipantOptions options(bool is_in_process, std::chrono::nanoseconds busy = {}) {
     return {.domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
@@ -197,7 +197,7 @@ struct ServingParticipants : ::testing::Test {
             .delivers_in_process = is_in_process};
   }
   struct Side {
-    Side(const EngineServices& services, bool is_in_process, std::chrono::nanoseconds busy)
+    Side(const PluginServices& services, bool is_in_process, std::chrono::nanoseconds busy)
         : end(services, options(is_in_process, busy)) {}
     End end;
     DataWriter<Reading>* writer = &end.writer(reliable());

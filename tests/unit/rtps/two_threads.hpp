@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <future>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 
 namespace ddssec::rtps::two_threads {
@@ -38,9 +38,9 @@ struct TwoThreads : ::testing::Test {
   const SystemClock clock;
   SystemRandom random;
   test::RecordedEvents events;
-  EngineServices services{clock, random, events};
+  PluginServices services{clock, random, events};
   struct Side {
-    explicit Side(const EngineServices& services) : end(services, own_thread()) {
+    explicit Side(const PluginServices& services) : end(services, own_thread()) {
       reader->set_listener(&listener, StatusKind::data_available);
     }
     End end;

@@ -24,7 +24,7 @@ struct Secured {
   }
   test::RecordedEvents events;
   SeededRandom random;
-  EngineServices services;
+  PluginServices services;
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;
   std::unique_ptr<spi::Cryptography> cryptography;

@@ -63,7 +63,7 @@ struct FastDds : ::testing::Test {
     };
   }
   static Node& with_engines(Node& host) {
-    const EngineServices services{host.clock, host.random, host.events};
+    const PluginServices services{host.clock, host.random, host.events};
     host.authentication =
         std::make_unique<AsFastDds>(authentication::make_authentication(services));
     host.access_control = access_control::make_access_control(services);

@@ -67,7 +67,7 @@ class Crowded final : public ForwardingAuthentication {
 
 TEST(Joining, APeerForWhichThereWasNoRoom_IsTriedAgain) {
   Node host(200);
-  const EngineServices services{host.clock, host.random, host.events};
+  const PluginServices services{host.clock, host.random, host.events};
   auto crowded = std::make_unique<Crowded>(authentication::make_authentication(services));
   auto& counted = *crowded;
   host.authentication = std::move(crowded);

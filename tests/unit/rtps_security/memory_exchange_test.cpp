@@ -20,7 +20,7 @@ TEST(SharedMemory, Misspelled_Refused) {
     ManualClock clock{pki::kNow};
     test::RecordedEvents events;
     SeededRandom random(1);
-    const EngineServices services{clock, random, events};
+    const PluginServices services{clock, random, events};
     const auto authentication = authentication::make_authentication(services);
     const auto access_control = access_control::make_access_control(services, {});
     const auto cryptography = cryptography::make_cryptography(services);

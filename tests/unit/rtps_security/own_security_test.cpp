@@ -13,7 +13,7 @@ constexpr Rules kHidden{.rtps_psk = kEncrypt};
 
 TEST(PreSharedKey, ParticipantWithoutAPassphrase_IsNotCreated) {
   Node node(9);
-  const EngineServices services{node.clock, node.random, node.events};
+  const PluginServices services{node.clock, node.random, node.events};
   const auto authentication = authentication::make_authentication(services);
   const auto access_control =
       access_control::make_access_control(services, {.host_has_pre_shared_keys = true});

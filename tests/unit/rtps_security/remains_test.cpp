@@ -120,7 +120,7 @@ spi::PropertyList with_passphrase(spi::PropertyList properties) {
   auto phrase = spi::Property{"", passphrase()};
   remains.look_for("passphrase", as_bytes(phrase.value));
   Node engines(9);
-  const EngineServices services{engines.clock, engines.random, engines.events};
+  const PluginServices services{engines.clock, engines.random, engines.events};
   engines.authentication =
       std::make_unique<SecretWatch>(authentication::make_authentication(services), remains);
   engines.access_control = access_control::make_access_control(services);

@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "rtps/dcps/domain_participant_factory.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
@@ -53,7 +53,7 @@ struct SecuredProcess {
   static inline const auto kDomain = static_cast<DomainId>(::getpid() % 200 + 30);
   SystemRandom random;
   test::RecordedEvents events;
-  EngineServices services;
+  PluginServices services;
   std::unique_ptr<spi::Authentication> authentication;
   std::unique_ptr<spi::AccessControl> access_control;
   std::unique_ptr<spi::Cryptography> cryptography;

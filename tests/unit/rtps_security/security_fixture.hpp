@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "governance/write.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"
@@ -231,7 +231,7 @@ struct Node {
       std::function<std::unique_ptr<spi::Cryptography>(std::unique_ptr<spi::Cryptography>)>;
   Node(std::uint8_t n, const spi::PropertyList& properties, int others = 3, const Wrap& wrap = {})
       : port(7000u + n), random(n) {
-    const EngineServices services{clock, random, events};
+    const PluginServices services{clock, random, events};
     authentication = authentication::make_authentication(services);
     access_control =
         access_control::make_access_control(services, {.host_revises_keys = true,

@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 
 #include "plugins/spi/property_names.hpp"
-#include "secured/engines.hpp"
 #include "secured/reported_calendar.hpp"
+#include "secured/security_plugin_set.hpp"
 #include "tests/support/recorded_events.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/support/test_data.hpp"
@@ -117,9 +117,9 @@ TEST(FolderProperties, ClockStepGraceThatIsNone_IsRefused) {
   const SystemClock clock;
   SystemRandom random;
   test::Silent quiet;
-  Engines engines({clock, random, quiet});
-  EXPECT_EQ(engines.set_clock_step_grace(*properties).error().code(), Code::invalid_property);
-  EXPECT_EQ(engines.security_options(folder.path).error().code(), Code::invalid_property);
+  SecurityPluginSet plugins({clock, random, quiet});
+  EXPECT_EQ(plugins.set_clock_step_grace(*properties).error().code(), Code::invalid_property);
+  EXPECT_EQ(plugins.security_options(folder.path).error().code(), Code::invalid_property);
 }
 
 TEST(ReportedCalendar, StepThatIsUndone_IsNotBelievedAndReportedTwice) {

@@ -188,7 +188,7 @@ struct Scripted {
   SystemClock clock;
   ScriptedRandom random;
   test::RecordedEvents events;
-  EngineServices services;
+  PluginServices services;
   std::unique_ptr<spi::Cryptography> engine;
 };
 

@@ -9,7 +9,7 @@ namespace ddssec {
 class DocumentsInUse;
 
 /// The services that an engine gets at construction. All of them must outlive it.
-struct EngineServices {
+struct PluginServices {
   const Clock& clock;
   Random& random;
   EventSink& events;

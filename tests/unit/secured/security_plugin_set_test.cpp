@@ -1,8 +1,9 @@
 // Two participants share one set of engines and use sockets. One of them is deleted while a third
 // one writes to both, and the other one goes on.
+#include "secured/security_plugin_set.hpp"
+
 #include <unistd.h>
 
-#include "secured/engines.hpp"
 #include "secured/participant.hpp"
 #include "tests/support/silent.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
@@ -45,11 +46,12 @@ struct World {
   TestClock clock;
   SystemRandom random;
   test::Silent events;
-  const EngineServices services{clock, random, events};
-  Engines shared{services}, own{services};
+  const PluginServices services{clock, random, events};
+  SecurityPluginSet shared{services}, own{services};
 
   // Tests run in parallel processes, so each takes a domain of its own.
-  std::unique_ptr<rtps::DomainParticipant> join(Engines& engines, const std::string& subject) {
+  std::unique_ptr<rtps::DomainParticipant> join(SecurityPluginSet& plugins,
+                                                const std::string& subject) {
     rtps::DomainParticipantOptions options{
         .domain_id = static_cast<DomainId>(::getpid() % 200 + 30),
         .domain_tag = std::to_string(::getpid()),
@@ -57,7 +59,7 @@ struct World {
         .multicast = false,
         .delivers_in_process = false};
     options.security.emplace(
-        engines.view(),
+        plugins.plugins(),
         properties_of(subject, everything(ProtectionKind::encrypt_with_origin_authentication)));
     auto participant = rtps::DomainParticipant::create(std::move(options), services);
     EXPECT_TRUE(participant) << participant.error().to_sentence();

@@ -1,4 +1,4 @@
-#include "secured/engines.hpp"
+#include "secured/security_plugin_set.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -17,8 +17,8 @@
 
 namespace ddssec::secured {
 
-struct Engines::Parts {
-  explicit Parts(const EngineServices& services)
+struct SecurityPluginSet::Parts {
+  explicit Parts(const PluginServices& services)
       : documents(shared_status_record(&services.events)),
         calendar(services.clock, services.events),
         authentication(authentication::make_authentication(judging(services))),
@@ -29,8 +29,8 @@ struct Engines::Parts {
         cryptography(cryptography::make_cryptography(services)) {}
 
   // Returns the services for the plugins that judge documents.
-  EngineServices judging(const EngineServices& services) const {
-    EngineServices out{calendar, services.random, services.events};
+  PluginServices judging(const PluginServices& services) const {
+    PluginServices out{calendar, services.random, services.events};
     out.documents = documents.get();
     return out;
   }
@@ -42,23 +42,25 @@ struct Engines::Parts {
   std::unique_ptr<spi::Cryptography> cryptography;
 };
 
-Engines::Engines(const EngineServices& services) : parts_(std::make_unique<Parts>(services)) {}
-Engines::~Engines() = default;
+SecurityPluginSet::SecurityPluginSet(const PluginServices& services)
+    : parts_(std::make_unique<Parts>(services)) {}
+SecurityPluginSet::~SecurityPluginSet() = default;
 
-rtps::SecurityPlugins Engines::view() {
+rtps::SecurityPlugins SecurityPluginSet::plugins() {
   return {*parts_->authentication, *parts_->access_control, *parts_->cryptography};
 }
 
-Status Engines::set_clock_step_grace(const spi::PropertyList& properties) {
+Status SecurityPluginSet::set_clock_step_grace(const spi::PropertyList& properties) {
   DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
   parts_->calendar.set_grace(grace);
   return {};
 }
 
-Result<rtps::SecurityOptions> Engines::security_options(const std::filesystem::path& folder) {
+Result<rtps::SecurityOptions> SecurityPluginSet::security_options(
+    const std::filesystem::path& folder) {
   DDSSEC_ASSIGN_OR_RETURN(auto properties, folder_properties(folder));
   DDSSEC_RETURN_IF_ERROR(set_clock_step_grace(properties));
-  return rtps::SecurityOptions{view(), std::move(properties)};
+  return rtps::SecurityOptions{plugins(), std::move(properties)};
 }
 
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {

@@ -5,20 +5,20 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/engine_services.hpp"
+#include "base/plugin_services.hpp"
 #include "base/result.hpp"
 #include "rtps/security/security_options.hpp"
 
 namespace ddssec::secured {
 
 /// Owns the three builtin plugins of DDS-Security. It must outlive the participants that use them.
-class Engines {
+class SecurityPluginSet {
  public:
   /// The clock, random source and event sink in `services` must outlive this object.
   /// If the environment variable DDSSEC_STATUS_DIR names a folder, a socket there shows the
   /// documents in use (base/status_service.hpp).
-  explicit Engines(const EngineServices& services);
-  ~Engines();
+  explicit SecurityPluginSet(const PluginServices& services);
+  ~SecurityPluginSet();
 
   /// Sets the grace period of org.ddssec.clock_step_grace: how long a changed system clock is not
   /// believed. Without a call, SteadyCalendar::kDefaultGrace applies. Error: invalid_property.
@@ -26,7 +26,7 @@ class Engines {
 
   /// Returns the plugins for the options of a participant (DomainParticipantOptions::security).
   /// They live as long as this object.
-  rtps::SecurityPlugins view();
+  rtps::SecurityPlugins plugins();
 
   /// Returns the options of a participant with the documents of this folder, and takes the clock
   /// step grace of its properties. Errors: those of folder_properties and set_clock_step_grace.
