@@ -15,7 +15,7 @@
 #include "cli/explain/log_sentences.hpp"
 #include "cli/frame/explain_severities.hpp"
 #include "cli/frame/suggestions.hpp"
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -405,16 +405,15 @@ Result<IssueAnswer> fill_existing_folder(IssueRequest& request) {
 
 Result<IssueAnswer> issue_one(const Arguments& arguments, const Context& context,
                               Findings& findings) {
-  DDSSEC_ASSIGN_OR_RETURN(auto spec,
-                          spec_of(arguments, context.clock.calendar_seconds(), findings));
+  const auto now = context.clock.calendar_seconds();
+  DDSSEC_ASSIGN_OR_RETURN(auto spec, spec_of(arguments, now, findings));
   const fs::path given = arguments.text("-o");
   const fs::path target = given.has_filename() ? given : given.parent_path();
   DDSSEC_RETURN_IF_ERROR(check_nameable(target));
   std::error_code ignored;
   // A symbolic link does not count as a folder, so that nothing is written elsewhere.
   const bool is_folder = fs::symlink_status(target, ignored).type() == fs::file_type::directory;
-  DDSSEC_ASSIGN_OR_RETURN(auto governance,
-                          governance_of(arguments, context.clock.calendar_seconds()));
+  DDSSEC_ASSIGN_OR_RETURN(auto governance, governance_of(arguments, now));
   IssueRequest request{arguments,
                        context,
                        std::move(spec),

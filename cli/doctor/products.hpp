@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/frame/command.hpp"
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 namespace ddssec::cli {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 #include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_file.hpp"
 #include "plugins/spi/property_names.hpp"

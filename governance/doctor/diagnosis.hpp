@@ -10,7 +10,7 @@
 #include "base/finding.hpp"
 #include "base/ids.hpp"
 #include "governance/doctor/loaded_folder.hpp"
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 namespace ddssec::governance::doctor {
 

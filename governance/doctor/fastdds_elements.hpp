@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "governance/doctor/effective_security.hpp"
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 #include "governance/xml.hpp"
 
 namespace ddssec::governance::doctor {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 namespace ddssec::governance::doctor {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 namespace ddssec::governance::doctor {
 

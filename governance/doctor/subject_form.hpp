@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 #include "pki/certificate.hpp"
 
 namespace ddssec::governance::doctor {

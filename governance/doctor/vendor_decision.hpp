@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "governance/decision.hpp"
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 namespace ddssec::governance::doctor {
 

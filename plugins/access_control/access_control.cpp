@@ -9,7 +9,7 @@
 
 #include "plugins/access_control/access_decisions.hpp"
 #include "plugins/access_control/handle_table.hpp"
-#include "plugins/access_control/listed_peers.hpp"
+#include "plugins/access_control/listed_permission_peers.hpp"
 #include "plugins/access_control/loading.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/access_control/refusals.hpp"

@@ -6,7 +6,7 @@
 #include "plugins/authentication/adjusted_guid.hpp"
 #include "plugins/authentication/auth_request.hpp"
 #include "plugins/authentication/identity_token.hpp"
-#include "plugins/authentication/listed_peers.hpp"
+#include "plugins/authentication/listed_identities.hpp"
 #include "plugins/authentication/pki_dh.hpp"
 #include "plugins/authentication/renewal.hpp"
 #include "plugins/authentication/revocations.hpp"

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "plugins/authentication/listed_peers.hpp"
+#include "plugins/authentication/listed_identities.hpp"
 
 namespace ddssec::authentication {
 namespace {

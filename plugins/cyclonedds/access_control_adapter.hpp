@@ -10,7 +10,7 @@
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/own_endpoints.hpp"
-#include "plugins/cyclonedds/shared_memory.hpp"
+#include "plugins/cyclonedds/shared_memory_guard.hpp"
 #include "plugins/spi/access_control.hpp"
 
 namespace ddssec::cyclonedds {

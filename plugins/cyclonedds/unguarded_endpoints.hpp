@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
-#include "plugins/cyclonedds/shared_memory.hpp"
+#include "plugins/cyclonedds/shared_memory_guard.hpp"
 
 namespace ddssec::cyclonedds {
 

@@ -101,7 +101,7 @@ int run(const Options& options) {
   RateLimitedSink events(logged, clock);
   const PluginServices services{clock, random, events};
   secured::SecurityPluginSet plugins(services);
-  auto wanted = participant_options(options, engines);
+  auto wanted = participant_options(options, plugins);
   if (!wanted) return print_refusal(wanted.error());
   auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeper, services);
   if (!keeper) return print_refusal(keeper.error());

@@ -10,7 +10,7 @@ source has a test file, or no longer exists, is refused too. The sources of cli/
 import pathlib
 import sys
 
-MAX_EXCEPTIONS = 57  # lower it with each line that goes
+MAX_EXCEPTIONS = 56  # lower it with each line that goes
 FOLDERS = ("base", "governance", "idl", "pki", "plugins", "rtps", "secured", "wire")
 
 

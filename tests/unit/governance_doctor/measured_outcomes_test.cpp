@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

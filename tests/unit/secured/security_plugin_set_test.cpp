@@ -1,4 +1,4 @@
-// Two participants share one set of engines and use sockets. One of them is deleted while a third
+// Two participants share one set of plugins and use sockets. One of them is deleted while a third
 // one writes to both, and the other one goes on.
 #include "secured/security_plugin_set.hpp"
 

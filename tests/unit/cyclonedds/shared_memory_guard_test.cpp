@@ -1,4 +1,4 @@
-#include "plugins/cyclonedds/shared_memory.hpp"
+#include "plugins/cyclonedds/shared_memory_guard.hpp"
 
 #include <dlfcn.h>
 #include <fcntl.h>

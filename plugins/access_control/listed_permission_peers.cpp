@@ -1,4 +1,4 @@
-#include "plugins/access_control/listed_peers.hpp"
+#include "plugins/access_control/listed_permission_peers.hpp"
 
 #include "plugins/access_control/refusals.hpp"
 

@@ -1,4 +1,4 @@
-#include "governance/doctor/vendor.hpp"
+#include "governance/doctor/product.hpp"
 
 #include <gtest/gtest.h>
 

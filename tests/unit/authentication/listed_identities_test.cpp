@@ -1,5 +1,5 @@
 // Peers whose certificates end, and that stay because a renewal list has their later ones.
-#include "plugins/authentication/listed_peers.hpp"
+#include "plugins/authentication/listed_identities.hpp"
 
 #include <gmock/gmock.h>
 

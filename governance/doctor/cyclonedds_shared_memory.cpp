@@ -1,4 +1,4 @@
-#include "governance/doctor/shared_memory.hpp"
+#include "governance/doctor/cyclonedds_shared_memory.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Permissions of peers that a renewal list extends.
-#include "plugins/access_control/listed_peers.hpp"
+#include "plugins/access_control/listed_permission_peers.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "plugins/authentication/listed_peers.hpp"
+#include "plugins/authentication/listed_identities.hpp"
 
 #include <set>
 
