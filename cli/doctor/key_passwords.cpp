@@ -71,9 +71,9 @@ bool open_key_with(std::string password, LoadedFolder& folder) {
 void open_key(LoadedFolder& folder) {
   if (folder.key || folder.key.error().code() != Code::passphrase_missing) return;
   doctor::PasswordGiven given;
-  given.cyclonedds = open_key_with(password_for_cyclonedds(folder), folder);
-  given.fastdds = open_key_with(password_for_fastdds(folder), folder);
-  given.ddssec = open_key_with(password_for_embedded(folder), folder) || given.cyclonedds;
+  given.has_cyclonedds = open_key_with(password_for_cyclonedds(folder), folder);
+  given.has_fastdds = open_key_with(password_for_fastdds(folder), folder);
+  given.has_ddssec = open_key_with(password_for_embedded(folder), folder) || given.has_cyclonedds;
   if (folder.key) folder.password = given;
 }
 

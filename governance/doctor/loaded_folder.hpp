@@ -56,10 +56,12 @@ struct LoadedDocument {
 
 /// The products to which files give the password of an encrypted key.
 struct PasswordGiven {
-  bool cyclonedds = false, fastdds = false, ddssec = false;
+  bool has_cyclonedds = false, has_fastdds = false, has_ddssec = false;
 
   bool is_given_to(Vendor vendor) const {
-    return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ddssec;
+    return vendor == Vendor::cyclonedds ? has_cyclonedds
+           : vendor == Vendor::fastdds  ? has_fastdds
+                                        : has_ddssec;
   }
 };
 

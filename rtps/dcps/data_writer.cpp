@@ -53,7 +53,7 @@ Result<Guid> AnyDataWriter::create(EndpointDescription request) {
   request.group = publisher().group_guid();
   request.bare_key = topic_.type().bare_key;
   const auto guid = context_.protocol().create_writer(std::move(request), *this, now);
-  if (guid) publisher().admit(*context_.protocol().local_endpoints().writer(*guid), now);
+  if (guid) publisher().admit(*context_.protocol().local_endpoints().writer(*guid));
   if (guid) liveliness_.start(qos_.liveliness, now);
   if (guid) call_at(next_work(now));
   return guid;

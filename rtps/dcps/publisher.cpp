@@ -46,8 +46,8 @@ std::optional<Guid> Publisher::group_guid() {
   return guid_;
 }
 
-void Publisher::admit(StatefulWriter& writer, MonotonicTime now) {
-  if (is_suspended_) writer.hold_back(true, now);
+void Publisher::admit(StatefulWriter& writer) {
+  if (is_suspended_) writer.suspend();
   if (is_by_group_) writer.join(group_);
 }
 
@@ -123,7 +123,7 @@ Status Publisher::suspend_publications() {
   DDSSEC_RETURN_IF_ERROR(check_enabled("publisher"));
   is_suspended_ = true;
   for (const auto& member : members_)
-    if (writer_of(member).enabled()) writer_of(member).protocol().hold_back(true, context_.now());
+    if (writer_of(member).enabled()) writer_of(member).protocol().suspend();
   return {};
 }
 
@@ -134,7 +134,7 @@ Status Publisher::resume_publications() {
   if (!std::exchange(is_suspended_, false))
     return precondition_not_met_error("publisher", "suspend_publications before", "none");
   for (const auto& member : members_)
-    if (writer_of(member).enabled()) writer_of(member).protocol().hold_back(false, context_.now());
+    if (writer_of(member).enabled()) writer_of(member).protocol().resume(context_.now());
   context_.reschedule();
   return {};
 }

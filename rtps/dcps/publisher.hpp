@@ -83,7 +83,7 @@ class Publisher final : public Group {
   /// ordered access of GROUP scope.
   std::optional<Guid> group_guid();
   /// Prepares a new writer.
-  void admit(StatefulWriter& writer, MonotonicTime now);
+  void admit(StatefulWriter& writer);
   void count_writers();
   /// Returns the coherence fields of a writer's next change, which has this sequence number.
   CoherentSetInfo stamp(SequenceNumber& set_begin, SequenceNumber number);

@@ -144,8 +144,8 @@ Status Discovery::on_announcement(const GuidPrefix& source, const Data& data) {
   if (data.kind != PayloadKind::data) return {};
   DDSSEC_ASSIGN_OR_RETURN(auto announced, read_participant_data(data.payload));
   const auto& config = core_.config;
-  const bool ours = is_of_domain(announced, config.domain_id, config.domain_tag);
-  if (!ours || announced.guid.prefix == config.prefix) return {};
+  const bool is_of_our_domain = is_of_domain(announced, config.domain_id, config.domain_tag);
+  if (!is_of_our_domain || announced.guid.prefix == config.prefix) return {};
   if (announced.guid.prefix != source || source == GuidPrefix{}) {  // GUIDPREFIX_UNKNOWN
     ++core_.counters.refused_discovery;
     return {};
@@ -191,18 +191,18 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
   const auto prefix = data.guid.prefix;
   // An announcement changes nothing of an authenticated participant and does not renew its lease.
   // As long as nothing is proven, every announcement counts, and no lease becomes shorter.
-  const bool fixed = core_.is_authenticated(prefix);
-  if (!fixed) parts_.remotes.renew_lease(remote, data);
-  if (!fixed && remote.accepted && remote.data.user_data != data.user_data) {
+  const bool is_fixed = core_.is_authenticated(prefix);
+  if (!is_fixed) parts_.remotes.renew_lease(remote, data);
+  if (!is_fixed && remote.accepted && remote.data.user_data != data.user_data) {
     remote.data.user_data = data.user_data;
     parts_.remotes.on_changed(remote);
   }
   auto* security = core_.security.get();
   if (security != nullptr) security->note_announced(prefix, core_.now);
-  if (fixed || security == nullptr || !security->may_authenticate(data)) return;
-  const bool differs = data != remote.data;
+  if (is_fixed || security == nullptr || !security->may_authenticate(data)) return;
+  const bool has_changed = data != remote.data;
   if (!security->knows(prefix)) {
-    if (!differs) return;
+    if (!has_changed) return;
     remove(prefix);
     return add(std::move(data), octets);
   }
@@ -220,7 +220,7 @@ void Discovery::on_announced_again(RemoteParticipant& remote, ParticipantData da
                                                    remote.metatraffic_sources);
   // A repetition of the first announcement counts again, because forged ones may have replaced its
   // addresses.
-  if (!differs && !added.has_new) return;
+  if (!has_changed && !added.has_new) return;
   security->announced_again(data, {remote.metatraffic, remote.metatraffic_sources, core_.source},
                             core_.now);
 }
@@ -260,11 +260,11 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
 void Discovery::on_dispose(const GuidPrefix& prefix) {
   auto* remote = parts_.remotes.find(prefix);
   if (remote == nullptr) return;
-  const bool proven = core_.is_authenticated(prefix);
+  const bool is_authenticated = core_.is_authenticated(prefix);
   const auto& vendor = remote->data.vendor;
-  if (proven && (vendor == kVendorFastDds || vendor == kVendorCyclone))
+  if (is_authenticated && (vendor == kVendorFastDds || vendor == kVendorCyclone))
     for (const auto& [id, endpoint] : remote->endpoints) parts_.matcher.check_end(*remote, id);
-  else if (proven || (core_.security && core_.security->is_authenticating(prefix)))
+  else if (is_authenticated || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
   else
     gone_.push_back(prefix);
@@ -331,19 +331,20 @@ void Discovery::on_builtin(BuiltinTopic topic, const Change& change) {
 // announced securely, but makes our writers query a reader that it reports as ended. A secure
 // announcement replaces what an attacker may have announced before.
 void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
-  const bool secure = is_secure(topic);
+  const bool is_by_secure_topic = is_secure(topic);
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;
   const auto may_change = [&](const EntityId& id) {
     const auto known = remote->endpoints.find(id);
-    return secure || known == remote->endpoints.end() || !known->second.data.by_secure_discovery;
+    return is_by_secure_topic || known == remote->endpoints.end() ||
+           !known->second.data.by_secure_discovery;
   };
   if (!change.is_alive()) {
     const auto key = change.key_hash ? Guid::from(*change.key_hash)
                                      : read_endpoint_key(change.payload.view()).value_or(Guid{});
     if (key.prefix != remote->prefix()) return;
     if (may_change(key.entity)) {
-      clear_.remove(*remote, key.entity, secure);
+      clear_.remove(*remote, key.entity, is_by_secure_topic);
       return;
     }
     ++core_.counters.refused_discovery;
@@ -356,14 +357,14 @@ void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
     if (!data) raise_unreadable(core_, data.error(), remote->prefix(), topic);
     return;
   }
-  data->by_secure_discovery = secure;
+  data->by_secure_discovery = is_by_secure_topic;
   leave_out_loopback(core_, data->unicast);
   if (!may_change(data->guid.entity)) {
     ++core_.counters.refused_discovery;
     return;
   }
   proven_.note_announced(*remote, *data);
-  if (secure) clear_.give_way_to(*remote, *data);
+  if (is_by_secure_topic) clear_.give_way_to(*remote, *data);
   if (!clear_.note_announced(*remote, *data)) return;
   parts_.matcher.add(*remote, std::move(*data));
 }

@@ -9,8 +9,8 @@
 namespace ddssec::rtps {
 
 /// One HEARTBEAT is sent in each millisecond, so that a reader soon knows what it lacks. A reader
-/// that lacks nothing does not answer, unless the HEARTBEAT is a question, which requires an
-/// answer. Questions are frequent enough that histories shrink while a writer is busy.
+/// that lacks nothing does not answer, unless the HEARTBEAT lacks FinalFlag, which requires an
+/// answer. These are frequent enough that histories shrink while a writer is busy.
 class PiggybackHeartbeats {
  public:
   enum class Kind : std::uint8_t { none, final, without_final };
@@ -18,7 +18,7 @@ class PiggybackHeartbeats {
   static constexpr int kMaxSamplesPerRequest = 256;
   static constexpr std::size_t kOctetsPerRequest = 128 << 10;
 
-  /// With KEEP_ALL and limits, several questions are sent before the history is full.
+  /// With KEEP_ALL and limits, several without FinalFlag are sent before the history is full.
   explicit PiggybackHeartbeats(const Qos& qos);
 
   /// Returns the kind of HEARTBEAT that a sample of that size carries. `is_full` returns whether
@@ -32,7 +32,7 @@ class PiggybackHeartbeats {
     last_ = now;
     return asks ? Kind::without_final : Kind::final;
   }
-  /// Notes that a question was sent, with a sample or without.
+  /// Notes that a HEARTBEAT without FinalFlag was sent, with a sample or without.
   void note_heartbeat_without_final() {
     samples_ = 0;
     octets_ = 0;
@@ -40,7 +40,7 @@ class PiggybackHeartbeats {
 
  private:
   const int samples_per_request_;
-  int samples_ = 0;  ///< samples written since the last question
+  int samples_ = 0;  ///< samples written since the last HEARTBEAT without FinalFlag
   std::size_t octets_ = 0;
   MonotonicTime last_{std::chrono::hours(-1)};
 };

@@ -52,9 +52,10 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   unmatch(reader.guid);
   if (readers_.filtered() >= kMaxFilters) reader.filter = nullptr;
   const auto next = history_.last().next();
-  const bool history = reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
+  const bool gets_history =
+      reader.wants_history && qos_.durability >= DurabilityKind::transient_local;
   auto& proxy =
-      readers_.add(std::move(reader), {.first = history ? history_.first() : next,
+      readers_.add(std::move(reader), {.first = gets_history ? history_.first() : next,
                                        .until = is_history_only_ ? next : SequenceNumber{}});
   messages_.set_key_reading(readers_.key_reading());
   if (proxy.reader().is_in_process) return;
@@ -128,7 +129,7 @@ void StatefulWriter::set_filter(const Guid& reader, std::shared_ptr<ChangeFilter
 SequenceNumber StatefulWriter::write(Change change, MonotonicTime now) {
   change.writer = guid_;
   const auto number = history_.add(std::move(change));
-  if (!is_held_back_) {
+  if (!is_suspended_) {
     local_.offer_to_all();
     if (readers_.any_remote()) send(*history_.find(number), now);
   }
@@ -143,11 +144,19 @@ void StatefulWriter::send(const Change& written, MonotonicTime now) {
     memory_.send(written, in_memory);
   else
     filtered_.send(written, in_memory);
-  const auto heartbeat = heartbeat_for(written, now);
+  auto heartbeat = Kind::none;
+  if (qos_.is_reliable()) {
+    schedule_.note_written(now);
+    call_at(schedule_.due());
+    const auto size = written.payload.size();
+    heartbeat = piggyback_.on_sample(
+        size, now, [&] { return !history_.has_room(size, written.key_hash.value_or(KeyHash{})); });
+  }
   if (heartbeat != Kind::none) filtered_.send_gaps(history_.last().next());
   if (heartbeat == Kind::without_final)
     send_heartbeat_without_final(readers_.all_readers(), history_.first());
-  if (heartbeat == Kind::final) messages_.heartbeat(readers_.all_readers(), history_.first(), true);
+  if (heartbeat == Kind::final)
+    messages_.heartbeat(readers_.all_readers(), history_.first(), {.is_final = true});
   pace_.note_write(now, sender_.samples_heard());
   const bool fits_again = written.payload.size() < sender_.full_size() / 3;
   if (fits_again && sender_.may_delay_flush() && pace_.may_wait(heartbeat))
@@ -156,18 +165,9 @@ void StatefulWriter::send(const Change& written, MonotonicTime now) {
     sender_.flush();
 }
 
-PiggybackHeartbeats::Kind StatefulWriter::heartbeat_for(const Change& written, MonotonicTime now) {
-  if (!qos_.is_reliable()) return PiggybackHeartbeats::Kind::none;
-  schedule_.note_written(now);
-  call_at(schedule_.due());
-  const auto size = written.payload.size();
-  return piggyback_.on_sample(
-      size, now, [&] { return !history_.has_room(size, written.key_hash.value_or(KeyHash{})); });
-}
-
 void StatefulWriter::send_heartbeat_without_final(const Receiver& receiver, SequenceNumber first) {
   piggyback_.note_heartbeat_without_final();
-  messages_.heartbeat(receiver, first, false);
+  messages_.heartbeat(receiver, first, {.is_final = false});
 }
 
 void StatefulWriter::request_acknowledgments(bool even_if_none_is_missing) {
@@ -189,19 +189,20 @@ void StatefulWriter::request_acknack(const Guid& reader, const LocatorList& at) 
 void StatefulWriter::assert_liveliness() {
   local_.assert_liveliness();
   if (!readers_.any_remote()) return;
-  messages_.heartbeat(readers_.all_readers(), history_.first(), true, true);
+  messages_.heartbeat(readers_.all_readers(), history_.first(),
+                      {.is_final = true, .asserts_liveliness = true});
   sender_.flush();
 }
 
-void StatefulWriter::hold_back(bool held_back, MonotonicTime now) {
-  if (std::exchange(is_held_back_, held_back) == held_back) return;
-  if (held_back) {
-    held_from_ = history_.last().next();
-    return;
-  }
+void StatefulWriter::suspend() {
+  if (!std::exchange(is_suspended_, true)) suspended_from_ = history_.last().next();
+}
+
+void StatefulWriter::resume(MonotonicTime now) {
+  if (!std::exchange(is_suspended_, false)) return;
   local_.offer_to_all();
-  if (readers_.any_remote() && held_from_ <= history_.last()) {
-    for (auto number = history_.next_held(held_from_); number <= history_.last();
+  if (readers_.any_remote() && suspended_from_ <= history_.last()) {
+    for (auto number = history_.next_held(suspended_from_); number <= history_.last();
          number = history_.next_held(number.next()))
       messages_.change(readers_.all_readers(), *history_.find(number));
     if (qos_.is_reliable()) {
@@ -230,18 +231,19 @@ bool StatefulWriter::on_acknack(const GuidPrefix& from, const AckNack& acknack, 
   // Cyclone DDS). A recorded request of this kind must not make old counts acceptable again.
   const bool pre_emptive = base.value < 1 || acknack.count == 0;
   if (!pre_emptive && !proxy->acknacks.accept(acknack, is_protected, age)) return false;
-  bool answered = false;
+  bool was_answered = false;
   if (!pre_emptive) {
     const bool advances = base <= history_.last().next() && base.previous() > proxy->acknowledged();
     if (advances) readers_.acknowledge(*proxy, base.previous());
     if (advances || !acknack.missing.empty()) schedule_.note_request(now);
     if (!acknack.missing.empty())
-      answered = retransmissions_.answer(*proxy, readers_.one(*proxy), acknack.missing, now);
+      was_answered = retransmissions_.answer(*proxy, readers_.one(*proxy), acknack.missing, now);
   }
-  if (answered || pre_emptive)
+  if (was_answered || pre_emptive)
     send_heartbeat_without_final(readers_.one(*proxy), retransmissions_.lowest_for(*proxy));
   else if (!acknack.is_final && acknack.missing.empty())
-    messages_.heartbeat(readers_.one(*proxy), retransmissions_.lowest_for(*proxy), true);
+    messages_.heartbeat(readers_.one(*proxy), retransmissions_.lowest_for(*proxy),
+                        {.is_final = true});
   sender_.flush();
   release_acknowledged();
   schedule_.note_answer(now, all_acknowledged());
@@ -321,7 +323,7 @@ bool StatefulWriter::is_ahead(MonotonicTime now) {
 // changes.
 void StatefulWriter::release_acknowledged() {
   if (qos_.durability >= DurabilityKind::transient_local) return;
-  const auto last = is_held_back_ ? held_from_.previous() : history_.last();
+  const auto last = is_suspended_ ? suspended_from_.previous() : history_.last();
   history_.remove_through(std::min(last, readers_.acknowledged().lowest().value_or(last)));
 }
 
@@ -348,7 +350,7 @@ void StatefulWriter::remove_local_reader(const Guid& reader) {
 void StatefulWriter::offer_to_local_reader(const Guid& reader) {
   auto* proxy = readers_.find(reader);
   if (proxy == nullptr || proxy->local == nullptr) return;
-  if (!is_held_back_) local_.offer(*proxy);
+  if (!is_suspended_) local_.offer(*proxy);
   release_acknowledged();
   if (on_acknowledged_) on_acknowledged_();
 }

@@ -89,9 +89,10 @@ class StatefulWriter final : private Timed {
   /// Makes its HEARTBEATs and GAPs include its position in the group. `group` must outlive the
   /// writer.
   void join(const WriterGroup& group);
-  /// Holds back or releases. While held back, nothing is sent; afterwards everything is
-  /// (suspend_publications).
-  void hold_back(bool held_back, MonotonicTime now);
+  /// From now on nothing is sent until `resume` (suspend_publications). Has no effect twice.
+  void suspend();
+  /// Sends what was written since `suspend`, and ends it.
+  void resume(MonotonicTime now);
   /// True if every reliable reader has received everything.
   bool all_acknowledged() const { return readers_.acknowledged().reach(history_.last()); }
 
@@ -115,8 +116,6 @@ class StatefulWriter final : private Timed {
   /// Sends the latest changes of the history, up to the octets that best-effort readers may get
   /// now.
   void send_history(const ReaderProxy& proxy, MonotonicTime now);
-  /// Decides which HEARTBEAT a change that was just written carries.
-  PiggybackHeartbeats::Kind heartbeat_for(const Change& written, MonotonicTime now);
   /// Sends a HEARTBEAT that requires an answer.
   void send_heartbeat_without_final(const Receiver& receiver, SequenceNumber first);
   void continue_repair(ReaderProxy& proxy, MonotonicTime now);
@@ -138,9 +137,9 @@ class StatefulWriter final : private Timed {
   PiggybackHeartbeats piggyback_;
   WritePace pace_;
   std::function<void()> on_acknowledged_;
-  bool is_held_back_ = false;
+  bool is_suspended_ = false;
   bool is_history_only_ = false;
-  SequenceNumber held_from_;  ///< the first change that was not sent
+  SequenceNumber suspended_from_;  ///< the first change that was not sent
 };
 
 }  // namespace ddssec::rtps

@@ -9,7 +9,7 @@
 namespace ddssec::rtps {
 
 /// A sample waits if LATENCY_BUDGET allows it, or if the writer writes so fast that it cannot be
-/// waiting for answers. A sample that carries a question does not wait.
+/// waiting for answers. A sample with a HEARTBEAT without FinalFlag does not wait.
 class WritePace {
  public:
   /// The longest wait of a sample without a budget.
@@ -35,7 +35,7 @@ class WritePace {
   bool may_wait(PiggybackHeartbeats::Kind heartbeat) const {
     using enum PiggybackHeartbeats::Kind;
     return (quick_writes_ == kQuickWrites && heartbeat == none) ||
-           (budget_ > MonotonicTime::zero() && heartbeat != question);
+           (budget_ > MonotonicTime::zero() && heartbeat != without_final);
   }
   MonotonicTime longest_wait() const { return std::max(kLinger, budget_); }
 

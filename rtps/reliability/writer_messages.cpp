@@ -107,11 +107,11 @@ void WriterMessages::gap(const Receiver& receiver, SequenceNumber first, Sequenc
   sender_.add(receiver.to, gap);
 }
 
-void WriterMessages::heartbeat(const Receiver& receiver, SequenceNumber first, bool is_final,
-                               bool asserts_liveliness) {
+void WriterMessages::heartbeat(const Receiver& receiver, SequenceNumber first,
+                               HeartbeatFlags flags) {
   sender_.add(receiver.to,
               Heartbeat{receiver.reader, writer_, first, history_.last(), ++heartbeat_count_,
-                        is_final, asserts_liveliness, group_state()});
+                        flags.is_final, flags.asserts_liveliness, group_state()});
 }
 
 // If no change is held, the range is empty and begins after everything that was written.

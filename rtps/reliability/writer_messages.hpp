@@ -11,6 +11,12 @@
 
 namespace ddssec::rtps {
 
+/// The flags of a HEARTBEAT that its sender chooses.
+struct HeartbeatFlags {
+  bool is_final = false;  ///< no answer is needed
+  bool asserts_liveliness = false;
+};
+
 /// Adds submessages to the sender, which the caller flushes. The sender and the history must
 /// outlive this object.
 class WriterMessages {
@@ -44,10 +50,8 @@ class WriterMessages {
                 std::span<const FilterResult> filters = {});
   /// Declares changes first .. end - 1 irrelevant.
   void gap(const Receiver& receiver, SequenceNumber first, SequenceNumber end);
-  /// Announces the changes from `first` to the last that was written. `is_final` means that no
-  /// answer is needed.
-  void heartbeat(const Receiver& receiver, SequenceNumber first, bool is_final,
-                 bool asserts_liveliness = false);
+  /// Announces the changes from `first` to the last that was written.
+  void heartbeat(const Receiver& receiver, SequenceNumber first, HeartbeatFlags flags);
 
  private:
   /// Returns the payload of a change as it is sent, without the mark of its end.

@@ -71,11 +71,11 @@ FAULTS = [
      "if (!data || (data->guid.prefix != remote->prefix() && !FAULT)) {\n    ++core_.counters.refused_discovery;\n"
      "    if (!data) raise"),
     ("that nothing clear unsays what was announced securely", "rtps/participant/discovery.cpp",
-     "secure || known == remote->endpoints.end() ||", "FAULT || secure || known == remote->endpoints.end() ||"),
+     "is_by_secure_topic || known == remote->endpoints.end() ||", "FAULT || is_by_secure_topic || known == remote->endpoints.end() ||"),
     ("that secure announcements replace clear ones", "rtps/participant/discovery.cpp",
      "    const auto known = remote->endpoints.find(id);\n",
      "    const auto known = remote->endpoints.find(id);\n"
-     "    if (FAULT && known != remote->endpoints.end() && known->second.data.by_secure_discovery != secure) return false;\n"),
+     "    if (FAULT && known != remote->endpoints.end() && known->second.data.by_secure_discovery != is_by_secure_topic) return false;\n"),
     ("that old samples are not delivered", "rtps/reliability/stateful_reader.cpp",
      "data.sequence_number < proxy->next()) return false;\n  // DDS",
      "(data.sequence_number < proxy->next() && !FAULT)) return false;\n"
@@ -104,13 +104,13 @@ FAULTS = [
     ("that announcements change no signed addresses", "rtps/participant/discovery.cpp",
      "  if (remote.has_signed_addresses && ", "  if (!FAULT && remote.has_signed_addresses && "),
     ("that an announcement counts again when it is repeated", "rtps/participant/discovery.cpp",
-     "  const bool differs = data != remote.data;\n",
-     "  const bool differs = data != remote.data;\n  if (FAULT && !differs) return;\n"),
+     "  const bool has_changed = data != remote.data;\n",
+     "  const bool has_changed = data != remote.data;\n  if (FAULT && !has_changed) return;\n"),
     ("that a clear dispose ends no authenticated participant", "rtps/participant/discovery.cpp",
-     "else if (proven || (core_.security", "else if ((proven && !FAULT) || (core_.security"),
+     "else if (is_authenticated || (core_.security", "else if ((is_authenticated && !FAULT) || (core_.security"),
     ("that announcements renew no proven lease", "rtps/participant/discovery.cpp",
-     "  const bool fixed = core_.is_authenticated(prefix);",
-     "  const bool fixed = core_.is_authenticated(prefix);\n"
+     "  const bool is_fixed = core_.is_authenticated(prefix);",
+     "  const bool is_fixed = core_.is_authenticated(prefix);\n"
      "  if (FAULT) parts_.remotes.renew_lease(remote, data);"),
     ("that only protected news renews a lease", "rtps/participant/discovery.cpp",
      "  if (anything_counts || is_proof) parts_.remotes.renew_lease",

@@ -18,8 +18,8 @@ Qos keep_all(std::int32_t max_samples = kLengthUnlimited) {
 }
 
 // Returns how many samples of that size carry another heartbeat, or none, before the first
-// question.
-int samples_before_question(PiggybackHeartbeats& heartbeats, std::size_t octets) {
+// HEARTBEAT without FinalFlag.
+int samples_before_request(PiggybackHeartbeats& heartbeats, std::size_t octets) {
   for (int i = 0; i < 10'000; ++i)
     if (heartbeats.on_sample(octets, kStart, [] { return false; }) == Kind::without_final) return i;
   return -1;
@@ -37,16 +37,16 @@ TEST(PiggybackHeartbeats, WithinAMillisecond_OneIsSent) {
 
 TEST(PiggybackHeartbeats, Questions_CountSamplesAndOctets) {
   PiggybackHeartbeats heartbeats(keep_all());
-  EXPECT_EQ(samples_before_question(heartbeats, 1), PiggybackHeartbeats::kMaxSamplesPerRequest - 1);
+  EXPECT_EQ(samples_before_request(heartbeats, 1), PiggybackHeartbeats::kMaxSamplesPerRequest - 1);
   heartbeats.note_heartbeat_without_final();
-  EXPECT_EQ(samples_before_question(heartbeats, PiggybackHeartbeats::kOctetsPerRequest / 4), 3);
+  EXPECT_EQ(samples_before_request(heartbeats, PiggybackHeartbeats::kOctetsPerRequest / 4), 3);
 }
 
 TEST(PiggybackHeartbeats, AShortHistory_IsAskedForBeforeItIsFull) {
   PiggybackHeartbeats heartbeats(keep_all(40));
-  EXPECT_EQ(samples_before_question(heartbeats, 1), 9);
+  EXPECT_EQ(samples_before_request(heartbeats, 1), 9);
   PiggybackHeartbeats tiny(keep_all(2));
-  EXPECT_EQ(samples_before_question(tiny, 1), 0);
+  EXPECT_EQ(samples_before_request(tiny, 1), 0);
 }
 
 TEST(PiggybackHeartbeats, AFullHistory_IsAskedForAtOnce) {

@@ -30,7 +30,7 @@ TEST_F(WriterParts, LargeChanges_GoInFragments) {
 TEST_F(WriterParts, Heartbeats_AreCounted) {
   add();
   auto& proxy = readers.add({guid(1), true, false, {kHere}}, {{1}});
-  for (int i = 0; i < 3; ++i) messages.heartbeat(readers.one(proxy), {1}, true);
+  for (int i = 0; i < 3; ++i) messages.heartbeat(readers.one(proxy), {1}, {.is_final = true});
   EXPECT_THAT(said(), ElementsAre("heartbeat", "heartbeat", "heartbeat"));
 }
 
