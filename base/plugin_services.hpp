@@ -1,4 +1,4 @@
-// The services that every engine gets from its host.
+// The services that every plugin gets from its host.
 #pragma once
 
 #include "base/clock.hpp"
@@ -8,12 +8,12 @@ namespace ddssec {
 
 class DocumentsInUse;
 
-/// The services that an engine gets at construction. All of them must outlive it.
+/// The services that a plugin gets at construction. All of them must outlive it.
 struct PluginServices {
   const Clock& clock;
   Random& random;
   EventSink& events;
-  DocumentsInUse* documents = nullptr;  ///< the record of the engine's documents, or null
+  DocumentsInUse* documents = nullptr;  ///< the record of the plugin's documents, or null
 };
 
 }  // namespace ddssec

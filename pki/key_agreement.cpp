@@ -11,15 +11,10 @@
 
 #include "base/hash.hpp"
 #include "base/never_destroyed.hpp"
-#include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
 #include "pki/pki_access.hpp"
 
 namespace ddssec::pki {
-
-struct PeerPublicKey::Impl {
-  PkeyPtr pkey;
-};
 
 namespace {
 
@@ -141,70 +136,6 @@ Bytes der_integer(BytesView value) {
   return size > 0 ? Bytes(raw, raw + size) : Bytes();
 }
 
-// Returns the point `number` times the generator, or nothing if `number` is out of range.
-Bytes public_point(int curve, const BIGNUM* number) {
-  const GroupPtr group(EC_GROUP_new_by_curve_name(curve));
-  const PointPtr point(group ? EC_POINT_new(group.get()) : nullptr);
-  if (!point || BN_cmp(number, EC_GROUP_get0_order(group.get())) >= 0 ||
-      EC_POINT_mul(group.get(), point.get(), number, nullptr, nullptr, nullptr) != 1)
-    return {};
-  Bytes out(EC_POINT_point2oct(group.get(), point.get(), POINT_CONVERSION_UNCOMPRESSED, nullptr, 0,
-                               nullptr));
-  EC_POINT_point2oct(group.get(), point.get(), POINT_CONVERSION_UNCOMPRESSED, out.data(),
-                     out.size(), nullptr);
-  return out.size() > 1 ? out : Bytes();
-}
-
-BignumPtr modp_parameter(const char* name) {
-  BIGNUM* value = nullptr;
-  EVP_PKEY_get_bn_param(parameters_for(KeyAgreementKind::dh_modp_2048_256), name, &value);
-  return BignumPtr(value);
-}
-
-// Returns g to the power of `number`, at the group's length, or nothing if `number` is out of
-// range.
-Bytes public_element(const BIGNUM* number) {
-  const auto p = modp_parameter(OSSL_PKEY_PARAM_FFC_P);
-  const auto q = modp_parameter(OSSL_PKEY_PARAM_FFC_Q);
-  const auto g = modp_parameter(OSSL_PKEY_PARAM_FFC_G);
-  const BignumContextPtr context(BN_CTX_new());
-  const BignumPtr out(BN_new());
-  if (!p || !q || !g || !context || !out || BN_is_zero(number) || BN_cmp(number, q.get()) >= 0 ||
-      BN_mod_exp(out.get(), g.get(), number, p.get(), context.get()) != 1)
-    return {};
-  Bytes octets(kModpOctets);
-  return BN_bn2binpad(out.get(), octets.data(), static_cast<int>(octets.size())) > 0 ? octets
-                                                                                     : Bytes();
-}
-
-Bytes public_of(KeyAgreementKind kind, const BIGNUM* number) {
-  if (is_modp(kind)) return public_element(number);
-  return public_point(kind == KeyAgreementKind::ecdh_p384 ? NID_secp384r1 : NID_X9_62_prime256v1,
-                      number);
-}
-
-Result<PkeyPtr> make_pair(KeyAgreementKind kind, const BIGNUM* number, BytesView element) {
-  constexpr std::array kGroups = {"P-256", "P-384", "dh_2048_256"};
-  const ParameterBuilderPtr builder(OSSL_PARAM_BLD_new());
-  const BignumPtr y(BN_bin2bn(element.data(), static_cast<int>(element.size()), nullptr));
-  const char* group = kGroups.at(static_cast<std::size_t>(kind));
-  const bool built =
-      builder && y &&
-      OSSL_PARAM_BLD_push_utf8_string(builder.get(), OSSL_PKEY_PARAM_GROUP_NAME, group, 0) == 1 &&
-      OSSL_PARAM_BLD_push_BN(builder.get(), OSSL_PKEY_PARAM_PRIV_KEY, number) == 1 &&
-      (is_modp(kind) ? OSSL_PARAM_BLD_push_BN(builder.get(), OSSL_PKEY_PARAM_PUB_KEY, y.get())
-                     : OSSL_PARAM_BLD_push_octet_string(builder.get(), OSSL_PKEY_PARAM_PUB_KEY,
-                                                        element.data(), element.size())) == 1;
-  const ParametersPtr parameters(built ? OSSL_PARAM_BLD_to_param(builder.get()) : nullptr);
-  const PkeyContextPtr context(
-      EVP_PKEY_CTX_new_from_name(nullptr, is_modp(kind) ? "DHX" : "EC", nullptr));
-  EVP_PKEY* out = nullptr;
-  if (!parameters || !context || EVP_PKEY_fromdata_init(context.get()) != 1 ||
-      EVP_PKEY_fromdata(context.get(), &out, EVP_PKEY_KEYPAIR, parameters.get()) != 1)
-    return openssl_failure(Code::internal);
-  return PkeyPtr(out);
-}
-
 }  // namespace
 
 Result<PeerPublicKey> PeerPublicKey::parse(KeyAgreementKind kind, BytesView octets) {
@@ -237,16 +168,6 @@ Result<EphemeralKey> EphemeralKey::generate(KeyAgreementKind kind) {
       EVP_PKEY_generate(context.get(), &raw) != 1)
     return openssl_failure(Code::internal);
   return EphemeralKey(kind, std::make_shared<const Impl>(PkeyPtr(raw)));
-}
-
-Result<EphemeralKey> KnownKey::from_private(KeyAgreementKind kind, BytesView number) {
-  const SecretBignumPtr secret(
-      BN_bin2bn(number.data(), static_cast<int>(number.size()), BN_secure_new()));
-  const auto element = secret ? public_of(kind, secret.get()) : Bytes();
-  if (element.empty())
-    return std::unexpected(not_in_group_error("the private number is out of range"));
-  DDSSEC_ASSIGN_OR_RETURN(auto pair, make_pair(kind, secret.get(), element));
-  return EphemeralKey(kind, std::make_shared<const EphemeralKey::Impl>(std::move(pair)));
 }
 
 Result<Bytes> EphemeralKey::public_octets(PublicKeyEncoding encoding) const {

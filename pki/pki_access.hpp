@@ -9,6 +9,7 @@
 #include "base/clock.hpp"
 #include "pki/certificate.hpp"
 #include "pki/crl.hpp"
+#include "pki/key_agreement.hpp"
 #include "pki/openssl_pointers.hpp"
 #include "pki/private_key.hpp"
 
@@ -39,6 +40,10 @@ struct Crl::Impl {
   std::string issuer;
   WallTime this_update;
   std::optional<WallTime> next_update;
+};
+
+struct PeerPublicKey::Impl {
+  PkeyPtr pkey;
 };
 
 /// Gives pki/ access to the private members of the classes.

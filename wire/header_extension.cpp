@@ -40,12 +40,4 @@ Result<HeaderExtension> read_header_extension(const SubmessageView& view,
   return out;
 }
 
-void write(SpanWriter& out, const HeaderExtension& extension) {
-  std::uint8_t flags = extension.message_length ? kFlagLength : 0;
-  if (extension.send_time) flags |= kFlagTimestamp;
-  const SubmessageScope scope(out, SubmessageId::header_extension, flags);
-  if (extension.message_length) out.write(*extension.message_length);
-  if (extension.send_time) write_time(out, *extension.send_time);
-}
-
 }  // namespace ddssec::rtps

@@ -1,5 +1,5 @@
 // HEADER_EXTENSION of RTPS 2.5 (9.4.5.2): it is read, checked and skipped. No participant of ddssec
-// sends one; `write` is for tests.
+// sends one.
 #pragma once
 
 #include <optional>
@@ -20,6 +20,5 @@ struct HeaderExtension {
 /// `message_size` is the size of the datagram in octets, which a message length must match. Errors:
 /// truncated, rtps_submessage_overrun (the lengths differ), those of ParameterReader.
 Result<HeaderExtension> read_header_extension(const SubmessageView& view, std::size_t message_size);
-void write(SpanWriter& out, const HeaderExtension& extension);
 
 }  // namespace ddssec::rtps

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_progress.hpp"
 #include "cli/ca/participant_places.hpp"
@@ -22,7 +23,6 @@
 #include "cli/inputs/passphrase.hpp"
 #include "cli/inputs/times.hpp"
 #include "cli/participant/participant.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
@@ -290,8 +290,7 @@ std::string steps_for_permissions(const OpenCa& ca, const std::string& given, Wa
       "participants again. One command does that, with a new key: ddssec {} rotate {} --role "
       "permissions\n",
       end > now ? "ends" : "ended", date(end), end > now ? "Before that day" : "Now",
-      ca.paths.certificate.filename().string(), is_keystore ? "keystore" : "ca",
-      governance::doctor::shell_word(given));
+      ca.paths.certificate.filename().string(), is_keystore ? "keystore" : "ca", shell_word(given));
 }
 
 Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& role,
@@ -310,8 +309,8 @@ Result<std::string> steps_after_renewal(const OpenCa& ca, const std::string& rol
         "The revocation list {} on {}; from then on no new peer is authenticated. {}: ddssec crl "
         "new --ca {}, then ddssec crl distribute --ca {}\n",
         *list->next_update() > now ? "ends" : "ended", date(*list->next_update()),
-        *list->next_update() > now ? "Before that day" : "Now",
-        governance::doctor::shell_word(given), governance::doctor::shell_word(given));
+        *list->next_update() > now ? "Before that day" : "Now", shell_word(given),
+        shell_word(given));
   return out;
 }
 

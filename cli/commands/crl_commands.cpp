@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "base/tool_code.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_overlap.hpp"
@@ -23,7 +24,6 @@
 #include "cli/frame/progress.hpp"
 #include "cli/inputs/files.hpp"
 #include "cli/inputs/times.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
@@ -379,7 +379,7 @@ Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
     report.text += fmt::format(
         "every participant in the CA's log is revoked, and needs no list; those of CAs below it "
         "do: ddssec crl distribute DIR... --ca {}\n",
-        governance::doctor::shell_word(given));
+        shell_word(given));
   else if (recipient.here.empty())
     report.exit = Exit::no;
   report.errors = std::move(done.errors);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
 #include "cli/ca/ca_overlap.hpp"
@@ -19,7 +20,6 @@
 #include "cli/frame/options.hpp"
 #include "cli/inputs/files.hpp"
 #include "cli/inputs/times.hpp"
-#include "governance/doctor/shell_word.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -119,7 +119,7 @@ std::string same_key_text(const CertificatesToRevoke& what, const std::string& c
   return out + fmt::format(
                    "  if the key was stolen: ddssec identity revoke {} --ca {} --reason "
                    "keyCompromise\n",
-                   what.same_key_serials.front(), governance::doctor::shell_word(ca));
+                   what.same_key_serials.front(), shell_word(ca));
 }
 
 // The log may contain the name, but revoking by name alone could revoke the wrong participant.
@@ -136,10 +136,8 @@ std::unexpected<Error> not_found_error(const std::string& what, const std::strin
                           folder_name(issued.folder) == what || issued.folder == folder;
     if (!is_meant || issued.revoked) continue;
     const bool is_here = path_exists(fs::path(issued.folder) / "cert.pem");
-    details.hint =
-        fmt::format("the CA's log has it: ddssec identity revoke {} --ca {}",
-                    is_here ? governance::doctor::shell_word(issued.folder) : issued.serial,
-                    governance::doctor::shell_word(ca));
+    details.hint = fmt::format("the CA's log has it: ddssec identity revoke {} --ca {}",
+                               is_here ? shell_word(issued.folder) : issued.serial, shell_word(ca));
   }
   return fail(Code::file_not_found, std::move(details));
 }
@@ -180,7 +178,7 @@ std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
     return fmt::format(
         "no other participant in the CA's log needs the list; those of CAs below it do: ddssec crl "
         "distribute DIR... --ca {}\n",
-        governance::doctor::shell_word(ca));
+        shell_word(ca));
   auto out = fmt::format(
       "next: ddssec crl distribute {}--ca {}   ({})\n"
       "when the list is in the folder, a participant reads it\n"
@@ -188,7 +186,7 @@ std::string next_steps(const std::string& ca, const ParticipantPlaces& places,
       "crl.pem that appears beside its certificate\n"
       "  with the stock plugins of Cyclone DDS or Fast DDS: only when it starts again, and "
       "only if its configuration names the list (ROS 2 names crl.pem of the enclave)\n",
-      knows_none ? "DIR... " : "", governance::doctor::shell_word(ca),
+      knows_none ? "DIR... " : "", shell_word(ca),
       knows_none ? "name the folders of all participants below this CA, also those of other CAs "
                    "below it: the log of this CA knows none"
                  : fmt::format("puts the list into {}", count_text(places.here.size(), "folder")));

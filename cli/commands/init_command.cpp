@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/governance_revision.hpp"
@@ -21,7 +22,6 @@
 #include "cli/participant/drop_in.hpp"
 #include "cli/participant/keystore.hpp"
 #include "cli/participant/participant.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "governance/profile.hpp"
 #include "governance/write.hpp"
 
@@ -235,8 +235,7 @@ std::string next_steps(const Plan& plan, const Snippets& snippets) {
   const auto& first = plan.names.front();
   const bool sros2 = plan.layout == pki::FolderLayout::sros2;
   const auto folder = plan.target / (sros2 ? enclave_folder(first) : fs::path(first));
-  const auto out =
-      fmt::format("next: ddssec doctor {}\n", governance::doctor::shell_word(folder.string()));
+  const auto out = fmt::format("next: ddssec doctor {}\n", shell_word(folder.string()));
   if (sros2) return out + fmt::format("\n{} with ROS 2:\n{}", first, snippets.ros2.value_or(""));
   return out + configuration_lines(first, folder) +
          "each participant's folder has these two files; they name it by its whole path\n" +

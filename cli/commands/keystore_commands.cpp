@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/governance_revision.hpp"
 #include "cli/ca/logged_certificate.hpp"
@@ -34,7 +35,6 @@
 #include "cli/participant/configuration_files.hpp"
 #include "cli/participant/keystore.hpp"
 #include "governance/doctor/domains_of_folder.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "governance/profile.hpp"
 #include "governance/read.hpp"
 #include "governance/ros_node.hpp"
@@ -335,7 +335,7 @@ Status check_of_enclave(const pki::Certificate& certificate, const fs::path& fol
   details.hint = fmt::format(
       "put the enclave's own certificate back, or issue the enclave again: ddssec keystore enclave "
       "{} {} --replace, with its rights{}",
-      governance::doctor::shell_word(keystore.string()), name,
+      shell_word(keystore.string()), name,
       issued.error().code() == Code::certificate_unlogged
           ? "; what sros2 issued, ddssec keystore import takes over"
           : "");

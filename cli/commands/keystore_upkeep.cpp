@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/doctor/doctor_options.hpp"
 #include "cli/doctor/products.hpp"
@@ -22,7 +23,6 @@
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/lint_checks.hpp"
 #include "governance/doctor/ros_environment.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "governance/doctor/writable_places.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/key_digests.hpp"
@@ -133,7 +133,7 @@ class KeyCopies {
     return fmt::format(
         "ddssec keystore enclave {} {} --replace, with its rights (--publish, --subscribe or "
         "--policy), gives it a key of its own",
-        doctor::shell_word(keystore_.string()), name);
+        shell_word(keystore_.string()), name);
   }
 
   fs::path keystore_;
@@ -346,7 +346,7 @@ Result<Answer<ImportedKeystore>> keystore_import(const Arguments& arguments,
     if (!added && added.error().code() == Code::certificate_of_another_folder) {
       auto details = added.error().details();
       details.hint = fmt::format("ddssec keystore verify {} names the enclave that is the copy",
-                                 doctor::shell_word(keystore.string()));
+                                 shell_word(keystore.string()));
       return fail(Code::certificate_of_another_folder, std::move(details));
     }
     if (!added) add_error(std::move(added).error(), out.report);

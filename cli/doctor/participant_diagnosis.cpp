@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "cli/doctor/folder_configuration.hpp"
 #include "cli/doctor/ocsp_checks.hpp"
 #include "cli/doctor/own_start.hpp"
@@ -16,7 +17,6 @@
 #include "governance/doctor/domain_tag.hpp"
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/host_plugins.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "pki/certificate_source.hpp"
 #include "plugins/access_control/allowed_algorithms.hpp"
 #include "plugins/access_control/protection.hpp"
@@ -47,7 +47,7 @@ bool has_own_configuration(const LoadedFolder& folder) {
 std::string export_line(const fs::path& folder) {
   std::error_code ignored;
   const auto file = fs::absolute(configuration_in(folder), ignored).lexically_normal();
-  return "export CYCLONEDDS_URI=" + doctor::shell_word("file://" + file.string());
+  return "export CYCLONEDDS_URI=" + shell_word("file://" + file.string());
 }
 
 // Measured with Cyclone DDS 0.10.2: it opens the folder as a file, reads nothing, and goes on.
@@ -201,18 +201,17 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
       !path_exists(file))
     return;
   std::error_code ignored;
-  out.report({},
-             {.rule = Rule::DOC101,
-              .message = fmt::format(
-                  "{} is {} in this shell: a Fast DDS application that starts here runs WITHOUT "
-                  "security, unless it names the profile itself",
-                  variable, set == nullptr ? "not set" : "empty"),
-              .document = file,
-              .hint = fmt::format(
-                  "export {}={} where the application starts", variable,
-                  doctor::shell_word(fs::absolute(file, ignored).lexically_normal().string())),
-              .vendors = {doctor::id(doctor::Vendor::fastdds, settings.lineup)},
-              .severity = Severity::warning});
+  out.report(
+      {}, {.rule = Rule::DOC101,
+           .message = fmt::format(
+               "{} is {} in this shell: a Fast DDS application that starts here runs WITHOUT "
+               "security, unless it names the profile itself",
+               variable, set == nullptr ? "not set" : "empty"),
+           .document = file,
+           .hint = fmt::format("export {}={} where the application starts", variable,
+                               shell_word(fs::absolute(file, ignored).lexically_normal().string())),
+           .vendors = {doctor::id(doctor::Vendor::fastdds, settings.lineup)},
+           .severity = Severity::warning});
 }
 
 namespace {

@@ -6,16 +6,15 @@
 #include <fmt/format.h>
 
 #include "base/bytes.hpp"
+#include "base/shell_word.hpp"
 #include "base/text.hpp"
 #include "cli/inputs/files.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using governance::doctor::shell_word;
 
 constexpr auto kCycloneDdsFile = "cyclonedds.xml";
 constexpr auto kFastDdsFile = "fastdds.xml";

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "base/text.hpp"
 #include "base/uri_source.hpp"
 #include "governance/doctor/checks.hpp"
@@ -15,7 +16,6 @@
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/expanded_variables.hpp"
 #include "governance/doctor/named_files.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "pki/certificate_source.hpp"
 
 namespace ddssec::governance::doctor {

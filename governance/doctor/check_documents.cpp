@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "base/shell_word.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured_outcomes.hpp"
-#include "governance/doctor/shell_word.hpp"
 #include "governance/doctor/stock_spelling.hpp"
 #include "governance/lint.hpp"
 #include "pki/certificate_source.hpp"

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/shell_word.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
 #include "governance/doctor/needed_libraries.hpp"
-#include "governance/doctor/shell_word.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {

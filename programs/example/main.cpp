@@ -50,8 +50,7 @@ Status write_file(const fs::path& path, BytesView octets) {
   const bool written = file >= 0 && ::write(file, octets.data(), octets.size()) ==
                                         static_cast<ssize_t>(octets.size());
   if (file >= 0) ::close(file);
-  if (!written)
-    return fail(Code::file_unreadable, {.document = path, .note = "it cannot be written"});
+  if (!written) return fail(Code::file_unwritable, {.document = path});
   return {};
 }
 

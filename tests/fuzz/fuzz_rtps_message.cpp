@@ -5,10 +5,10 @@
 #include <cstdlib>
 
 #include "tests/fuzz/rtps_kind.hpp"
+#include "tests/support/written_header_extension.hpp"
 #include "wire/acknack.hpp"
 #include "wire/data_frag.hpp"
 #include "wire/gap.hpp"
-#include "wire/header_extension.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/heartbeat_frag.hpp"
 #include "wire/info_destination.hpp"

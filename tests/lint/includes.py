@@ -73,7 +73,7 @@ FOREIGN = {
 }
 # Headers that only their own folder's sources include may show what the sources use.
 INTERNAL_HEADERS = {f"pki/{name}.hpp" for name in (
-    "certificate_context", "known_key", "mime", "openssl", "openssl_guards", "openssl_pointers", "pem_block", "pkcs11",
+    "certificate_context", "mime", "openssl", "openssl_guards", "openssl_pointers", "pem_block", "pkcs11",
     "pki_access", "self_signed", "signing_time", "unverified_document")}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]', re.M)

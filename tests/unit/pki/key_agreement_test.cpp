@@ -1,9 +1,9 @@
 #include <openssl/core_names.h>
 #include <openssl/dh.h>
 
-#include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
 #include "pki_fixture.hpp"
+#include "tests/support/known_key.hpp"
 
 namespace ddssec::pki {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/written_header_extension.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 #include "tests/unit/wire/submessages.hpp"
 

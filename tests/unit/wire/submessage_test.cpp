@@ -8,7 +8,6 @@
 #include "wire/acknack.hpp"
 #include "wire/data_frag.hpp"
 #include "wire/gap.hpp"
-#include "wire/header_extension.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/heartbeat_frag.hpp"
 #include "wire/info_destination.hpp"

@@ -1,10 +1,10 @@
 // Google's Wycheproof vectors for the operations of a handshake.
 #include <nlohmann/json.hpp>
 
-#include "pki/known_key.hpp"
 #include "pki/openssl.hpp"
 #include "pki/pki_access.hpp"
 #include "pki/signature.hpp"
+#include "tests/support/known_key.hpp"
 #include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace ddssec::governance::doctor {
+namespace ddssec {
 
 /// Returns the text as one word of a POSIX shell: unchanged if it has no special characters,
 /// otherwise in single quotes.
@@ -19,4 +19,4 @@ inline std::string shell_word(std::string_view text) {
   return out + "'";
 }
 
-}  // namespace ddssec::governance::doctor
+}  // namespace ddssec
