@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Holds every #include of ours to the arrows of the architecture. Exit 1 and a line each otherwise."""
+"""Holds every #include of ours to the arrows of the architecture. Exit 1 and a line each otherwise.
+Usage: includes.py ROOT [--write]     --write makes the table of docs/architecture.md from the arrows."""
 
 import pathlib
 import re
@@ -53,11 +54,11 @@ ARROWS = {
                  "governance/compare", "plugins/access_control"],
     "cli/doctor": ["cli/frame", "cli/inputs", "cli/documents", "cli/ca", "base", "pki", "governance",
                    "governance/doctor", "plugins/spi", "plugins/authentication", "plugins/access_control",
-                   "plugins/cryptography", "rtps", "secured"],
+                   "plugins/cryptography", "secured"],
     "cli/explain": ["cli/frame", "base"],
     "cli/commands": ["cli/frame", "cli/inputs", "cli/folders", "cli/documents", "cli/ca", "cli/participant",
                      "cli/agent", "cli/diff", "cli/doctor", "cli/explain", "base", "pki", "governance",
-                     "governance/compare", "governance/doctor", "plugins/spi", "wire", "rtps"],
+                     "governance/compare", "governance/doctor", "plugins/spi", "wire", "rtps/observer"],
     "cli": ["cli/frame", "cli/inputs", "cli/agent", "cli/commands", "base", "pki"],
 }
 
@@ -75,6 +76,9 @@ FOREIGN = {
 INTERNAL_HEADERS = {f"pki/{name}.hpp" for name in (
     "certificate_context", "mime", "openssl", "openssl_guards", "openssl_pointers", "pem_block", "pkcs11",
     "pki_access", "self_signed", "signing_time", "unverified_document")}
+
+PAGE = "docs/architecture.md"
+SECTION = "\n## Which folder may include which\n"
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]', re.M)
 
@@ -121,12 +125,27 @@ def circles():
     return [f"{folder} leads back to itself" for folder in ARROWS if folder in reached(folder, set())]
 
 
+def page_with_table(text):
+    """The page with the arrows as the table of its section, up to the next heading."""
+    rows = "".join(f"| `{folder}/` | {', '.join(f'`{target}`' for target in targets) or 'nothing of ddssec'} |\n"
+                   for folder, targets in ARROWS.items())
+    before, heading, after = text.partition(SECTION)
+    head, line, rest = after.partition("|---|---|\n")
+    return before + heading + head + line + rows + rest[re.match(r"(?:\|.*\n)*", rest).end():]
+
+
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
+    page = root / PAGE
+    text = page.read_text(encoding="utf-8")
+    if sys.argv[2:] == ["--write"]:
+        page.write_text(page_with_table(text), encoding="utf-8")
+        return 0
     files = [p for folder in ARROWS for p in (root / folder).glob("*.[ch]pp")]
     files += [p for folder in ARROWS for p in (root / folder).glob("*/*.[ch]pp")
               if folder_of(p.relative_to(root).as_posix()) == folder]
-    found = circles() + [line for file in sorted(set(files)) for line in complaints(root, file)]
+    found = [] if text == page_with_table(text) else [f"{PAGE}: the table differs from ARROWS: --write makes it"]
+    found += circles() + [line for file in sorted(set(files)) for line in complaints(root, file)]
     print("\n".join(found) if found else f"{len(files)} files keep to the arrows")
     return 1 if found or not files else 0
 
