@@ -3,21 +3,14 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/event_log.hpp"
-#include "base/rate_limited_sink.hpp"
-#include "secured/security_plugin_set.hpp"
+#include "secured/runtime.hpp"
 
 namespace ddssec::secured {
 
 struct Participant::State {
-  explicit State(EventSink* sink) : events(sink != nullptr ? *sink : standard_error) {}
-  SystemClock clock;
-  SystemRandom random;
+  explicit State(EventSink* sink) : runtime(sink != nullptr ? *sink : standard_error) {}
   StandardErrorEvents standard_error;
-  EventSink& events;
-  LoggedEvents logged{events, EventLog::of_environment()};
-  RateLimitedSink limited{logged, clock};
-  SecurityPluginSet plugins{{clock, random, limited}};
+  Runtime runtime;
   std::unique_ptr<rtps::DomainParticipant> participant = {};
   rtps::Publisher* publisher = nullptr;
   rtps::Subscriber* subscriber = nullptr;
@@ -41,11 +34,10 @@ void StandardErrorEvents::raise(const Event& event) {
 Result<Participant> Participant::join(const std::filesystem::path& folder,
                                       rtps::DomainParticipantOptions options, EventSink* events) {
   auto state = std::make_unique<State>(events);
-  DDSSEC_ASSIGN_OR_RETURN(auto security, state->plugins.security_options(folder));
+  DDSSEC_ASSIGN_OR_RETURN(auto security, state->runtime.plugins().security_options(folder));
   options.security.emplace(std::move(security));
-  DDSSEC_ASSIGN_OR_RETURN(state->participant,
-                          rtps::DomainParticipant::create(
-                              std::move(options), {state->clock, state->random, state->limited}));
+  DDSSEC_ASSIGN_OR_RETURN(state->participant, rtps::DomainParticipant::create(
+                                                  std::move(options), state->runtime.services()));
   DDSSEC_ASSIGN_OR_RETURN(state->publisher, state->participant->create_publisher());
   DDSSEC_ASSIGN_OR_RETURN(state->subscriber, state->participant->create_subscriber());
   return Participant(std::move(state));

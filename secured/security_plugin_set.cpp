@@ -6,7 +6,6 @@
 #include "base/status_service.hpp"
 #include "pki/certificate_source.hpp"
 #include "pki/participant_folder.hpp"
-#include "plugins/access_control/access_control.hpp"
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
@@ -14,6 +13,7 @@
 #include "plugins/spi/property_names.hpp"
 #include "secured/participant_check.hpp"
 #include "secured/reported_calendar.hpp"
+#include "secured/start_check.hpp"
 
 namespace ddssec::secured {
 
@@ -23,9 +23,7 @@ struct SecurityPluginSet::Parts {
         calendar(services.clock, services.events),
         authentication(authentication::make_authentication(judging(services))),
         access_control(access_control::make_access_control(judging(services),
-                                                           {.host_revises_keys = true,
-                                                            .host_has_pre_shared_keys = true,
-                                                            .host_changes_protection = true})),
+                                                           embedded_access_control_options())),
         cryptography(cryptography::make_cryptography(services)) {}
 
   // Returns the services for the plugins that judge documents.

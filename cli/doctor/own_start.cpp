@@ -7,9 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "base/clock.hpp"
-#include "base/event.hpp"
-#include "base/plugin_services.hpp"
 #include "cli/doctor/folder_configuration.hpp"
 #include "cli/inputs/files.hpp"
 #include "governance/doctor/cyclonedds_configuration.hpp"
@@ -18,14 +15,11 @@
 #include "pki/certificate_source.hpp"
 #include "pki/logins_forbidden.hpp"
 #include "pki/participant_folder.hpp"
-#include "plugins/access_control/access_control.hpp"
-#include "plugins/authentication/authentication.hpp"
-#include "plugins/cryptography/cryptography.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
-#include "rtps/security/own_security.hpp"
 #include "secured/security_plugin_set.hpp"
+#include "secured/start_check.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -35,35 +29,15 @@ namespace fs = std::filesystem;
 namespace property = spi::property;
 using doctor::Outcome;
 
-class NoEvents final : public EventSink {
- public:
-  void raise(const Event&) override {}
-};
-
 Status start(spi::PropertyList properties, const access_control::AccessControlOptions& options,
              const doctor::Settings& settings) {
-  const ManualClock clock(settings.now);
-  SystemRandom random;
-  NoEvents events;
-  const PluginServices services{clock, random, events};
-  const auto authentication = authentication::make_authentication(services);
-  const auto access_control = access_control::make_access_control(services, options);
-  const auto cryptography = cryptography::make_cryptography(services);
-  DDSSEC_ASSIGN_OR_RETURN(
-      const auto own, rtps::OwnSecurity::create({{*authentication, *access_control, *cryptography},
-                                                 std::move(properties)},
-                                                settings.domain, GuidPrefix{{1}}));
-  return {};
+  return secured::check_start(std::move(properties), options, settings.domain, settings.now);
 }
 
 Status start_embedded(const fs::path& folder, const doctor::Settings& settings) {
   DDSSEC_ASSIGN_OR_RETURN(auto properties, secured::folder_properties(folder));
   DDSSEC_RETURN_IF_ERROR(spi::clock_step_grace(properties));
-  return start(std::move(properties),
-               {.host_revises_keys = true,
-                .host_has_pre_shared_keys = true,
-                .host_changes_protection = true},
-               settings);
+  return start(std::move(properties), secured::embedded_access_control_options(), settings);
 }
 
 bool starts(const doctor::Diagnosis& diagnosis) {

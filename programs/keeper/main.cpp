@@ -4,10 +4,8 @@
 #include <csignal>
 #include <cstdio>
 
-#include "base/event_log.hpp"
-#include "base/rate_limited_sink.hpp"
 #include "rtps/keeper/keeper.hpp"
-#include "secured/security_plugin_set.hpp"
+#include "secured/runtime.hpp"
 
 namespace {
 
@@ -94,22 +92,17 @@ int finish(rtps::Keeper& keeper, EventSink& events) {
 
 int run(const Options& options) {
   const auto signals = hold_signals();
-  const SystemClock clock;
-  SystemRandom random;
   Log log;
-  LoggedEvents logged(log, EventLog::of_environment());
-  RateLimitedSink events(logged, clock);
-  const PluginServices services{clock, random, events};
-  secured::SecurityPluginSet plugins(services);
-  auto wanted = participant_options(options, plugins);
+  secured::Runtime runtime(log);
+  auto wanted = participant_options(options, runtime.plugins());
   if (!wanted) return print_refusal(wanted.error());
-  auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeper, services);
+  auto keeper = rtps::Keeper::create(*std::move(wanted), options.keeper, runtime.services());
   if (!keeper) return print_refusal(keeper.error());
   std::printf("Keeping domain %d: %zu topics known\n", options.domain, (*keeper)->topics());
   std::fflush(stdout);
   int signal = 0;
   sigwait(&signals, &signal);
-  return finish(**keeper, events);
+  return finish(**keeper, runtime.events());
 }
 
 }  // namespace

@@ -26,18 +26,16 @@ void watch_signals() {
 
 Status Session::open() {
   end_ = nanoseconds() + static_cast<std::int64_t>(options_.timeout * 1e9);
-  const PluginServices services{clock_, random_, limited_};
   rtps::DomainParticipantOptions wanted{.domain_id = options_.domain,
                                         .entity_name = "ddssec-peer " + options_.role,
                                         .interfaces = options_.interfaces,
                                         .multicast = options_.interfaces != Options{}.interfaces,
                                         .announce_types = false};
   if (options_.security != "off") {
-    plugins_ = std::make_unique<secured::SecurityPluginSet>(services);
-    DDSSEC_ASSIGN_OR_RETURN(auto security, plugins_->security_options(options_.security));
+    DDSSEC_ASSIGN_OR_RETURN(auto security, runtime_.plugins().security_options(options_.security));
     wanted.security.emplace(std::move(security));
   }
-  auto created = rtps::DomainParticipant::create(std::move(wanted), services);
+  auto created = rtps::DomainParticipant::create(std::move(wanted), runtime_.services());
   if (!created) return std::unexpected(created.error());
   participant_ = std::move(*created);
   print_line("participant_created");

@@ -7,11 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/event_log.hpp"
-#include "base/rate_limited_sink.hpp"
 #include "programs/peer/options.hpp"
 #include "rtps/dcps/domain_participant.hpp"
-#include "secured/security_plugin_set.hpp"
+#include "secured/runtime.hpp"
 
 namespace ddssec::peer {
 
@@ -63,7 +61,7 @@ class Session final : private EventSink {
     return (*subscriber)->create_datareader<T>(**on, reader_qos(), listener);
   }
 
-  std::int64_t nanoseconds() const { return clock_.monotonic().count(); }
+  std::int64_t nanoseconds() const { return runtime_.clock().monotonic().count(); }
   /// True if the timeout has passed or a signal arrived.
   bool is_over() const;
   /// Waits in steps of one millisecond until `ready` returns true. Returns false if the session was
@@ -90,11 +88,7 @@ class Session final : private EventSink {
   rtps::GroupQos group_qos() const;
 
   const Options options_;
-  SystemClock clock_;
-  SystemRandom random_;
-  LoggedEvents logged_{*this, EventLog::of_environment()};
-  RateLimitedSink limited_{logged_, clock_};
-  std::unique_ptr<secured::SecurityPluginSet> plugins_;
+  secured::Runtime runtime_{*this};
   std::unique_ptr<rtps::DomainParticipant> participant_;
   rtps::AuthenticationCounters printed_;
   std::int64_t end_ = 0;

@@ -111,15 +111,14 @@ Status Session::open() {
                                         .interfaces = options_.interfaces};
   DDSSEC_ASSIGN_OR_RETURN(wanted.durability_store, store());
   if (options_.security != "off") {
-    DDSSEC_ASSIGN_OR_RETURN(auto security, plugins_.security_options(options_.security));
+    DDSSEC_ASSIGN_OR_RETURN(auto security, runtime_.plugins().security_options(options_.security));
     wanted.security.emplace(std::move(security));
   }
   if (options_.announcement_period)
     wanted.announcement_period = std::chrono::milliseconds(*options_.announcement_period);
   if (options_.fragment_size) wanted.fragment_size = *options_.fragment_size;
-  const PluginServices services{clock_, random_, limited_};
   DDSSEC_ASSIGN_OR_RETURN(participant_,
-                          rtps::DomainParticipant::create(std::move(wanted), services));
+                          rtps::DomainParticipant::create(std::move(wanted), runtime_.services()));
   participant_->set_listener(&lines_);
   return {};
 }

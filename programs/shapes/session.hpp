@@ -4,12 +4,10 @@
 
 #include <memory>
 
-#include "base/event_log.hpp"
-#include "base/rate_limited_sink.hpp"
 #include "programs/shapes/options.hpp"
 #include "programs/shapes/types.hpp"
 #include "rtps/dcps/domain_participant.hpp"
-#include "secured/security_plugin_set.hpp"
+#include "secured/runtime.hpp"
 
 namespace ddssec::shapes {
 
@@ -61,7 +59,7 @@ class Session final : private EventSink {
   Status open();
   const Options& options() const { return options_; }
   rtps::DomainParticipant& participant() { return *participant_; }
-  Random& random() { return random_; }
+  Random& random() { return runtime_.random(); }
 
   /// Creates the topics TOPIC, TOPIC1...
   template <class T>
@@ -92,12 +90,8 @@ class Session final : private EventSink {
   rtps::Qos common_qos() const;
 
   const Options options_;
-  SystemClock clock_;
-  SystemRandom random_;
-  LoggedEvents logged_{*this, EventLog::of_environment()};
-  RateLimitedSink limited_{logged_, clock_};
+  secured::Runtime runtime_{*this};
   StatusLines lines_;
-  secured::SecurityPluginSet plugins_{{clock_, random_, limited_}};
   std::unique_ptr<rtps::DomainParticipant> participant_;
 };
 

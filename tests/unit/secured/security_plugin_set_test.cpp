@@ -100,7 +100,7 @@ void expect_ticks(DataReader<Tick>& reader, std::int32_t from, std::int32_t to) 
   EXPECT_GT(from, to);
 }
 
-TEST(SharedEnginesOfParticipants, OneIsDeleted_TheOtherGoesOn) {
+TEST(SharedPluginsOfParticipants, OneIsDeleted_TheOtherGoesOn) {
   for (const bool first_goes : {true, false}) {
     World world;
     auto remote = world.join(world.own, "CN=remote,O=Example");
