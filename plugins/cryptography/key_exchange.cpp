@@ -343,8 +343,15 @@ void KeyExchange::install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> 
   auto former = endpoint.remote_keys.exchange(std::move(keys));
   Rollback take_back(
       [&] { endpoint.remote_keys.replace(std::move(former), state_.retired_objects); });
-  if (is_protected(endpoint.local.submessage) && !route_alike(*endpoint.remote_keys.read(), former))
-    state_.publish_route(endpoint);
+  if (is_protected(endpoint.local.submessage)) {
+    const bool has_route = endpoint.route != 0 && route_alike(*endpoint.remote_keys.read(), former);
+    auto& routes = endpoint.participant.routes;
+    if (!has_route && !routes.is_outdated(endpoint))
+      state_.publish_route(endpoint);
+    else if (!has_route && endpoint.route.exchange(0) != 0)
+      routes.note_gone();  // it was that of another key
+    routes.end_outdated(endpoint);
+  }
   take_back.release();
   state_.retired_objects.retire(std::move(former));
 }

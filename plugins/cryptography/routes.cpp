@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "plugins/cryptography/entities.hpp"
+#include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
@@ -111,6 +112,37 @@ const ReceiveKey* Routes::same_sender_key(const KeyMaterial& material) const {
       if (key && is_same(key->material())) return key.get();
     }
   return nullptr;
+}
+
+// Calls `f` with each other endpoint that messages under the key may be routed to instead.
+template <class F>
+void Routes::each_rival(const RemoteEndpoint& endpoint, F&& f) const {
+  const auto* const table = table_.read();
+  const auto& key = endpoint.remote_keys.read()->submessage->material();
+  if (table == nullptr || !key.receiver_key_id.is_zero()) return;
+  if (!endpoint.local.participant.revises_keys) return;  // a host may have very many endpoints
+  for (const auto run : table->runs())
+    for (const auto& route : std::ranges::equal_range(run, key.sender_key_id, {}, &Route::key_id)) {
+      if (route.local_participant != endpoint.local.participant.handle()) continue;
+      auto* const rival = endpoint_of(route);
+      if (rival != nullptr && rival != &endpoint && !rival->local.is_volatile) f(*rival);
+    }
+}
+
+bool Routes::is_outdated(const RemoteEndpoint& endpoint) const {
+  bool out = false;
+  each_rival(endpoint, [&](const RemoteEndpoint& rival) {
+    out = out || is_later_revision(*rival.remote_keys.read(), *endpoint.remote_keys.read());
+  });
+  return out;
+}
+
+void Routes::end_outdated(const RemoteEndpoint& endpoint) {
+  each_rival(endpoint, [&](RemoteEndpoint& rival) {
+    if (!is_later_revision(*endpoint.remote_keys.read(), *rival.remote_keys.read())) return;
+    rival.route = 0;
+    note_gone();
+  });
 }
 
 Routes::Run Routes::merged(const Run& a, const Run& b) const {

@@ -7,6 +7,11 @@
 // leads nowhere, because the registry no longer knows the handle. So removal needs neither memory
 // nor a copy. Such a route is removed by a later merge. All runs are merged if half of all routes
 // lead nowhere when one is added.
+//
+// A key revision keeps the key id. While some endpoints of a local participant have the revised key
+// and others have not, only the former get routes: they can open messages under either key, and
+// know when the former key ends. An endpoint may be left without the revised key for long, if its
+// host suspended the match.
 #pragma once
 
 #include <compare>
@@ -46,6 +51,13 @@ class Routes {
   void add(const Route& route, RetiredObjects& retired_objects);
   /// Call it after a route has ceased to lead to its endpoint. One caller at a time.
   void note_gone() noexcept { ++gone_; }
+  /// True if another endpoint of the same local participant has a route to a later revision of the
+  /// endpoint's key. False for a key with a receiver-specific part, because each message names the
+  /// receivers that can open it. One caller at a time.
+  bool is_outdated(const RemoteEndpoint& endpoint) const;
+  /// Ends the routes to earlier revisions of the endpoint's key, for the same local participant and
+  /// with the same exception. One caller at a time.
+  void end_outdated(const RemoteEndpoint& endpoint);
 
   /// Returns the endpoint that sent a SEC_ group under the key `key`, as matched with the local
   /// participant `receiver` (0 for any). Several endpoints may have one key, for example a remote
@@ -81,6 +93,8 @@ class Routes {
   Found first_of(std::span<const Route> routes, std::int64_t receiver, Like&& like) const;
   RemoteEndpoint* find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
                               BytesView group) const;
+  template <class F>
+  void each_rival(const RemoteEndpoint& endpoint, F&& f) const;
   Run merged(const Run& a, const Run& b) const;
 
   const Registry& registry_;

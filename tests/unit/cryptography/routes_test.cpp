@@ -58,6 +58,54 @@ TEST(Routes, EachPresentEndpoint_IsFoundAndNoOther) {
   }
 }
 
+// The key id stays the same in a key revision. The readers get the new key one after the other, or
+// some of them do not get it.
+TEST(Routes, RevisedKey_LeadsToAReaderThatHasIt) {
+  for (const std::size_t first : {0U, 1U, 2U}) {
+    TwoSides two(participant_attributes(ProtectionKind::none, true));
+    std::vector all = {two.endpoints(submessages_by(kEncrypted))};
+    const auto add_reader = [&] {
+      auto next = all.front();
+      next.reader =
+          two.b.factory()
+              .register_local_datareader(two.b.participant, {}, submessages_by(kEncrypted))
+              .value();
+      two.match_endpoints(next);
+      all.push_back(next);
+    };
+    auto late = all.front();
+    late.reader = two.b.factory()
+                      .register_local_datareader(two.b.participant, {}, submessages_by(kEncrypted))
+                      .value();
+    late.remote_writer =
+        two.b.factory()
+            .register_matched_remote_datawriter(late.reader, two.b.remote, shared_secret())
+            .value();
+    add_reader();
+    add_reader();
+    const auto before = two.writer_tokens(all.front()).value();
+    const auto revision = two.a.factory().revise_local_entity_keys(two.a.participant).value();
+    const auto tell = [&](const WriterToReader& ends, KeyStage stage) {
+      ASSERT_TRUE(two.take_writer(ends, two.writer_tokens(ends, stage).value()));
+    };
+    tell(all[first], KeyStage::revised);
+    EXPECT_EQ(routed(two, message_of(two, all[first]))->datareader, all[first].reader)
+        << "it opens messages under the former key, too";
+    ASSERT_TRUE(two.a.factory().activate_key_revision(two.a.participant, revision));
+    const auto message = message_of(two, all[first]);
+    EXPECT_EQ(routed(two, message)->datareader, all[first].reader);
+    EXPECT_TRUE(decode_submessage(two, all[first], message));
+    // A reader that gets its first tokens from before the revision takes no route away.
+    ASSERT_TRUE(two.take_writer(late, before));
+    EXPECT_EQ(routed(two, message)->datareader, all[first].reader);
+    // The others get the new key when the first one has left.
+    ASSERT_TRUE(two.b.factory().unregister_datawriter(all[first].remote_writer));
+    const auto& last = all[first == 2 ? 1 : 2];
+    tell(last, KeyStage::in_use);
+    EXPECT_EQ(routed(two, message)->datareader, last.reader);
+  }
+}
+
 // One remote writer is matched with many readers here, and has one key for each of them.
 TEST(Routes, OneKeyOfManyReaders_LeadsToTheReaderWithAMac) {
   TwoSides two;
