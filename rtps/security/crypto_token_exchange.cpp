@@ -140,15 +140,12 @@ void CryptoTokenExchange::send_token(Peer& peer, std::string_view message_class,
   send_tokens(peer, message_class, {}, {}, std::move(tokens));
 }
 
-// Only ddssec peers are asked, because other vendors would ignore the message.
+// Peers of other vendors would ignore a request. It waits for room.
 void CryptoTokenExchange::request_tokens(const EntityId& local, const Guid& remote) {
   auto* peer = core_.find(remote.prefix);
-  if (peer == nullptr || peer->data.vendor != kVendorDdssec || !has_room(*peer)) return;
-  GenericMessage message;
-  message.destination_endpoint = remote;
-  message.source_endpoint = {core_.own->guid().prefix, local};
-  message.message_class = message_class::kTokensWanted;
-  send(*peer, std::move(message));
+  if (peer == nullptr || peer->data.vendor != kVendorDdssec || !is_trusted(*peer)) return;
+  add_waiting(*peer->state.association(), local, remote, std::nullopt);
+  send_waiting(*peer);
 }
 
 // If the peer accepts both protections too, the message tells which one the keys are for.
@@ -184,7 +181,8 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   const bool any = take_early(peer, local, remote, is_ready);
   if (is_ready) core_.host.on_keys(local, remote);
   const auto keys = core_.keyring.keys_for(local, remote);
-  if (!any && keys.may_be_dropped && keys.are_second_awaited) request_tokens(local, remote);
+  if (!any && keys.may_be_dropped && keys.are_second_awaited && is_trusted(peer))
+    add_waiting(*peer.state.association(), local, remote, std::nullopt);
 }
 
 bool CryptoTokenExchange::complete_message_keys(Peer& peer) {
@@ -221,6 +219,7 @@ bool CryptoTokenExchange::complete_pairs(Peer& peer) {
     if (!has_room(peer)) return false;
     complete(peer, local, remote);
   }
+  note_acknowledged(peer);  // there may be room for requests
   return true;
 }
 
@@ -284,7 +283,7 @@ void CryptoTokenExchange::note_acknowledged(Peer& peer) {
 }
 
 void CryptoTokenExchange::add_waiting(Association& association, const EntityId& local,
-                                      const Guid& remote, spi::KeyStage stage) {
+                                      const Guid& remote, std::optional<spi::KeyStage> stage) {
   association.waiting.add(local, remote, stage);
   association.waiting.forget_unless([this](const EntityId& ours, const Guid& theirs) {
     return core_.keyring.is_pair_registered(ours, theirs);
@@ -300,12 +299,16 @@ void CryptoTokenExchange::send_waiting(Peer& peer) {
     if (!next) return;
     const auto& [local, remote, stage] = *next;
     if (!keyring.is_pair_registered(local, remote)) continue;
-    auto tokens = keyring.endpoint_tokens(local, remote, stage);
+    if (!stage) {
+      send(peer, tokens_wanted({core_.own->guid().prefix, local}, remote));
+      continue;
+    }
+    auto tokens = keyring.endpoint_tokens(local, remote, *stage);
     if (tokens)
       send_endpoint_tokens(peer, local, remote, std::move(*tokens));
     else
       core_.raise(tokens.error(), remote, EventOrigin::its_keys);
-    send_second_tokens(peer, local, remote, stage);
+    send_second_tokens(peer, local, remote, *stage);
   }
 }
 
@@ -487,11 +490,10 @@ bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remot
   }
   bool is_ready = registered->is_ready;
   const bool any = take_early(*peer, local, remote, is_ready);
-  // The remote endpoint may have sent its keys before this pair dropped them, so they are requested
-  // again.
-  if (!any && !is_ready &&
-      (association->has_revised || core_.keyring.keys_for(local, remote).may_be_dropped))
-    request_tokens(local, remote);
+  // The remote endpoint may have sent its keys before this pair dropped them or was suspended.
+  const bool may_be_lost =
+      !any && (association->has_revised || core_.keyring.keys_for(local, remote).may_be_dropped);
+  if (registered->are_keys_doubtful || (!is_ready && may_be_lost)) request_tokens(local, remote);
   return is_ready;
 }
 

@@ -98,7 +98,7 @@ class CryptoTokenExchange {
   /// Returns false if there are none.
   bool send_message_keys(Peer& peer, ProtectionId protection, spi::KeyStage stage);
   void add_waiting(Association& association, const EntityId& local, const Guid& remote,
-                   spi::KeyStage stage);
+                   std::optional<spi::KeyStage> stage);
   void send_waiting(Peer& peer);
   /// Sends the keys of the pair's second protection, if it is the one that is to come.
   void send_second_tokens(Peer& peer, const EntityId& local, const Guid& remote,

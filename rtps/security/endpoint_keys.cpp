@@ -142,7 +142,7 @@ Result<std::vector<spi::Token>> EndpointKeys::tokens_for(const EntityId& id, con
 Result<PairRegistration> EndpointKeys::register_pair(const EntityId& id, LocalKeys& local,
                                                      const Guid& remote, bool is_relay_only) {
   PairKeys pair{.is_ready = true, .is_relay_only = is_relay_only};
-  PairRegistration out{true, true};
+  PairRegistration out{.is_ready = true, .is_new = true};
   if (local.handle != 0) {
     const auto peer = remotes_.find(remote.prefix);
     if (peer == remotes_.end()) return fail(Code::crypto_not_matched);
@@ -173,6 +173,8 @@ std::optional<Guid> EndpointKeys::unregister_pair(Locals& from, const EntityId& 
   const bool stays = after != AfterMatch::gone && handle != 0 && !at->second.is_volatile;
   pair->second.is_suspended = stays && after == AfterMatch::may_return;
   pair->second.is_silent = stays && after == AfterMatch::silent;
+  if (pair->second.is_suspended && own_.attributes().is_key_revision_enabled)
+    pair->second.are_keys_doubtful = waits_for_tokens(id, at->second.attributes);
   if (stays) return at->second.note_idle(remote, pair->second);
   at->second.idle.remove(remote);
   at->second.pairs.erase(pair);
@@ -184,6 +186,16 @@ std::optional<Guid> EndpointKeys::unregister_pair(Locals& from, const EntityId& 
   else
     static_cast<void>(factory().unregister_datawriter({handle}));
   return std::nullopt;
+}
+
+void EndpointKeys::resume(const EntityId& id, LocalKeys& local, const Guid& remote,
+                          PairKeys& pair) const {
+  pair.is_suspended = pair.is_silent = false;
+  const auto peer = remotes_.find(remote.prefix);
+  const bool may_ask = peer != remotes_.end() && peer->second.answers_key_requests;
+  if (!may_ask) pair.are_keys_doubtful = false;
+  if (pair.are_keys_doubtful) pair.is_ready = false;
+  local.list(id, remote, pair);
 }
 
 void EndpointKeys::unregister_pairs_of(Locals& from, const GuidPrefix& remote) {
@@ -282,18 +294,22 @@ void SecondProtections::unregister_pair(const EntityId& id, const Guid& remote, 
     unregister_pair(id, *displaced);
 }
 
-void SecondProtections::resume(const EntityId& id, const Guid& remote, bool is_relay_only) {
+bool SecondProtections::resume(const EntityId& id, const Guid& remote, bool is_relay_only) {
   const auto other = others_.find(id);
-  if (other == others_.end()) return;
+  if (other == others_.end()) return false;
   auto& local = other->second;
   const auto pair = local.pairs.find(remote);
-  if (pair == local.pairs.end() || (!pair->second.is_suspended && !pair->second.is_silent)) return;
-  if (pair->second.is_relay_only != is_relay_only || !is_permitted(id, remote))
-    return unregister_pair(id, remote);
-  pair->second.is_suspended = pair->second.is_silent = false;
+  if (pair == local.pairs.end() || (!pair->second.is_suspended && !pair->second.is_silent))
+    return false;
+  if (pair->second.is_relay_only != is_relay_only || !is_permitted(id, remote)) {
+    unregister_pair(id, remote);
+    return false;
+  }
+  keys_.resume(id, local, remote, pair->second);
   pair->second.is_unsent = true;
-  local.list(id, remote, pair->second);
+  const bool are_doubtful = pair->second.are_keys_doubtful;
   if (const auto displaced = local.note_idle(remote, pair->second)) unregister_pair(id, *displaced);
+  return are_doubtful;
 }
 
 void SecondProtections::drop_keys(const EntityId& id, const std::optional<Guid>& remote) {

@@ -24,6 +24,9 @@ struct PairKeys {
   bool is_ready = false;
   bool is_relay_only = false;
   bool is_suspended = false;
+  /// The remote endpoint's keys may be former ones: they may have been revised since the pair was
+  /// suspended.
+  bool are_keys_doubtful = false;
   bool is_silent = false;  ///< only messages to this endpoint alone are protected for it
   bool is_unsent = false;  ///< a second protection: the remote endpoint needs its keys once more
   Sha256Digest keys = {};  ///< digest of its latest tokens
@@ -72,6 +75,7 @@ struct RemoteCrypto {
   spi::PermissionsHandle permissions;
   std::shared_ptr<const spi::SharedSecret> secret;
   bool wraps_plain_builtin = true;
+  bool answers_key_requests = false;
   /// It sends by the governance document that comes into force here: it says so, or was judged by
   /// that document when it authenticated (GovernanceTransition).
   bool sends_next = false;
@@ -86,6 +90,7 @@ using Remotes = std::map<GuidPrefix, RemoteCrypto>;
 struct PairRegistration {
   bool is_ready = false;  ///< the keys have arrived, or none are needed
   bool is_new = false;
+  bool are_keys_doubtful = false;       ///< see PairKeys; they are requested again
   std::vector<spi::Token> tokens = {};  ///< to be sent to the remote endpoint, if the pair is new
   /// The pair of the same local endpoint that must be unregistered in exchange (IdlePairs).
   std::optional<Guid> displaced = {};
@@ -107,7 +112,10 @@ class EndpointKeys {
   /// (IdlePairs), if any.
   std::optional<Guid> unregister_pair(Locals& from, const EntityId& id, const Guid& remote,
                                       AfterMatch after);
-  /// The same for all endpoints of the participant.
+  /// Ends the suspension of a pair. If its keys are doubtful, and the remote participant can be
+  /// asked for them, it is not ready before they come.
+  void resume(const EntityId& id, LocalKeys& local, const Guid& remote, PairKeys& pair) const;
+  /// The same as unregister_pair for all endpoints of the participant.
   void unregister_pairs_of(Locals& from, const GuidPrefix& remote);
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
                                              const PairKeys& pair,
@@ -165,8 +173,9 @@ class SecondProtections {
   void unregister_pair(const EntityId& id, const Guid& remote, AfterMatch after = AfterMatch::gone);
   /// The pair is registered again: its second keys count again if they were kept, and the pair may
   /// have them. The remote endpoint gets ours once more. Keys of a pair that was relay-only, or is
-  /// now, do not count for the other kind.
-  void resume(const EntityId& id, const Guid& remote, bool is_relay_only);
+  /// now, do not count for the other kind. Returns true if its second keys are doubtful
+  /// (PairKeys).
+  bool resume(const EntityId& id, const Guid& remote, bool is_relay_only);
   /// Drops the keys of the pair for both protections. Does nothing if no pair is named.
   void drop_keys(const EntityId& id, const std::optional<Guid>& remote);
   void unregister_pairs_of(const GuidPrefix& remote);

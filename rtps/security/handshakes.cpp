@@ -345,9 +345,9 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   if ((secret->peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
     association.reset = spi::derive_reset_token(*secret, core_.own->guid().prefix);
   auto& keyring = core_.keyring;
-  DDSSEC_RETURN_IF_ERROR(
-      keyring.add_remote(prefix, {handshake.identity()->handle(), association.permissions.handle,
-                                  std::move(secret), peer.data.vendor != kVendorCyclone}));
+  DDSSEC_RETURN_IF_ERROR(keyring.add_remote(
+      prefix, {handshake.identity()->handle(), association.permissions.handle, std::move(secret),
+               peer.data.vendor != kVendorCyclone, peer.answers_key_requests}));
   association.keys = Cleanup([&sender = core_.sender, &keyring, prefix] {
     sender.flush_now();  // waiting messages need its keys
     keyring.remove_remote(prefix);
@@ -361,11 +361,15 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
 
 // Both sides have signed this data, whereas unprotected announcements can be forged.
 Status Handshakes::adopt_proven_data(Peer& peer) {
+  peer.answers_key_requests = false;
   const auto proven = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
   if (!proven || proven->guid != peer.data.guid)
     return {};  // without signed data, the announced data counts
   DDSSEC_RETURN_IF_ERROR(admission_.check_proven(*proven));
   if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
+  // The version that was the first to mark ends was also the first to answer.
+  peer.answers_key_requests = peer.data.vendor == kVendorDdssec &&
+                              find_property(proven->properties, kMarksEndsProperty) != nullptr;
   if (proven->permissions_token) peer.data.permissions_token = proven->permissions_token;
   if (auto proven_at = core_.host.on_proven(GuidPrefix(peer.prefix()), *proven); !proven_at.empty())
     peer.metatraffic = std::move(proven_at);

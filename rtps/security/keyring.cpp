@@ -50,8 +50,12 @@ void Keyring::remove_local(const EntityId& id) {
 // ---- remote participants
 
 Status Keyring::add_remote(const GuidPrefix& prefix, RemoteRegistration remote) {
-  RemoteCrypto crypto{remote.identity, remote.permissions, std::move(remote.secret),
-                      remote.wraps_plain_builtin, phases_.has_swapped()};
+  RemoteCrypto crypto{.identity = remote.identity,
+                      .permissions = remote.permissions,
+                      .secret = std::move(remote.secret),
+                      .wraps_plain_builtin = remote.wraps_plain_builtin,
+                      .answers_key_requests = remote.answers_key_requests,
+                      .sends_next = phases_.has_swapped()};
   DDSSEC_ASSIGN_OR_RETURN(crypto.crypto, phases_.messages().add_remote(crypto));
   own_.session_ends().expect(prefix, *crypto.secret);
   remotes_[prefix] = std::move(crypto);
@@ -94,27 +98,28 @@ Result<PairRegistration> Keyring::register_pair(const EntityId& id, const Guid& 
                                                 bool is_relay_only) {
   const auto at = locals_.find(id);
   if (at == locals_.end()) return fail(Code::crypto_not_matched);
-  phases_.endpoints().resume(id, remote, is_relay_only);
+  const bool is_second_doubtful = phases_.endpoints().resume(id, remote, is_relay_only);
   auto& local = at->second;
   if (const auto known = local.pairs.find(remote); known != local.pairs.end()) {
     auto& pair = known->second;
     if (pair.is_relay_only == is_relay_only && !pair.is_suspended) {
       pair.is_silent = false;
       local.list(id, remote, pair);
-      return PairRegistration{pair.is_ready};
+      return PairRegistration{.is_ready = pair.is_ready};
     }
     if (pair.is_relay_only == is_relay_only) {
       // The remote endpoint gets the keys again: they may have been revised.
       DDSSEC_ASSIGN_OR_RETURN(auto tokens, keys_.tokens_for(id, local, pair));
-      pair.is_suspended = false;
-      local.list(id, remote, pair);
+      keys_.resume(id, local, remote, pair);
       phases_.endpoints().drop_keys(id, local.note_idle(remote, pair));
-      return PairRegistration{pair.is_ready, true, std::move(tokens)};
+      return PairRegistration{pair.is_ready, true, pair.are_keys_doubtful || is_second_doubtful,
+                              std::move(tokens)};
     }
     unregister_pair(id, remote);
   }
   DDSSEC_ASSIGN_OR_RETURN(auto registered, keys_.register_pair(id, local, remote, is_relay_only));
   phases_.endpoints().drop_keys(id, registered.displaced);
+  registered.are_keys_doubtful = is_second_doubtful;
   return registered;
 }
 
@@ -190,6 +195,7 @@ Result<bool> Keyring::set_endpoint_tokens(const EntityId& id, const Guid& remote
     DDSSEC_RETURN_IF_ERROR(exchange().set_remote_datawriter_crypto_tokens({own}, {peer}, tokens));
   pair->second.keys = exchange().digest_of(tokens);
   keys_.note_revision(peer, exchange().key_revision_of(tokens));
+  if (!pair->second.is_suspended) pair->second.are_keys_doubtful = false;
   const bool was_ready = std::exchange(pair->second.is_ready, true);
   local->list(id, remote, pair->second);
   phases_.endpoints().drop_keys(id, local->note_idle(remote, pair->second));

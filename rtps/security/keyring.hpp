@@ -63,6 +63,7 @@ class Keyring final : public SendProtection {
     /// True if plain SEDP and liveliness also arrive inside protected messages. False for Cyclone
     /// DDS.
     bool wraps_plain_builtin = true;
+    bool answers_key_requests = false;  ///< it sends the keys of an endpoint again if it is asked
   };
   Status add_remote(const GuidPrefix& prefix, RemoteRegistration remote);
   void remove_remote(const GuidPrefix& prefix);

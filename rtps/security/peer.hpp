@@ -199,6 +199,7 @@ class PeerState {
 /// A participant that announced that it can authenticate.
 struct Peer {
   ParticipantData data;
+  bool answers_key_requests = false;  ///< it has proven that it does
   LocatorList metatraffic;
   PeerState state;
   WorkBudget low_rate_budget;  ///< handshake messages within the low rate

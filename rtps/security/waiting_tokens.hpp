@@ -1,4 +1,5 @@
-// Pairs of endpoints whose key tokens wait until the peer has acknowledged earlier ones.
+// Pairs of endpoints whose key tokens, or requests for them, wait until the peer has acknowledged
+// earlier ones.
 #pragma once
 
 #include <algorithm>
@@ -17,23 +18,32 @@ class WaitingTokens {
   struct Next {
     EntityId local;
     Guid remote;
-    spi::KeyStage stage;
+    std::optional<spi::KeyStage> stage;  ///< empty: the remote endpoint's keys are requested
   };
 
   bool empty() const { return pairs_.empty(); }
   std::size_t size() const { return pairs_.size(); }
-  void add(const EntityId& local, const Guid& remote, spi::KeyStage stage) {
+  /// `stage`: see Next.
+  void add(const EntityId& local, const Guid& remote, std::optional<spi::KeyStage> stage) {
     auto& due = pairs_[{local, remote}];
-    (stage == spi::KeyStage::revised ? due.revised : due.in_use) = true;
+    if (!stage)
+      due.is_wanted = true;
+    else
+      (*stage == spi::KeyStage::revised ? due.revised : due.in_use) = true;
   }
-  /// Returns the next tokens to send; those in use come before those of a revision.
+  /// Returns the next message to send. Of one pair, the request comes first, and the tokens of a
+  /// revision come last.
   std::optional<Next> take() {
     if (pairs_.empty()) return std::nullopt;
     const auto at = pairs_.begin();
-    const Next out{at->first.first, at->first.second,
-                   at->second.in_use ? spi::KeyStage::in_use : spi::KeyStage::revised};
-    if (std::exchange(at->second.in_use, false) && at->second.revised) return out;
-    pairs_.erase(at);
+    auto& due = at->second;
+    Next out{at->first.first, at->first.second, std::nullopt};
+    if (!std::exchange(due.is_wanted, false)) {
+      const bool is_in_use = std::exchange(due.in_use, false);
+      if (!is_in_use) due.revised = false;
+      out.stage = is_in_use ? spi::KeyStage::in_use : spi::KeyStage::revised;
+    }
+    if (!due.in_use && !due.revised) pairs_.erase(at);
     return out;
   }
   /// Notes that the revision's keys are in use from now on.
@@ -54,7 +64,7 @@ class WaitingTokens {
  private:
   static constexpr std::size_t kFirstLook = 1024;
   struct PairNeed {
-    bool in_use = false, revised = false;
+    bool is_wanted = false, in_use = false, revised = false;
   };
   std::map<std::pair<EntityId, Guid>, PairNeed> pairs_;
   std::size_t look_at_ = kFirstLook;

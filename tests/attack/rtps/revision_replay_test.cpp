@@ -1,7 +1,7 @@
 // After a key revision readers let a writer begin anew, because others may have forged messages
 // with its former keys. What was recorded under the new keys must not count twice because of that.
 #include "tests/attack/rtps/participant_access.hpp"
-#include "tests/unit/cryptography/insider.hpp"
+#include "tests/attack/rtps/stolen_keys.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
 
@@ -9,7 +9,6 @@ namespace ddssec::rtps {
 namespace {
 
 using namespace testing;
-using cryptography::testing::Insider;
 
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
@@ -167,24 +166,6 @@ TEST(RecordedUnderFormerKeys, ReaderThatWasAway_TakesNone) {
 }
 
 // ---- what a former reader forges with the former keys
-
-// Sends a submessage under each key that carol had, in alice's name. Bob opens it by the one key
-// that fits.
-template <class S>
-void forge(Trio& trio, const KeyThief::Tokens& keys, const S& submessage) {
-  const auto& prefix = trio.a->prefix();
-  const auto whole = forged(prefix, submessage);
-  const Bytes content(whole.begin() + kHeaderSize, whole.end());
-  for (const auto& token : keys) {
-    auto material = cryptography::read_crypto_token(token);
-    if (!material || material->is_none()) continue;
-    Insider insider(std::move(*material));
-    auto datagram = forged(prefix);
-    const auto group = insider.group(cryptography::kSubmessageFrame, content);
-    datagram.insert(datagram.end(), group.begin(), group.end());
-    trio.b->receive(datagram, trio.world.now, *Locator::parse("127.0.0.9", 0));
-  }
-}
 
 // Carol says with the former key of alice's announcements that alice's writer has ended.
 TEST(ForgedWithFormerKeys, EndOfAnEndpoint_EndsWithTheKeys) {

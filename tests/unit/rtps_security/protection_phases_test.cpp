@@ -13,8 +13,8 @@ constexpr auto kNone = ProtectionKind::none, kSign = ProtectionKind::sign,
                kEncrypt = ProtectionKind::encrypt;
 
 struct Phases {
-  Phases(ProtectionKind first, ProtectionKind second)
-      : properties(properties_of("CN=alice,O=Example", Rules{.rtps = first})),
+  Phases(ProtectionKind first, ProtectionKind second, bool revises_keys = false)
+      : properties(properties_of("CN=alice,O=Example", rules(first, revises_keys))),
         host(1, properties),
         own(*OwnSecurity::create(
             {{*host.authentication, *host.access_control, *host.cryptography}, properties}, 0,
@@ -25,6 +25,11 @@ struct Phases {
     attributes.rtps = second;
     EXPECT_TRUE(phases.messages().add_second(attributes));
     remotes[peer] = {};
+  }
+  static Rules rules(ProtectionKind rtps, bool revises_keys) {
+    Rules out{.rtps = rtps};
+    out.revises_keys = revises_keys;
+    return out;
   }
   bool must_protect() const { return phases.must_protect_messages(peer); }
   /// Adds a reader that has a pair of keys under both protections.
@@ -142,6 +147,24 @@ TEST(ProtectionPhases, PairThatBecomesRelayOnly_DoesNotGetItsSecondKeysBack) {
     of.phases.endpoints().resume(of.reader, of.writer, is_relay_only);
     EXPECT_EQ(of.phases.endpoints().find(of.reader, next)->pairs.contains(of.writer),
               !is_relay_only);
+  }
+}
+
+// Its keys may have been revised meanwhile. A peer of 0.3.0 cannot be asked for the new ones.
+TEST(ProtectionPhases, PairThatReturns_WaitsForTheKeysOfAPeerThatAnswers) {
+  for (const bool answers : {true, false}) {
+    Phases of(kSign, kEncrypt, true);
+    of.add_endpoint(kSign, kEncrypt);
+    of.remotes[of.peer].answers_key_requests = answers;
+    auto& endpoints = of.phases.endpoints();
+    const auto next = protection_id(*endpoints.attributes(of.reader));
+    auto& pair = endpoints.find(of.reader, next)->pairs.at(of.writer);
+    pair.handle = 1;
+    pair.is_ready = true;
+    endpoints.unregister_pair(of.reader, of.writer, AfterMatch::may_return);
+    endpoints.set_permitted(of.reader, of.writer, true);
+    EXPECT_EQ(endpoints.resume(of.reader, of.writer, false), answers);
+    EXPECT_EQ(pair.is_ready, !answers);
   }
 }
 
