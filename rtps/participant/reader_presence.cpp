@@ -39,7 +39,8 @@ void ReaderPresence::note_heard(LocalWriter& writer, const GuidPrefix& source,
   const Guid reader{source, acknack.reader};
   const auto silent = writer.silent.find(reader);
   if (silent == writer.silent.end()) return note_ready(writer, reader);
-  if (!silent->second.accept(acknack, is_protected)) return;  // a repetition
+  // The age of the key does not matter, because the counts are forgotten now.
+  if (!silent->second.accept(acknack, is_protected, KeyAge::newest)) return;  // a repetition
   writer.silent.erase(silent);
   match_again_(writer.data.guid.entity, reader);
 }

@@ -27,7 +27,7 @@ class RecentMessages {
 
   /// Returns false for a repetition. `is_protected` means that keys of the sender protect the
   /// message, and show which participant it is for; `age` is theirs.
-  bool accept(const Message& message, bool is_protected, KeyAge age = KeyAge::newest) {
+  bool accept(const Message& message, bool is_protected, KeyAge age) {
     if (is_protected && age == KeyAge::newest &&
         (!last_newest_ || is_later(message.count, *last_newest_)))
       last_newest_ = message.count;

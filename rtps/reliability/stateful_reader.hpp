@@ -88,16 +88,16 @@ class StatefulReader final : private Timed {
   /// Handles a DATA. `elsewhere` is a payload that is not in the submessage; empty if the
   /// submessage has it. `age` is that of the keys that protect it, here and below.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
-               Payload elsewhere = {}, KeyAge age = KeyAge::newest);
+               Payload elsewhere, KeyAge age);
   /// Handles a DATA_FRAG. `is_marked` means that only the payload is proven, and that it has the
   /// mark of its change (end_mark).
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time,
-                    bool is_marked = false, KeyAge age = KeyAge::newest);
+                    bool is_marked, KeyAge age);
   /// Handles a HEARTBEAT. `is_protected` means that keys of the writer's participant protect the
   /// message.
   bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected,
-                    KeyAge age = KeyAge::newest);
-  bool on_gap(const GuidPrefix& from, const Gap& gap, KeyAge age = KeyAge::newest);
+                    KeyAge age);
+  bool on_gap(const GuidPrefix& from, const Gap& gap, KeyAge age);
 
   // Called by a writer of this process (see StatefulWriter::attach):
   /// Returns false if the writer is not matched.

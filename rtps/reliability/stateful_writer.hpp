@@ -78,9 +78,9 @@ class StatefulWriter final : private Timed {
   /// Both return false if the message was received before, or contains nothing yet (a pre-emptive
   /// one). `is_protected` means that keys of its sender protect it; `age` is theirs.
   bool on_acknack(const GuidPrefix& from, const AckNack& acknack, MonotonicTime now,
-                  bool is_protected, KeyAge age = KeyAge::newest);
+                  bool is_protected, KeyAge age);
   bool on_nack_frag(const GuidPrefix& from, const NackFrag& nack, MonotonicTime now,
-                    bool is_protected, KeyAge age = KeyAge::newest);
+                    bool is_protected, KeyAge age);
   /// Sends the HEARTBEATs that are due.
   void tick(MonotonicTime now);
   MonotonicTime next_tick() const;

@@ -97,10 +97,10 @@ class WriterProxy {
   /// Takes a change with a number from next() on; an empty one means that the number is irrelevant.
   /// Returns false if it is already known, or if there is no room to keep it. `age` is that of the
   /// keys that protect it, here and below.
-  bool accept(SequenceNumber number, std::optional<Change> change, KeyAge age = KeyAge::newest);
+  bool accept(SequenceNumber number, std::optional<Change> change, KeyAge age);
   /// Returns false if the HEARTBEAT was received before. `is_protected` means that keys of the
   /// writer's participant protect it.
-  bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected, KeyAge age = KeyAge::newest);
+  bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected, KeyAge age);
   /// To be called when keys of the writer have come that revise the former ones.
   void note_revised();
   /// To be called when former keys of the writer have ended, with which others may have sent in its
@@ -111,7 +111,7 @@ class WriterProxy {
   /// True while the next HEARTBEAT determines where the writer starts.
   bool waits_for_heartbeat() const { return waits_for_heartbeat_; }
   /// Delivers what is held below `number`, and gives up what is missing there.
-  void skip_to(SequenceNumber number, KeyAge age = KeyAge::newest);
+  void skip_to(SequenceNumber number, KeyAge age);
   /// Forgets the next change if it was refused for now, and some that follow, so that they are
   /// requested again: the writer may have replaced them. Returns their octets, or nothing if there
   /// are none. Also returns nothing if, since the last call, the writer has announced nothing and

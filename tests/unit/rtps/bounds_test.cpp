@@ -228,13 +228,14 @@ TEST(ParticipantBounds, ClaimsOfManyWriters_DoNotDisplaceTheSamplesOfAnotherPart
   const Bytes half(32768);
   const auto send_half = [&](std::uint32_t number) {
     reader.on_data_frag(honest, {{}, writer(1), {1}, {number}, 1, 32768, 65536, {}, false, half},
-                        {});
+                        {}, false, KeyAge::newest);
   };
   send_half(1);
   for (std::uint8_t i = 0; i < 100; ++i)
     for (std::int64_t number = 1; number <= 4; ++number)
       reader.on_data_frag(hostile,
-                          {{}, writer(i), {number}, {1}, 1, 32768, kClaimed, {}, false, half}, {});
+                          {{}, writer(i), {number}, {1}, 1, 32768, kClaimed, {}, false, half}, {},
+                          false, KeyAge::newest);
   send_half(2);
   EXPECT_EQ(delivered.size(), 1u);
 }
@@ -337,7 +338,7 @@ TEST(ParticipantBounds, NumbersThatAreSkipped_TakeABoundedPlace) {
     for (std::int64_t number = 10; number < 10 + 256 * 8; number += 256) {
       SequenceNumberSet irrelevant{SequenceNumber{number}};
       for (std::int64_t bit = 0; bit < 256; ++bit) irrelevant.insert({number + bit});
-      reader.on_gap(crowd, Gap{{}, writer(i), {number}, irrelevant});
+      reader.on_gap(crowd, Gap{{}, writer(i), {number}, irrelevant}, KeyAge::newest);
     }
   EXPECT_LT(octets() - before, static_cast<std::int64_t>(kMax) + kMiB / 4);
   EXPECT_GT(octets() - before, static_cast<std::int64_t>(kMax) / 2) << "they are noted at all";

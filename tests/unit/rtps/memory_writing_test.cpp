@@ -80,7 +80,8 @@ struct Writing {
   void acknowledge(const Guid& reader, std::int64_t base, std::vector<std::int64_t> missing = {}) {
     SequenceNumberSet set({base});
     for (const auto number : missing) set.insert({number});
-    writer.on_acknack(reader.prefix, {reader.entity, testing::kWriter, set, ++count}, now, true);
+    writer.on_acknack(reader.prefix, {reader.entity, testing::kWriter, set, ++count}, now, true,
+                      KeyAge::newest);
   }
 
   Sorted sent;
@@ -204,7 +205,7 @@ TEST(MemoryWriting, ElsewherePayload_IsDelivered) {
   Pair pair(keep_all());
   pair.match();
   Data data{testing::kReader, testing::kWriter, {1}};
-  EXPECT_TRUE(pair.reader.on_data(kA, data, {}, Payload::copy_of(Bytes(300, 9))));
+  EXPECT_TRUE(pair.reader.on_data(kA, data, {}, Payload::copy_of(Bytes(300, 9)), KeyAge::newest));
   ASSERT_EQ(pair.delivered.size(), 1u);
   EXPECT_EQ(pair.delivered[0].payload.size(), 300u);
 }

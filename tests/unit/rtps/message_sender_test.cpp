@@ -47,7 +47,7 @@ std::size_t count(const std::vector<Bytes>& messages, SubmessageId id) {
 }
 
 // Counts the heartbeats that require an answer.
-std::size_t questions(const std::vector<Bytes>& messages) {
+std::size_t heartbeats_without_final(const std::vector<Bytes>& messages) {
   std::size_t out = 0;
   for (const auto& octets : messages)
     for (const auto& view : submessages(octets, SubmessageId::heartbeat))
@@ -171,7 +171,7 @@ TEST_F(Packing, Readers_AreAskedNowAndThen) {
     write();
   }
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 1024u);
-  EXPECT_EQ(questions(transport.sent), 4u);
+  EXPECT_EQ(heartbeats_without_final(transport.sent), 4u);
   const auto heartbeats = count(transport.sent, SubmessageId::heartbeat);
   EXPECT_GE(heartbeats, 100u) << "each millisecond tells what there is";
   EXPECT_LE(heartbeats, 110u);
@@ -179,11 +179,11 @@ TEST_F(Packing, Readers_AreAskedNowAndThen) {
 
 TEST_F(Packing, WaitForAcknowledgments_AsksAtOnce) {
   write();
-  EXPECT_EQ(questions(transport.sent), 0u);
+  EXPECT_EQ(heartbeats_without_final(transport.sent), 0u);
   writer.request_acknowledgments();
-  EXPECT_EQ(questions(transport.sent), 1u);
+  EXPECT_EQ(heartbeats_without_final(transport.sent), 1u);
   writer.on_acknack(kB, {testing::kReader, testing::kWriter, SequenceNumberSet({2}), 1, true}, now,
-                    true);
+                    true, KeyAge::newest);
   transport.sent.clear();
   writer.request_acknowledgments();
   EXPECT_TRUE(transport.sent.empty());
@@ -198,8 +198,8 @@ TEST_F(SmallHistory, FillingUp_AsksBeforeAndWhenItIsFull) {
   write_quickly(8);
   EXPECT_FALSE(writer.history().has_room(64));
   EXPECT_EQ(count(transport.sent, SubmessageId::data), 8u);
-  EXPECT_EQ(questions(transport.sent), 4u);
-  EXPECT_EQ(questions({transport.sent.back()}), 1u);
+  EXPECT_EQ(heartbeats_without_final(transport.sent), 4u);
+  EXPECT_EQ(heartbeats_without_final({transport.sent.back()}), 1u);
 }
 
 TEST_F(Packing, FragmentsOfASample_ShareCallsOfTheTransport) {
@@ -353,11 +353,13 @@ TEST(PackingReader, QuestionOrMissingSample_IsAnswered) {
   transport.sent.clear();
   std::int32_t number = 0;
   const auto heartbeat = [&](std::int64_t last, bool is_final) {
-    reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {last}, ++number, is_final, false}, true);
+    reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {last}, ++number, is_final, false}, true,
+                        KeyAge::newest);
     return std::exchange(transport.sent, {}).size();
   };
   const auto data = [&](std::int64_t at) {
-    reader.on_data(kA, {{}, testing::kWriter, {at}, {}, PayloadKind::data, Bytes{1}}, {});
+    reader.on_data(kA, {{}, testing::kWriter, {at}, {}, PayloadKind::data, Bytes{1}}, {}, {},
+                   KeyAge::newest);
   };
   data(1);
   EXPECT_EQ(heartbeat(1, true), 0u);
@@ -375,11 +377,12 @@ TEST(PackingReader, AFullReader_MissesNothing) {
   StatefulReader reader({kB, testing::kReader}, true, sender, [](Change&) { return false; });
   reader.match({{kA, testing::kWriter}, true, {kHere}}, {});
   for (std::int64_t at = 1; at <= 3; ++at)
-    reader.on_data(kA, {{}, testing::kWriter, {at}, {}, PayloadKind::data, Bytes{1}}, {});
+    reader.on_data(kA, {{}, testing::kWriter, {at}, {}, PayloadKind::data, Bytes{1}}, {}, {},
+                   KeyAge::newest);
   transport.sent.clear();
-  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 1, true, false}, true);
+  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 1, true, false}, true, KeyAge::newest);
   EXPECT_TRUE(transport.sent.empty());
-  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 2, false, false}, true);
+  reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {3}, 2, false, false}, true, KeyAge::newest);
   EXPECT_EQ(transport.sent.size(), 1u);
 }
 

@@ -16,10 +16,12 @@ TEST(Reliability, Strangers_AreNotHeard) {
   pair.run(5);
   pair.write({1});
   const auto stranger = GuidPrefix::from(Bytes(12, 0xcc));
-  pair.reader.on_gap(stranger, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({100})});
-  pair.reader.on_heartbeat(stranger, Heartbeat{{}, testing::kWriter, {50}, {60}, 999}, true);
+  pair.reader.on_gap(stranger, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({100})},
+                     KeyAge::newest);
+  pair.reader.on_heartbeat(stranger, Heartbeat{{}, testing::kWriter, {50}, {60}, 999}, true,
+                           KeyAge::newest);
   pair.writer.on_acknack(stranger, AckNack{testing::kReader, {}, SequenceNumberSet({2}), 99, true},
-                         pair.now, true);
+                         pair.now, true, KeyAge::newest);
   EXPECT_FALSE(pair.writer.all_acknowledged());
   pair.run(10);
   EXPECT_THAT(pair.numbers(), ElementsAre(1));
@@ -31,7 +33,7 @@ TEST(Reliability, AnAcknackForMoreThanWasWritten_IsNotBelieved) {
   pair.net.loss_percent = 100;
   pair.write({1});
   pair.writer.on_acknack(kB, AckNack{testing::kReader, {}, SequenceNumberSet({1000}), 50, true},
-                         pair.now, true);
+                         pair.now, true, KeyAge::newest);
   EXPECT_EQ(pair.writer.history().size(), 1u);
 }
 
@@ -45,20 +47,20 @@ TEST(Reliability, APreEmptiveAcknack_DoesNotMakeRecordedOnesNew) {
   SequenceNumberSet all({1});
   for (std::int64_t number = 1; number <= 6; ++number) all.insert({number});
   const AckNack request{testing::kReader, testing::kWriter, all, 50, true};
-  pair.writer.on_acknack(kB, request, pair.now, true);
+  pair.writer.on_acknack(kB, request, pair.now, true, KeyAge::newest);
   const auto answered = std::exchange(pair.net.a.sent, {}).size();
   EXPECT_GE(answered, 1u);
   for (const auto& pre_emptive :
        {AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({0}), 1, true},
         AckNack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 0, true}}) {
     pair.now += milliseconds(100);
-    pair.writer.on_acknack(kB, pre_emptive, pair.now, true);
+    pair.writer.on_acknack(kB, pre_emptive, pair.now, true, KeyAge::newest);
     EXPECT_EQ(std::exchange(pair.net.a.sent, {}).size(), 1u) << "a heartbeat";
     for (std::int32_t count = 45; count <= 50; ++count) {
       pair.now += milliseconds(100);
       auto recorded = request;
       recorded.count = count;
-      pair.writer.on_acknack(kB, recorded, pair.now, true);
+      pair.writer.on_acknack(kB, recorded, pair.now, true, KeyAge::newest);
     }
     EXPECT_TRUE(pair.net.a.sent.empty());
   }
@@ -71,14 +73,15 @@ TEST(Reliability, ForgedCounts_DoNotEndTheRepairOfSamples) {
   pair.is_protected = false;
   pair.match();
   pair.run(5);
-  pair.reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {0}, kFarAhead, true}, false);
+  pair.reader.on_heartbeat(kA, {{}, testing::kWriter, {1}, {0}, kFarAhead, true}, false,
+                           KeyAge::newest);
   pair.writer.on_acknack(
       kB, {testing::kReader, testing::kWriter, SequenceNumberSet({1}), kFarAhead, true}, pair.now,
-      false);
+      false, KeyAge::newest);
   FragmentNumberSet fragments({1});
   fragments.insert({1});
   pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, fragments, kFarAhead},
-                           pair.now, false);
+                           pair.now, false, KeyAge::newest);
   pair.net.loss_percent = 50;
   for (int i = 0; i < 10; ++i) pair.write(Bytes(i % 2 == 0 ? 100 : 5000));
   pair.run(1000);
@@ -94,7 +97,7 @@ TEST(Reliability, ARequestForFragmentsOfALaterSample_MakesItNotIrrelevant) {
   FragmentNumberSet fragments({1});
   fragments.insert({1});
   pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, fragments, 7}, pair.now,
-                           true);
+                           true, KeyAge::newest);
   pair.run(5);
   pair.write({1});
   pair.run(5);
@@ -112,7 +115,8 @@ TEST(Reliability, UnprotectedRepetitions_AreNotAnsweredAgain) {
   ++next.count;
   pair.net.b.sent.clear();
   for (int path = 0; path < 2; ++path)
-    for (const auto& one : {question, next}) pair.reader.on_heartbeat(kA, one, false);
+    for (const auto& one : {question, next})
+      pair.reader.on_heartbeat(kA, one, false, KeyAge::newest);
   EXPECT_EQ(pair.net.b.sent.size(), 2u);
 }
 
@@ -132,22 +136,23 @@ TEST(Reliability, WhatIsRepeated_IsNotNew) {
     const auto heartbeat = [](std::int32_t count) {
       return Heartbeat{{}, testing::kWriter, {1}, {3}, count, true, true};
     };
-    EXPECT_TRUE(reader.on_data(kA, data(1), {}));
-    EXPECT_FALSE(reader.on_data(kA, data(1), {}));
-    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 1), {}));
-    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 1), {}));
-    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 2), {}));
-    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 2), {}));
-    EXPECT_TRUE(reader.on_data(kA, data(4), {}));
-    EXPECT_FALSE(reader.on_data(kA, data(4), {}));
-    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(7), true));
-    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(7), true));
-    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(6), true));
-    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(8), true));
-    EXPECT_FALSE(reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({2})}));
+    EXPECT_TRUE(reader.on_data(kA, data(1), {}, {}, KeyAge::newest));
+    EXPECT_FALSE(reader.on_data(kA, data(1), {}, {}, KeyAge::newest));
+    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 1), {}, false, KeyAge::newest));
+    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 1), {}, false, KeyAge::newest));
+    EXPECT_TRUE(reader.on_data_frag(kA, fragment(2, 2), {}, false, KeyAge::newest));
+    EXPECT_FALSE(reader.on_data_frag(kA, fragment(2, 2), {}, false, KeyAge::newest));
+    EXPECT_TRUE(reader.on_data(kA, data(4), {}, {}, KeyAge::newest));
+    EXPECT_FALSE(reader.on_data(kA, data(4), {}, {}, KeyAge::newest));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(7), true, KeyAge::newest));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(7), true, KeyAge::newest));
+    EXPECT_FALSE(reader.on_heartbeat(kA, heartbeat(6), true, KeyAge::newest));
+    EXPECT_TRUE(reader.on_heartbeat(kA, heartbeat(8), true, KeyAge::newest));
+    EXPECT_FALSE(
+        reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({2})}, KeyAge::newest));
     const AckNack acknack{testing::kReader, testing::kWriter, SequenceNumberSet({1}), 5, true};
-    EXPECT_EQ(pair.writer.on_acknack(kB, acknack, pair.now, true), reliable);
-    EXPECT_FALSE(pair.writer.on_acknack(kB, acknack, pair.now, true));
+    EXPECT_EQ(pair.writer.on_acknack(kB, acknack, pair.now, true, KeyAge::newest), reliable);
+    EXPECT_FALSE(pair.writer.on_acknack(kB, acknack, pair.now, true, KeyAge::newest));
   }
 }
 
@@ -160,7 +165,7 @@ TEST(Reliability, ReadersThatComeAndGo_DoNotMakeOthersForgotten) {
     return Data{{}, testing::kWriter, {number}, {}, PayloadKind::data, {}};
   };
   reader.match(honest, pair.now);
-  EXPECT_TRUE(reader.on_data(kA, sample(1), {}));
+  EXPECT_TRUE(reader.on_data(kA, sample(1), {}, {}, KeyAge::newest));
   reader.unmatch(honest.guid, honest.keys);
   for (std::uint32_t i = 0; i < 1100; ++i) {
     const Guid guid{kB, {{1, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 2}}};
@@ -168,8 +173,8 @@ TEST(Reliability, ReadersThatComeAndGo_DoNotMakeOthersForgotten) {
     reader.unmatch(guid, Sha256Digest{2});
   }
   reader.match(honest, pair.now);
-  EXPECT_FALSE(reader.on_data(kA, sample(1), {}));
-  EXPECT_TRUE(reader.on_data(kA, sample(2), {}));
+  EXPECT_FALSE(reader.on_data(kA, sample(1), {}, {}, KeyAge::newest));
+  EXPECT_TRUE(reader.on_data(kA, sample(2), {}, {}, KeyAge::newest));
 }
 
 // The reader gets a million early numbers, a GAP over 2^61 numbers ahead, and fragments of samples
@@ -178,18 +183,21 @@ TEST(Reliability, WhatNeverCompletes_StaysBounded) {
   Pair pair(keep_all());
   pair.match();
   for (std::int64_t i = 2; i < 100'000; ++i)
-    pair.reader.on_data(kA, Data{{}, testing::kWriter, {i}, {}, PayloadKind::data, Bytes{1}}, {});
-  pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {5}, SequenceNumberSet({1ll << 61})});
+    pair.reader.on_data(kA, Data{{}, testing::kWriter, {i}, {}, PayloadKind::data, Bytes{1}}, {},
+                        {}, KeyAge::newest);
+  pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {5}, SequenceNumberSet({1ll << 61})},
+                     KeyAge::newest);
   EXPECT_TRUE(pair.delivered.empty());
-  pair.reader.on_data(kA, Data{{}, testing::kWriter, {1}, {}, PayloadKind::data, Bytes{1}}, {});
+  pair.reader.on_data(kA, Data{{}, testing::kWriter, {1}, {}, PayloadKind::data, Bytes{1}}, {}, {},
+                      KeyAge::newest);
   EXPECT_EQ(pair.delivered.size(), 1 + WriterProxy::kMaxEarlyChanges);
   const Bytes part(1000);
   for (std::int64_t i = 1; i < 1000; ++i) {
     DataFrag frag{{}, testing::kWriter, {200'000 + i}, {1}, 1, 1000, 64u << 20, {}, false, part};
-    pair.reader.on_data_frag(kA, frag, {});
+    pair.reader.on_data_frag(kA, frag, {}, false, KeyAge::newest);
   }
   DataFrag too_large{{}, testing::kWriter, {3000}, {1}, 1, 1000, (64u << 20) + 1, {}, false, part};
-  pair.reader.on_data_frag(kA, too_large, {});
+  pair.reader.on_data_frag(kA, too_large, {}, false, KeyAge::newest);
   EXPECT_EQ(pair.delivered.size(), 1 + WriterProxy::kMaxEarlyChanges);
 }
 
@@ -198,8 +206,9 @@ TEST(Reliability, ASampleBeyondTheLargest_IsGivenUpNotAskedForAgain) {
   pair.match();
   const Bytes part(1000);
   DataFrag frag{{}, testing::kWriter, {1}, {1}, 1, 1000, (64u << 20) + 1, {}, false, part};
-  pair.reader.on_data_frag(kA, frag, {});
-  pair.reader.on_data(kA, Data{{}, testing::kWriter, {2}, {}, PayloadKind::data, Bytes{1}}, {});
+  pair.reader.on_data_frag(kA, frag, {}, false, KeyAge::newest);
+  pair.reader.on_data(kA, Data{{}, testing::kWriter, {2}, {}, PayloadKind::data, Bytes{1}}, {}, {},
+                      KeyAge::newest);
   EXPECT_THAT(pair.numbers(), ElementsAre(2));
 }
 
@@ -216,7 +225,7 @@ TEST(Reliability, ASampleBeyondTheLargest_IsReportedOnce) {
     const auto number = SequenceNumber{1 + std::int64_t{excess}};
     DataFrag frag{{},   testing::kWriter,     number, {1},   1,
                   1000, (64u << 20) + excess, {},     false, part};
-    pair.reader.on_data_frag(kA, frag, {});
+    pair.reader.on_data_frag(kA, frag, {}, false, KeyAge::newest);
   }
   EXPECT_THAT(dropped, ElementsAre((64u << 20) + 1));
 }

@@ -81,22 +81,22 @@ struct Pair {
       const auto& view = **next;
       switch (view.id) {
         case SubmessageId::data:
-          reader.on_data(from, *read_data(view), time);
+          reader.on_data(from, *read_data(view), time, {}, KeyAge::newest);
           break;
         case SubmessageId::data_frag:
-          reader.on_data_frag(from, *read_data_frag(view), time);
+          reader.on_data_frag(from, *read_data_frag(view), time, false, KeyAge::newest);
           break;
         case SubmessageId::heartbeat:
-          reader.on_heartbeat(from, *read_heartbeat(view), is_protected);
+          reader.on_heartbeat(from, *read_heartbeat(view), is_protected, KeyAge::newest);
           break;
         case SubmessageId::gap:
-          reader.on_gap(from, *read_gap(view));
+          reader.on_gap(from, *read_gap(view), KeyAge::newest);
           break;
         case SubmessageId::acknack:
-          writer.on_acknack(from, *read_acknack(view), now, is_protected);
+          writer.on_acknack(from, *read_acknack(view), now, is_protected, KeyAge::newest);
           break;
         case SubmessageId::nack_frag:
-          writer.on_nack_frag(from, *read_nack_frag(view), now, is_protected);
+          writer.on_nack_frag(from, *read_nack_frag(view), now, is_protected, KeyAge::newest);
           break;
         default:
           break;

@@ -72,7 +72,8 @@ TEST(Reliability, OneRequest_IsAnsweredInPortionsWithoutAnother) {
   pair.net.a.sent.clear();
   FragmentNumberSet all(FragmentNumber{1});
   for (std::uint32_t i = 1; i <= 70; ++i) all.insert({i});
-  pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, all, 1}, pair.now, true);
+  pair.writer.on_nack_frag(kB, {testing::kReader, testing::kWriter, {1}, all, 1}, pair.now, true,
+                           KeyAge::newest);
   std::size_t most = 0;
   for (int i = 0; i < 12; ++i) {
     most = std::max(most, pair.net.a.sent.size());

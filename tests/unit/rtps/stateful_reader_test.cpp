@@ -84,15 +84,16 @@ TEST(Reliability, Reliable_LosesWhatItsWriterNoLongerHas) {
   std::int64_t lost = 0;
   pair.reader.on_lost([&](std::int64_t count) { lost += count; });
   const auto says = [&](std::int64_t first, std::int64_t last, std::int32_t count) {
-    pair.reader.on_heartbeat(kA, {testing::kReader, testing::kWriter, {first}, {last}, count},
-                             true);
+    pair.reader.on_heartbeat(kA, {testing::kReader, testing::kWriter, {first}, {last}, count}, true,
+                             KeyAge::newest);
   };
   pair.match();
   says(10, 12, 100);
   EXPECT_EQ(lost, 0);
   says(13, 15, 101);
   EXPECT_EQ(lost, 3);
-  pair.reader.on_gap(kA, {testing::kReader, testing::kWriter, {13}, SequenceNumberSet({16})});
+  pair.reader.on_gap(kA, {testing::kReader, testing::kWriter, {13}, SequenceNumberSet({16})},
+                     KeyAge::newest);
   EXPECT_EQ(lost, 3);
 }
 
@@ -134,9 +135,10 @@ TEST(Reliability, WhatIsUnfinished_HidesNoLoss) {
 TEST(Reliability, AGapAtTheFront_IsSkippedAsAWhole) {
   Pair pair(keep_all());
   pair.match();
-  pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({1ll << 61})});
+  pair.reader.on_gap(kA, Gap{{}, testing::kWriter, {1}, SequenceNumberSet({1ll << 61})},
+                     KeyAge::newest);
   pair.reader.on_data(kA, Data{{}, testing::kWriter, {1ll << 61}, {}, PayloadKind::data, Bytes{1}},
-                      {});
+                      {}, {}, KeyAge::newest);
   EXPECT_EQ(pair.delivered.size(), 1u);
 }
 

@@ -61,7 +61,7 @@ TEST_F(TimelinessTest, ReaderThatAcknowledgesSampleBySample_HoldsUpForABoundedTi
   for (std::int32_t count = 1; count <= 100; ++count) {
     const AckNack one{testing::kReader, testing::kWriter, SequenceNumberSet({count + 1}), count,
                       true};
-    pair.writer.on_acknack(kSilent.prefix, one, pair.now, true);
+    pair.writer.on_acknack(kSilent.prefix, one, pair.now, true, KeyAge::newest);
     ahead = is_ahead_during(milliseconds(100));
     if (count == 1) {
       EXPECT_TRUE(ahead);

@@ -85,50 +85,51 @@ TEST_F(WriterProxyTest, ARefusedChange_IsOfferedAgain) {
 TEST_F(WriterProxyTest, ARefusedChange_IsRequestedAgainWheneverTheWriterSaidMore) {
   refuses_from = 2;
   for (const std::int64_t number : {1, 2, 3}) add(reliable, number);
-  reliable.on_heartbeat(heartbeat(1, 3, 1), true);
+  reliable.on_heartbeat(heartbeat(1, 3, 1), true, KeyAge::newest);
   EXPECT_EQ(reliable.forget_refused(), 0u);
   EXPECT_THAT(missing(reliable, 3), ElementsAre(2, 3));
   EXPECT_FALSE(reliable.forget_refused()) << "nothing was refused";
   for (const std::int64_t number : {2, 3}) add(reliable, number);
   EXPECT_FALSE(reliable.forget_refused()) << "the writer cannot have replaced it";
-  reliable.on_heartbeat(heartbeat(1, 4, 2), true);
+  reliable.on_heartbeat(heartbeat(1, 4, 2), true, KeyAge::newest);
   EXPECT_TRUE(reliable.forget_refused());
   refuses_from = 10;
-  reliable.accept({2}, std::nullopt);  // the writer has replaced it
+  reliable.accept({2}, std::nullopt, KeyAge::newest);  // the writer has replaced it
   add(reliable, 3);
   EXPECT_THAT(delivered, ElementsAre(1, 3));
 }
 
 TEST_F(WriterProxyTest, AnOldHeartbeat_ChangesNothing) {
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 3, 7), true));
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 7), true));
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 6), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 3, 7), true, KeyAge::newest));
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 7), true, KeyAge::newest));
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(4, 9, 6), true, KeyAge::newest));
   EXPECT_EQ(reliable.next(), SequenceNumber{1});
   EXPECT_EQ(reliable.announced(), SequenceNumber{3});
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(4, 9, 8), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(4, 9, 8), true, KeyAge::newest));
   EXPECT_EQ(reliable.next(), SequenceNumber{4});
 }
 
 TEST_F(WriterProxyTest, WhatTheWriterNoLongerHas_IsLostAfterItsFirstHeartbeat) {
-  reliable.on_heartbeat(heartbeat(3, 4, 1), true);
+  reliable.on_heartbeat(heartbeat(3, 4, 1), true, KeyAge::newest);
   EXPECT_EQ(lost, 0) << "a late joiner never could have had it";
   add(reliable, 5);
-  reliable.on_heartbeat(heartbeat(6, 6, 2), true);
+  reliable.on_heartbeat(heartbeat(6, 6, 2), true, KeyAge::newest);
   EXPECT_EQ(lost, 2);
   EXPECT_THAT(delivered, ElementsAre(5));
 }
 
 // Otherwise they would be counted with each HEARTBEAT.
 TEST_F(WriterProxyTest, WhatIsLostBehindARefusedChange_IsCountedOnce) {
-  reliable.on_heartbeat(heartbeat(1, 5, 1), true);
+  reliable.on_heartbeat(heartbeat(1, 5, 1), true, KeyAge::newest);
   refuses_from = 1;
   add(reliable, 1);
-  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 5, count), true);
+  for (int count = 2; count < 5; ++count)
+    reliable.on_heartbeat(heartbeat(4, 5, count), true, KeyAge::newest);
   EXPECT_EQ(lost, 2);
-  reliable.on_heartbeat(heartbeat(6, 6, 5), true);
+  reliable.on_heartbeat(heartbeat(6, 6, 5), true, KeyAge::newest);
   EXPECT_EQ(lost, 4);
   refuses_from = 10;
-  reliable.on_heartbeat(heartbeat(6, 6, 6), true);
+  reliable.on_heartbeat(heartbeat(6, 6, 6), true, KeyAge::newest);
   EXPECT_EQ(lost, 4);
   EXPECT_THAT(delivered, ElementsAre(1));
 }
@@ -136,23 +137,24 @@ TEST_F(WriterProxyTest, WhatIsLostBehindARefusedChange_IsCountedOnce) {
 // A full reader took some of the samples that it held, but not all of them. Those that it took are
 // finished.
 TEST_F(WriterProxyTest, WhatAFullReaderTook_IsNeitherLostNorTakenAgain) {
-  reliable.on_heartbeat(heartbeat(1, 3, 1), true);
+  reliable.on_heartbeat(heartbeat(1, 3, 1), true, KeyAge::newest);
   add(reliable, 2);
   add(reliable, 3);
   refuses_from = 3;
-  for (int count = 2; count < 5; ++count) reliable.on_heartbeat(heartbeat(4, 4, count), true);
+  for (int count = 2; count < 5; ++count)
+    reliable.on_heartbeat(heartbeat(4, 4, count), true, KeyAge::newest);
   EXPECT_EQ(lost, 1) << "the first, once";
   EXPECT_FALSE(reliable.lacks({2})) << "whoever sends it again";
   refuses_from = 10;
-  reliable.on_heartbeat(heartbeat(4, 4, 5), true);
+  reliable.on_heartbeat(heartbeat(4, 4, 5), true, KeyAge::newest);
   EXPECT_THAT(delivered, ElementsAre(2, 3));
   EXPECT_EQ(reliable.next(), SequenceNumber{4});
 }
 
 TEST_F(WriterProxyTest, History_IsWhatItsFirstHeartbeatAnnounced) {
   EXPECT_FALSE(reliable.has_history());
-  reliable.on_heartbeat(heartbeat(1, 2, 1), true);
-  reliable.on_heartbeat(heartbeat(1, 9, 2), true);
+  reliable.on_heartbeat(heartbeat(1, 2, 1), true, KeyAge::newest);
+  reliable.on_heartbeat(heartbeat(1, 9, 2), true, KeyAge::newest);
   add(reliable, 1);
   EXPECT_FALSE(reliable.has_history());
   add(reliable, 2);
@@ -165,7 +167,7 @@ TEST_F(WriterProxyTest, MissesAny_AsLongAsNotAllUpToTheLastIsHeld) {
   add(reliable, 1);
   EXPECT_FALSE(reliable.misses_any({2}));
   EXPECT_TRUE(reliable.misses_any({3}));
-  reliable.accept({3}, std::nullopt);
+  reliable.accept({3}, std::nullopt, KeyAge::newest);
   EXPECT_FALSE(reliable.misses_any({3}));
 }
 
@@ -188,7 +190,7 @@ TEST_F(WriterProxyTest, TheLatest_IsForgottenFirst) {
 TEST_F(WriterProxyTest, Resumed_GoesOnWhereItWas) {
   reliable.resume({{}, {5}, 7}, false);
   EXPECT_EQ(reliable.next(), SequenceNumber{5});
-  reliable.on_heartbeat(heartbeat(1, 4, 1), true);
+  reliable.on_heartbeat(heartbeat(1, 4, 1), true, KeyAge::newest);
   const auto position = reliable.position({});
   EXPECT_EQ(position.next, SequenceNumber{5});
 }
@@ -198,9 +200,10 @@ TEST_F(WriterProxyTest, ResumedWithHistory_WaitsForANewHeartbeat) {
   add(reliable, 1);
   add(reliable, 3);
   EXPECT_TRUE(reliable.waits_for_heartbeat());
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 4, 7), true)) << "it was heard before";
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 4, 7), true, KeyAge::newest))
+      << "it was heard before";
   EXPECT_THAT(delivered, IsEmpty());
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(3, 4, 8), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(3, 4, 8), true, KeyAge::newest));
   EXPECT_THAT(delivered, ElementsAre(3)) << "the writer does not hold the first any more";
   EXPECT_FALSE(reliable.waits_for_heartbeat());
 }
@@ -211,7 +214,7 @@ TEST_F(WriterProxyTest, ResumedWithHistory_AnUnprotectedOldHeartbeatContinuesWhe
   reliable.resume({{}, {5}, 7}, true);
   add(reliable, 1);
   add(reliable, 5);
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 6, 7), false));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 6, 7), false, KeyAge::newest));
   EXPECT_FALSE(reliable.waits_for_heartbeat());
   EXPECT_THAT(delivered, ElementsAre(5)) << "the first was delivered before";
 }
@@ -236,24 +239,24 @@ struct FormerKeysTest : WriterProxyTest {
   static constexpr std::int64_t kFar = std::int64_t{1} << 40;
   FormerKeysTest() {
     for (const std::int64_t number : {1, 2, 3}) add(reliable, number), add(best_effort, number);
-    reliable.on_heartbeat(heartbeat(kFar, kFar, 0xfffff), true);
-    best_effort.skip_to({kFar});
+    reliable.on_heartbeat(heartbeat(kFar, kFar, 0xfffff), true, KeyAge::newest);
+    best_effort.skip_to({kFar}, KeyAge::newest);
     reliable.note_revised(), best_effort.note_revised();
   }
 };
 
 TEST_F(FormerKeysTest, NextHeartbeat_DecidesWhereTheWriterIs) {
   add(reliable, 4, KeyAge::former);
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 5, 1), true))
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 5, 1), true, KeyAge::newest))
       << "before, its count is an old one";
   delivered.clear();
   reliable.distrust_former_keys();
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true, KeyAge::newest));
   EXPECT_EQ(reliable.next(), SequenceNumber{4});
   EXPECT_THAT(missing(reliable, 5), ElementsAre(4, 5));
   add(reliable, 5), add(reliable, 4);
   EXPECT_THAT(delivered, ElementsAre(4, 5));
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 3), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 3), true, KeyAge::newest));
   EXPECT_EQ(reliable.next(), SequenceNumber{6}) << "once";
 }
 
@@ -261,7 +264,7 @@ TEST_F(FormerKeysTest, AForgedChangeThatWasDelivered_HidesNoLaterOne) {
   refuses_from = kFar + 1;
   add(reliable, kFar, KeyAge::former);
   reliable.distrust_former_keys();
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true, KeyAge::newest));
   EXPECT_EQ(reliable.next(), SequenceNumber{6}) << "what is before it may have been delivered";
 }
 
@@ -270,7 +273,7 @@ TEST_F(FormerKeysTest, ChangesThatWereHeld_AreRequestedAgain) {
   add(proxy, 1), add(proxy, 3);
   proxy.distrust_former_keys();
   EXPECT_EQ(proxy.early(), 0u);
-  EXPECT_TRUE(proxy.on_heartbeat(heartbeat(1, 3, 1), true));
+  EXPECT_TRUE(proxy.on_heartbeat(heartbeat(1, 3, 1), true, KeyAge::newest));
   EXPECT_THAT(missing(proxy, 3), ElementsAre(2, 3));
 }
 
@@ -290,7 +293,7 @@ struct NewestKeysTest : WriterProxyTest {
       for (const std::int64_t number : {1, 2}) add(*proxy, number);
       proxy->note_revised();
       for (const std::int64_t number : {3, 4, 5}) add(*proxy, number);
-      proxy->on_heartbeat(heartbeat(1, 5, 10), true);
+      proxy->on_heartbeat(heartbeat(1, 5, 10), true, KeyAge::newest);
     }
     delivered.clear();
   }
@@ -300,15 +303,16 @@ TEST_F(NewestKeysTest, FormerKeysEnd_WhatCameUnderTheNewestStaysTaken) {
   add(best_effort, 1000, KeyAge::former), add(reliable, 6, KeyAge::former);
   reliable.distrust_former_keys(), best_effort.distrust_former_keys();
   EXPECT_EQ(best_effort.next(), SequenceNumber{6});
-  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 3, 9), true)) << "it was repeated";
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 4, 11), true)) << "it is late";
+  EXPECT_FALSE(reliable.on_heartbeat(heartbeat(1, 3, 9), true, KeyAge::newest))
+      << "it was repeated";
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 4, 11), true, KeyAge::newest)) << "it is late";
   EXPECT_GE(reliable.next(), SequenceNumber{6});
 }
 
 TEST_F(NewestKeysTest, HeldUnderTheNewest_IsRequestedAgain) {
   add(reliable, 8);
   reliable.distrust_former_keys();
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 8, 11), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 8, 11), true, KeyAge::newest));
   EXPECT_THAT(missing(reliable, 8), ElementsAre(6, 7, 8));
 }
 
@@ -316,7 +320,7 @@ TEST_F(NewestKeysTest, LaterRevision_BeginsAnew) {
   reliable.note_revised(), best_effort.note_revised();
   reliable.distrust_former_keys(), best_effort.distrust_former_keys();
   EXPECT_EQ(best_effort.next(), SequenceNumber{1});
-  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true));
+  EXPECT_TRUE(reliable.on_heartbeat(heartbeat(1, 5, 2), true, KeyAge::newest));
   EXPECT_EQ(reliable.next(), SequenceNumber{6});
 }
 

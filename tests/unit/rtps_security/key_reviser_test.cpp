@@ -126,8 +126,9 @@ TEST(KeyRevision, WhatAFormerReaderForged_EndsWithTheFormerKeys) {
   auto& reader = *trio.b->local_endpoints().reader(*of_bob);
   constexpr std::int64_t kFar = std::int64_t{1} << 40;
   const auto& from = trio.writer.prefix;
-  ASSERT_TRUE(reader.on_heartbeat(
-      from, {reader.guid().entity, trio.writer.entity, {kFar}, {kFar}, 0xfffff}, true));
+  ASSERT_TRUE(
+      reader.on_heartbeat(from, {reader.guid().entity, trio.writer.entity, {kFar}, {kFar}, 0xfffff},
+                          true, KeyAge::newest));
   trio.write();
   trio.world.run(100);
   EXPECT_LT(trio.b.listener.changes.size(), trio.written) << "what was forged had an effect";
