@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxAnswerTextOctets = 1024;
-constexpr std::size_t kMaxOfAnswerPath = 4096;
+constexpr std::size_t kMaxAnswerStringOctets = 4096;
 
 std::string shortened(std::string text, std::size_t max_size = kMaxAnswerTextOctets) {
   if (text.size() <= max_size) return text;
@@ -119,10 +119,10 @@ void DocumentsInUse::forget(std::int64_t identity, std::span<const DocumentKind>
 Json DocumentsInUse::json_of(const std::optional<Refusal>& refusal) {
   if (!refusal) return {};
   return {{"at", to_string(refusal->at)},
-          {"file", shortened(refusal->why.details().document, kMaxOfAnswerPath)},
+          {"file", shortened(refusal->why.details().document, kMaxAnswerStringOctets)},
           {"code", static_cast<int>(refusal->why.code())},
           {"name", info(refusal->why.code()).name},
-          {"sentence", shortened(refusal->why.to_sentence(), kMaxOfAnswerPath)},
+          {"sentence", shortened(refusal->why.to_sentence(), kMaxAnswerStringOctets)},
           {"stands", refusal->stands},
           {"waits", refusal->waits}};
 }
@@ -133,7 +133,7 @@ std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& pa
     const auto& parts = document.parts;
     documents.push_back(
         {{"kind", to_string(kind)},
-         {"file", shortened(document.file, kMaxOfAnswerPath)},
+         {"file", shortened(document.file, kMaxAnswerStringOctets)},
          {"since", to_string(document.since)},
          {"in_force", ddssec::json_of(parts)},
          {"more", parts.size() - std::min(parts.size(), kMaxParts)},

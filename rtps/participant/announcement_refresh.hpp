@@ -20,13 +20,13 @@ namespace ddssec::rtps {
 /// An attacker can also make us miss an announcement: by a message with the sequence number that
 /// the next one will have, or by a HEARTBEAT or GAP that skips it. Messages that contradict each
 /// other count as a change. Not all forgeries are noticed. So everything is also read if there was
-/// no reading for kMaxPause.
+/// no refresh for kMaxPause.
 ///
 /// The pause grows, so that a participant with many short-lived endpoints does not send all of them
 /// again each time.
 ///
 /// The legal transitions are
-///   idle -> due                 note_change, note_end, or kMaxPause after the last reading
+///   idle -> due                 note_change, note_end, or kMaxPause after the last refresh
 ///   due -> being read           begin_refresh_if_due, when the pause is over
 ///   being read -> idle          end_refresh_if_over, kAnswerTimeout later
 ///   being read -> due           note_change, note_end: what changes meanwhile is read once more
@@ -38,8 +38,8 @@ class AnnouncementRefresh {
   static constexpr MonotonicTime kAnswerTimeout = std::chrono::seconds(4);
   /// Limit for the endpoints whose end counts before it was read. Their keys are kept.
   static constexpr std::size_t kMaxEnded = 64;
-  /// Limit for the endpoints that a reading did not bring back and whose keys are still
-  /// kept: a forged HEARTBEAT can hide an endpoint from a reading.
+  /// Limit for the endpoints that a refresh did not bring back and whose keys are still
+  /// kept: a forged HEARTBEAT can hide an endpoint from a refresh.
   static constexpr std::size_t kMaxGone = 64;
   /// Limit for the endpoints that are remembered as having lost their keys.
   static constexpr std::size_t kMaxWithoutKeys = 1024;
@@ -49,7 +49,7 @@ class AnnouncementRefresh {
   /// Notes an unproven message that changes a known endpoint, or contradicts an earlier message.
   void note_change(MonotonicTime now);
   /// Notes an unproven report that an endpoint with keys has ended. Returns true if the endpoint is
-  /// treated as ended at once, with its keys kept; false if it stays until the next reading
+  /// treated as ended at once, with its keys kept; false if it stays until the next refresh
   /// decides.
   bool note_end(const EntityId& endpoint, MonotonicTime now);
   /// Notes that a known endpoint is announced: it has not ended.
@@ -62,10 +62,10 @@ class AnnouncementRefresh {
     EntityId endpoint;
     bool counts;  ///< true if its end counted from the beginning
   };
-  /// Ends a reading that was complete. Returns the endpoints that were said to have ended before
+  /// Ends a refresh that was complete. Returns the endpoints that were said to have ended before
   /// it, and were not announced since while they were known.
   std::vector<EndedEndpoint> take_confirmed_ends();
-  /// Notes that the reading has confirmed the end. Returns the endpoint whose keys are not kept any
+  /// Notes that the refresh has confirmed the end. Returns the endpoint whose keys are not kept any
   /// longer in exchange: the one that ended first. It is remembered (without_keys).
   std::optional<EntityId> note_gone(const EntityId& endpoint);
 
@@ -81,7 +81,7 @@ class AnnouncementRefresh {
  private:
   struct State {
     bool counts;
-    bool is_read = false;  ///< true if a reading has begun since
+    bool is_read = false;  ///< true if a refresh has begun since
   };
 
   MonotonicTime due_ = kNever, over_ = kNever, routine_ = kNever;

@@ -69,33 +69,33 @@ void ClearAnnouncements::give_way_to(RemoteParticipant& remote, const EndpointDa
 
 bool ClearAnnouncements::note_announced(RemoteParticipant& remote, const EndpointData& endpoint) {
   const auto id = endpoint.guid.entity;
-  auto& reading = remote.announcement_refresh;
+  auto& refresh = remote.announcement_refresh;
   if (!is_doubtful(remote, id, endpoint.by_secure_discovery)) {
-    reading.note_alive(id);
+    refresh.note_alive(id);
     return true;
   }
   const auto known = remote.endpoints.find(id);
   if (known == remote.endpoints.end()) {
-    if (reading.without_keys().contains(id)) note_change(reading);
+    if (refresh.without_keys().contains(id)) note_change(refresh);
     return true;
   }
   if (known->second.data.topic_name != endpoint.topic_name) {
-    note_change(reading);
+    note_change(refresh);
     return remove(remote, id, endpoint.by_secure_discovery);
   }
-  reading.note_alive(id);
+  refresh.note_alive(id);
   if (known->second.data == endpoint) return false;
-  note_change(reading);
+  note_change(refresh);
   if (!differ_in_what_a_match_keeps(known->second.data.qos, endpoint.qos)) return true;
   // These policies are immutable, so one of the two announcements is forged.
-  if (!reading.is_under_way()) return false;
+  if (!refresh.is_under_way()) return false;
   matcher_.remove(remote, id, true);
   return true;
 }
 
-void ClearAnnouncements::note_change(AnnouncementRefresh& reading) {
-  reading.note_change(core_.now);
-  call_at(reading.due());
+void ClearAnnouncements::note_change(AnnouncementRefresh& refresh) {
+  refresh.note_change(core_.now);
+  call_at(refresh.due());
 }
 
 // The keys are kept, because the participant sends those of an endpoint only once, as long as
@@ -153,14 +153,14 @@ bool ClearAnnouncements::has_keys(const Guid& endpoint) const {
 // A participant that has the keys of one of our endpoints does not send its own ones again by
 // itself, so they are requested.
 void ClearAnnouncements::look_for_keys(RemoteParticipant& remote) {
-  auto& reading = remote.announcement_refresh;
-  auto& without = reading.without_keys();
+  auto& refresh = remote.announcement_refresh;
+  auto& without = refresh.without_keys();
   for (auto at = without.begin(); at != without.end();) {
     const auto endpoint = at->first;
     if (!remote.endpoints.contains(endpoint)) {
       ++at;
     } else if (request_keys({remote.prefix(), endpoint}, std::exchange(at->second, true))) {
-      note_change(reading);
+      note_change(refresh);
       ++at;
     } else {
       at = without.erase(at);
@@ -183,16 +183,16 @@ bool ClearAnnouncements::request_keys(const Guid& endpoint, bool again) {
   return any;
 }
 
-// ---- second readings
+// ---- second refreshes
 
 void ClearAnnouncements::on_refreshed(RemoteParticipant& remote) {
-  auto& reading = remote.announcement_refresh;
-  if (!builtin_.has_read(remote)) return note_change(reading);
-  for (const auto& [endpoint, counts] : reading.take_confirmed_ends()) {
+  auto& refresh = remote.announcement_refresh;
+  if (!builtin_.has_read(remote)) return note_change(refresh);
+  for (const auto& [endpoint, counts] : refresh.take_confirmed_ends()) {
     const bool is_known = remote.endpoints.contains(endpoint);
     if (is_known && (counts || is_proven(remote, endpoint))) continue;
     if (is_known) matcher_.remove(remote, endpoint, true);
-    const auto dropped = reading.note_gone(endpoint);
+    const auto dropped = refresh.note_gone(endpoint);
     if (!dropped || remote.endpoints.contains(*dropped)) continue;
     for (const auto& local : counterparts(*dropped))
       core_.security->keyring().unregister_pair(local, {remote.prefix(), *dropped});
@@ -204,14 +204,14 @@ void ClearAnnouncements::on_time(MonotonicTime now) {
   auto next = kNever;
   for (const auto& [prefix, known] : remotes_.all()) {
     auto& remote = *remotes_.find(prefix);
-    auto& reading = remote.announcement_refresh;
-    if (reading.end_refresh_if_over(now)) on_refreshed(remote);
-    if (reading.begin_refresh_if_due(now)) builtin_.refresh_announcements(remote);
+    auto& refresh = remote.announcement_refresh;
+    if (refresh.end_refresh_if_over(now)) on_refreshed(remote);
+    if (refresh.begin_refresh_if_due(now)) builtin_.refresh_announcements(remote);
     if (now >= remote.next_offer) {
       builtin_.offer_again(remote);
       remote.next_offer = now + kOfferPeriod;
     }
-    next = std::min({next, reading.next(), remote.next_offer});
+    next = std::min({next, refresh.next(), remote.next_offer});
   }
   call_at(next);
 }

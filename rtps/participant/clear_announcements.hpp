@@ -41,13 +41,13 @@ class ClearAnnouncements final : private Timed {
   bool is_doubtful(const RemoteParticipant& remote, const EntityId& endpoint, bool secure) const;
   /// True if the endpoint is known, and only its participant can have announced it.
   bool is_proven(const RemoteParticipant& remote, const EntityId& endpoint) const;
-  void note_change(AnnouncementRefresh& reading);
+  void note_change(AnnouncementRefresh& refresh);
   void note_contradiction(const GuidPrefix& participant);
   /// Returns the local endpoints of the other kind.
   std::vector<EntityId> counterparts(const EntityId& endpoint) const;
   /// True if there are keys that the endpoint sent for a local one.
   bool has_keys(const Guid& endpoint) const;
-  /// Ends a reading whose answer must have arrived by now.
+  /// Ends a refresh whose answer must have arrived by now.
   void on_refreshed(RemoteParticipant& remote);
   /// Requests the keys of endpoints that came back after their keys were given up. Raises an event
   /// if they do not arrive.

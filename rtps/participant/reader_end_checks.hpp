@@ -63,7 +63,7 @@ class ReaderEndChecks {
 
   /// Returns false if the pair is no longer doubted.
   bool check_answer(const ReaderPair& pair, PendingCheck& check, MonotonicTime now);
-  /// The longest time between two questions to a silent reader of that participant.
+  /// The longest time between two queries to a silent reader of that participant.
   MonotonicTime longest_interval(const GuidPrefix& readers) const;
   Pending::iterator remove(Pending::iterator at);
 

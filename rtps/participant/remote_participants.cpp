@@ -204,8 +204,8 @@ void RemoteParticipants::renew_lease(RemoteParticipant& remote, const Participan
   remote.lease_end = proven ? end : std::max({remote.lease_end, end, core_.now + kMinLease});
   next_end_ = std::min(next_end_, remote.lease_end);
   if (!core_.security) return;
-  remote.next_question = next_time(data, kSilentPartOfLease);
-  next_question_ = std::min(next_question_, remote.next_question);
+  remote.next_query = next_time(data, kSilentPartOfLease);
+  next_query_ = std::min(next_query_, remote.next_query);
 }
 
 MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int share) const {
@@ -216,16 +216,16 @@ MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int sha
 // As for the ends of leases, the noted time may be too early but never too late.
 std::vector<GuidPrefix> RemoteParticipants::take_due_for_query() {
   std::vector<GuidPrefix> out;
-  if (core_.now < next_question_) return out;
-  next_question_ = kNever;
+  if (core_.now < next_query_) return out;
+  next_query_ = kNever;
   for (auto& [prefix, remote] : remotes_) {
-    if (remote.next_question <= core_.now) {
+    if (remote.next_query <= core_.now) {
       const bool is_asked = core_.is_authenticated(prefix);
       if (is_asked) out.push_back(prefix);
-      const auto next = next_time(remote.data, kQuestionsPerLease);
-      remote.next_question = is_asked ? next : std::max(next, core_.now + kPauseOfUnproven);
+      const auto next = next_time(remote.data, kQueriesPerLease);
+      remote.next_query = is_asked ? next : std::max(next, core_.now + kPauseOfUnproven);
     }
-    next_question_ = std::min(next_question_, remote.next_question);
+    next_query_ = std::min(next_query_, remote.next_query);
   }
   return out;
 }

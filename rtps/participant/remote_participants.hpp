@@ -35,7 +35,7 @@ struct RemoteParticipant {
   LocatorList metatraffic, user;  ///< the addresses that are used
   MonotonicTime lease_end{};
   MonotonicTime since{};
-  MonotonicTime next_question = kNever;  ///< when it is next queried whether it is alive
+  MonotonicTime next_query = kNever;  ///< when it is next queried whether it is alive
   std::map<EntityId, RemoteEndpoint> endpoints = {};
   /// The signals for its matched writers with a finite lease, of kind AUTOMATIC and
   /// MANUAL_BY_PARTICIPANT.
@@ -114,7 +114,7 @@ class RemoteParticipants {
   /// An authenticated peer that is silent for a third of its lease is queried. The queries are so
   /// frequent that losing most queries and answers does not end the lease.
   static constexpr int kSilentPartOfLease = 3;
-  static constexpr int kQuestionsPerLease = 15;
+  static constexpr int kQueriesPerLease = 15;
   /// The shortest time between two queries of a peer, however short a lease is announced.
   static constexpr MonotonicTime kMinPause = std::chrono::milliseconds(100);
   /// The pause before a participant that is not queried is checked again: it may have
@@ -167,10 +167,10 @@ class RemoteParticipants {
   /// Returns the participants whose leases have ended.
   std::vector<GuidPrefix> with_ended_leases();
   /// Returns the authenticated participants that were silent for a third of their lease and must be
-  /// queried. Each is returned at kQuestionsPerLease per lease from then on.
+  /// queried. Each is returned at kQueriesPerLease per lease from then on.
   std::vector<GuidPrefix> take_due_for_query();
   /// Returns a time before which no lease ends and no query is due.
-  MonotonicTime next_end() const { return std::min(next_end_, next_question_); }
+  MonotonicTime next_end() const { return std::min(next_end_, next_query_); }
 
   /// Raises an event about what a remote endpoint sent to a local one.
   void raise_about(Error error, const EntityId& local, const Guid& remote) const;
@@ -211,7 +211,7 @@ class RemoteParticipants {
                                             AnnouncedShares(kMaxAnnounced)};
   UnprovenParticipants unproven_;  ///< only used by a secured participant
   MonotonicTime next_end_ = kNever;
-  MonotonicTime next_question_ = kNever;
+  MonotonicTime next_query_ = kNever;
 };
 
 /// What add_locators changed.

@@ -115,7 +115,7 @@ void CryptoTokenExchange::probe(Peer& peer) {
 
 void CryptoTokenExchange::ask(Peer& peer) {
   GenericMessage message;
-  message.message_class = message_class::kQuestion;
+  message.message_class = message_class::kAreYouThere;
   send(peer, std::move(message));
 }
 

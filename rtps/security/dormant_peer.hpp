@@ -5,14 +5,14 @@
 
 namespace ddssec::rtps {
 
-/// The peer as it was, with its keys. It takes no part in anything until it answers a question that
+/// The peer as it was, with its keys. It takes no part in anything until it answers a query that
 /// was asked after the end of its lease (DormantPeers).
 struct DormantPeer {
   Peer peer;
   MonotonicTime since{};
-  bool is_asked = false;  ///< a question was written that it has not answered
-  /// The earliest time for the next question, and when messages to the peer stop without an answer.
-  MonotonicTime next_question{}, quiet_at = kNever;
+  bool is_asked = false;  ///< a query was written that it has not answered
+  /// The earliest time for the next query, and when messages to the peer stop without an answer.
+  MonotonicTime next_query{}, quiet_at = kNever;
 };
 
 }  // namespace ddssec::rtps

@@ -16,11 +16,10 @@ bool DormantPeers::takes(const GuidPrefix& prefix) const {
 
 void DormantPeers::keep(const GuidPrefix& prefix) {
   auto node = core_.peers.extract(prefix);
-  // A peer chooses its lease. A pause even before the first question limits how often it comes and
+  // A peer chooses its lease. A pause even before the first query limits how often it comes and
   // goes, which costs us more than the peer.
-  DormantPeer dormant{.peer = std::move(node.mapped()),
-                      .since = core_.now,
-                      .next_question = core_.now + kQuestionPeriod};
+  DormantPeer dormant{
+      .peer = std::move(node.mapped()), .since = core_.now, .next_query = core_.now + kQueryPeriod};
   dormant.peer.state.association()->place = {};
   send_to(dormant, {});
   core_.dormant.insert_or_assign(prefix, std::move(dormant));
@@ -50,14 +49,14 @@ void DormantPeers::send_to(DormantPeer& dormant, const LocatorList& addresses) {
   association.volatile_reader->readdress({prefix, kVolatileMessageWriter}, addresses);
 }
 
-// The first question is a new message. The peer's acknowledgment of it cannot have been recorded
+// The first query is a new message. The peer's acknowledgment of it cannot have been recorded
 // before. Everything else that arrives can be, or can be forged.
 void DormantPeers::note_heard(const GuidPrefix& prefix, MonotonicTime now) {
   core_.now = now;
   const auto at = core_.dormant.find(prefix);
-  if (at == core_.dormant.end() || core_.now < at->second.next_question) return;
+  if (at == core_.dormant.end() || core_.now < at->second.next_query) return;
   auto& dormant = at->second;
-  dormant.next_question = core_.now + kQuestionPeriod;
+  dormant.next_query = core_.now + kQueryPeriod;
   dormant.quiet_at = core_.now + kAnswerTime;
   send_to(dormant, dormant.peer.metatraffic);
   if (std::exchange(dormant.is_asked, true))

@@ -14,8 +14,8 @@ class DormantPeers {
   /// The limit for all of them. The identity with the most loses its oldest one.
   static constexpr std::size_t kMaxPeers = 64;
   static constexpr MonotonicTime kLife = std::chrono::hours(1);
-  /// The shortest time between two questions to one peer, and how long its answer may take.
-  static constexpr MonotonicTime kQuestionPeriod = std::chrono::seconds(1);
+  /// The shortest time between two queries to one peer, and how long its answer may take.
+  static constexpr MonotonicTime kQueryPeriod = std::chrono::seconds(1);
   static constexpr MonotonicTime kAnswerTime = std::chrono::seconds(5);
 
   DormantPeers(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& revision)

@@ -22,7 +22,7 @@ struct MessageIdentity {
 namespace message_class {
 using namespace spi::message_class;
 /// Specific to ddssec: a message without content, which the peer only has to acknowledge.
-inline constexpr std::string_view kQuestion = "org.ddssec.are_you_there";
+inline constexpr std::string_view kAreYouThere = "org.ddssec.are_you_there";
 /// Specific to ddssec: documents that were renewed (DocumentRenewal), and the answer.
 inline constexpr std::string_view kRenewal = "org.ddssec.renewed_documents";
 inline constexpr std::string_view kRenewalTaken = "org.ddssec.renewed_documents_taken";

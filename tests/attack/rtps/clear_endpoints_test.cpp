@@ -195,7 +195,7 @@ TEST_F(ClearEndpoints, ReaderThatIsSaidToBeBestEffortMeanwhile_StaysReliable) {
 }
 
 // The forged announcement arrived before the genuine one, which replaces it.
-TEST_F(ClearEndpoints, ReaderThatWasAnnouncedAsBestEffortBefore_IsReliableAfterTheNextReading) {
+TEST_F(ClearEndpoints, ReaderThatWasAnnouncedAsBestEffortBefore_IsReliableAfterTheNextRefresh) {
   auto forged_one = forged_endpoint(9);
   const auto honest = forged_one;
   forged_one.qos.reliability.kind = ReliabilityKind::best_effort;

@@ -37,25 +37,25 @@ struct HiddenEndpoints : ForgedAnnouncements, ::testing::Test {
   bool is_found(const Guid& reader, std::chrono::seconds within) {
     return pair.world.run_until([&] { return matches(reader); }, static_cast<int>(within / 10ms));
   }
-  const AnnouncementRefresh& reading() const {
+  const AnnouncementRefresh& refresh() const {
     return pair.a.participant->remote_participants()
         .all()
         .at(pair.b.participant->prefix())
         .announcement_refresh;
   }
-  // The readings that begin within this time; `each_second` is called with the second.
+  // The refreshes that begin within this time; `each_second` is called with the second.
   template <class F>
-  int count_readings(std::chrono::seconds within, F each_second) {
-    int readings = 0;
+  int count_refreshes(std::chrono::seconds within, F each_second) {
+    int refreshes = 0;
     bool was_under_way = false;
     for (int second = 0; second < within.count(); ++second) {
       each_second(second);
       pair.world.run(100);
-      const bool is_under_way = reading().is_under_way();
-      readings += is_under_way && !was_under_way ? 1 : 0;
+      const bool is_under_way = refresh().is_under_way();
+      refreshes += is_under_way && !was_under_way ? 1 : 0;
       was_under_way = is_under_way;
     }
-    return readings;
+    return refreshes;
   }
 
   const SequenceNumber hidden{2};  // the number of b's next announcement
@@ -83,7 +83,7 @@ struct HiddenByAForgery : HiddenEndpoints, ::testing::WithParamInterface<Forgery
 INSTANTIATE_TEST_SUITE_P(All, HiddenByAForgery, ::testing::ValuesIn(kForgeries),
                          [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(HiddenByAForgery, Endpoints_AreFoundByTheNextReading) {
+TEST_P(HiddenByAForgery, Endpoints_AreFoundByTheNextRefresh) {
   GetParam().send(*this);
   const auto reader = create_reader();
   pair.world.run(100);
@@ -125,7 +125,7 @@ TEST_F(HiddenEndpoints, ForgedAcknowledgment_IsUndoneByTheNextOffer) {
 // The forged announcement has the right number, the genuine one is lost, and b believes that a has
 // it, so no message contradicts another one. Participants of other vendors do not repeat what they
 // have announced.
-TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
+TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextRefresh) {
   ParticipantAccess::peer(*pair.b.participant, pair.a->prefix()).next_offer = kNever;
   pair.world.attack = [](World::Traffic& traffic) { traffic.clear(); };
   const auto reader = create_reader();
@@ -137,27 +137,27 @@ TEST_F(HiddenEndpoints, WithoutAContradiction_AreFoundByTheNextReading) {
   pair.world.run(10);
   pair.world.attack = {};
   pair.world.run(6000);
-  ASSERT_FALSE(matches(reader)) << "by chance, the next reading came early";
+  ASSERT_FALSE(matches(reader)) << "by chance, the next refresh came early";
   EXPECT_TRUE(is_found(reader, 256s + kShort));
 }
 
-// In the end the forgeries cost the peer one reading in 256 s.
-TEST_F(HiddenEndpoints, ForgeriesThatGoOn_CauseFewerAndFewerReadings) {
-  const int readings = count_readings(600s, [this](int second) {
+// In the end the forgeries cost the peer one refresh in 256 s.
+TEST_F(HiddenEndpoints, ForgeriesThatGoOn_CauseFewerAndFewerRefreshes) {
+  const int refreshes = count_refreshes(600s, [this](int second) {
     invent({second % 2 == 0 ? 100 : 3 + second});
     claim({1}, {second % 50});
   });
-  EXPECT_GE(readings, 3);
-  EXPECT_LE(readings, 9) << "in 600 s";
+  EXPECT_GE(refreshes, 3);
+  EXPECT_LE(refreshes, 9) << "in 600 s";
 }
 
 // There is no forgery.
 TEST_F(HiddenEndpoints, WhereNothingContradicts_EverythingIsReadSeldom) {
-  const int readings = count_readings(1024s, [this](int second) {
+  const int refreshes = count_refreshes(1024s, [this](int second) {
     if (second % 20 == 0) create_reader();
   });
-  EXPECT_GE(readings, 3);
-  EXPECT_LE(readings, 9) << "in 1024 s";
+  EXPECT_GE(refreshes, 3);
+  EXPECT_LE(refreshes, 9) << "in 1024 s";
   EXPECT_TRUE(matches(pair.reader));
   EXPECT_TRUE(pair.a.events.is_quiet()) << pair.a.events.text();
 }
