@@ -21,7 +21,7 @@ class DocumentWatch {
     std::size_t max_octets;  ///< the largest size that is read
     Code refused;            ///< the event's code
     std::string_view stays;  ///< what stays in force after a refusal, for the event
-    /// The event gives the remedy of its reason, because the document itself must be written anew.
+    /// The event gives the remedy of its reason, because the document itself must be written again.
     bool gives_remedy_of_reason = false;
   };
 
@@ -52,7 +52,7 @@ class DocumentWatch {
   void force_poll() { watch_.force_poll(); }
 
   /// Returns the file as it is now, whether it has changed or not. A caller that adopts it together
-  /// with another file then calls note_read. Errors: those of ddssec::load.
+  /// with another file then calls note_read. Errors: those of load_uri.
   Result<Bytes> read() const;
 
   /// Returns the last error of poll(), or nothing if the file has been good since.

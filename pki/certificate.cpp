@@ -141,7 +141,7 @@ class CertificateCache {
   }
 
  private:
-  // Removes an entry, unless another thread has made the same certificate anew meanwhile.
+  // Removes an entry, unless another thread has made the same certificate again meanwhile.
   void forget(const Sha256Digest& fingerprint) {
     const std::scoped_lock lock(mutex_);
     const auto known = known_.find(fingerprint);

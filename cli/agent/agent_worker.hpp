@@ -1,6 +1,6 @@
 // The process that works in a participant's folder. A key in a token needs a PKCS#11 module, so
 // code of the folder's owner can run in this process. It is therefore not a copy of the agent but
-// the program started anew, without the agent's memory, output, terminal or secrets.
+// a new process of the program, without the agent's memory, output, terminal or secrets.
 #pragma once
 
 #include <optional>
@@ -22,8 +22,9 @@ inline constexpr auto kAgentWorker = "--agent-worker";
 /// that no module is loaded that the owner configured.
 std::vector<std::string> worker_variables(bool is_own, const std::vector<std::string>& secret);
 
-/// Starts this program anew with these variables. `in` and `out` are its ends of two pipes, and
-/// `lock` is a file that stays open (-1: none). Returns only if that fails, with an exit code.
+/// Starts a new process of this program with these variables. `in` and `out` are its ends of two
+/// pipes, and `lock` is a file that stays open (-1: none). Returns only if that fails, with an exit
+/// code.
 int become_worker(std::vector<std::string> variables, int in, int out, int lock);
 
 /// Returns the first line to a worker, which tells it what to do. `locked` is nullptr with

@@ -1,4 +1,4 @@
-// Replaces a CA and its key, and issues or signs anew everything that the old one issued or signed.
+// Replaces a CA and its key. Everything that the old CA issued or signed is issued or signed again.
 // Handles ROS 2 keystores and participants' folders alike.
 #pragma once
 

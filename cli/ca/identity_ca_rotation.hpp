@@ -1,4 +1,4 @@
-// Replaces an identity CA, and issues anew the certificates that the old one issued.
+// Replaces an identity CA, and issues the certificates that the old one issued again.
 #pragma once
 
 #include <vector>

@@ -11,7 +11,7 @@
 namespace ddssec::cli {
 
 /// True for the steps of an overlap in which running sessions continue with the new certificates
-/// and documents. After RotationStep::replace, for a stolen key, all sessions begin anew.
+/// and documents. After RotationStep::replace, for a stolen key, all sessions restart.
 bool is_moving(const CaRotation& change);
 
 /// Drafts the key, the certificate and the record of the overlap of the CA itself, as far as the

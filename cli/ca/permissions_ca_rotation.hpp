@@ -1,4 +1,4 @@
-// Replaces a permissions CA, and signs anew what the old one signed.
+// Replaces a permissions CA, and signs what the old one signed again.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace ddssec::cli {
 
-/// Drafts the new permissions CA and signs every document of `shared` anew, and those of the
+/// Drafts the new permissions CA and signs every document of `shared` again, and those of the
 /// participants if the step asks for it; then writes the log. Signs only documents that the old CA
 /// signed and that its log contains, because the old key may be stolen. A participant with any
 /// other document is left unchanged. The caller holds the CA's lock (lock_records). Errors: those

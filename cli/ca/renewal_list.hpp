@@ -28,9 +28,9 @@ class RenewalListAdditions {
   void add(const CaPaths& ca, BytesView signed_permissions, const std::filesystem::path& file);
   /// Writes the entries into the files. A certificate replaces former ones of its subject, and
   /// permissions replace those that give the same and do not end later. Expired entries are
-  /// removed. A file that cannot be read is begun anew. If a list exceeds what participants read,
-  /// older permissions of a subject that has later ones are removed first, and then those that end
-  /// first. Errors, after the files are written: renewal_list_malformed (begun anew),
+  /// removed. A file that cannot be read is started again. If a list exceeds what participants
+  /// read, older permissions of a subject that has later ones are removed first, and then those
+  /// that end first. Errors, after the files are written: renewal_list_malformed (started again),
   /// file_too_large (something was left out); those of FileTransaction.
   Status write(WallTime now) const;
 
@@ -83,7 +83,7 @@ struct RenewalsForFolder {
 
 /// Drafts the renewal list of a participant's folder: `entries` together with the present entries,
 /// as RenewalListAdditions::write combines them. Only entries of CAs in the folder are kept. A list
-/// that cannot be read is made anew, and one without remaining entries is emptied. Writes nothing
+/// that cannot be read is made again, and one without remaining entries is emptied. Writes nothing
 /// if the file would not change. Adds a notice (file_too_large) if something was left out. Errors:
 /// those of FileTransaction::put.
 Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,

@@ -288,7 +288,8 @@ Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distri
   return done;
 }
 
-// Adds hints that apply to the CA's own folder. Elsewhere the hint would be to fetch the list anew.
+// Adds hints that apply to the CA's own folder. Elsewhere the hint would be to fetch the list
+// again.
 Status with_hint_for_ca(Status status, const std::string& given) {
   if (status) return status;
   auto details = status.error().details();

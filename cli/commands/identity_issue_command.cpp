@@ -118,9 +118,8 @@ Result<IssueAnswer> issue_fleet(const Arguments& arguments, const Context& conte
   DDSSEC_ASSIGN_OR_RETURN(const auto common, common_spec(arguments, now, findings));
   DDSSEC_ASSIGN_OR_RETURN(auto specs, read_fleet(from, common, now));
   DDSSEC_ASSIGN_OR_RETURN(auto folder, FleetFolder::at(target, specs));
-  DDSSEC_RETURN_IF_ERROR(
-      // Checked first, so that the user types no passphrase for a document that cannot be used.
-      governance_of(arguments, now));
+  // Checked first, so that the user types no passphrase for a document that cannot be used.
+  DDSSEC_RETURN_IF_ERROR(governance_of(arguments, now));
   const bool any_rights = std::ranges::any_of(specs, &ParticipantSpec::has_permissions);
   DDSSEC_ASSIGN_OR_RETURN(const auto cas, open_issuing_cas(arguments, any_rights, now));
   DDSSEC_ASSIGN_OR_RETURN(const auto governance, governance_of(arguments, now));
@@ -179,7 +178,7 @@ Result<Issued> issue(IssueRequest& request) {
   const auto now = request.context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(auto cas,
                           open_issuing_cas(request.arguments, request.spec.has_permissions(), now));
-  // Reads the document again: a rotation that this command waited for may have signed it anew.
+  // Reads the document again: a rotation that this command waited for may have signed it again.
   DDSSEC_ASSIGN_OR_RETURN(request.governance, governance_of(request.arguments, now));
   DDSSEC_ASSIGN_OR_RETURN(
       auto made, make_participant_within_ca(request.spec, cas, request.arguments, request.context,

@@ -1,5 +1,5 @@
-// keystore split-ca, keystore rotate: new CAs for a keystore that is in use, and everything signed
-// anew.
+// keystore split-ca, keystore rotate: new CAs for a keystore that is in use, and new
+// signatures of everything.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ std::vector<AffectedParticipant> participants_in(const fs::path& keystore,
   return out;
 }
 
-// A CA that signed a keystore's enclaves anew.
+// A CA that signed a keystore's enclaves again.
 struct KeystoreCa {
   static constexpr std::string_view kDef = "keystore_ca";
   NewCaFacts ca;

@@ -179,7 +179,7 @@ void IdentityTable::set_verified_again(spi::IdentityHandle handle, const Proofs&
   const auto found = remotes_.find(handle.value);
   if (found == remotes_.end() || found->second.has_ended) return;
   auto& remote = found->second;
-  // The peer may have authenticated anew meanwhile, with another certificate.
+  // The peer may have authenticated again meanwhile, with another certificate.
   if (remote.latest() == proofs.peer.certificate() && remote.own_seen == proofs.own.certificate())
     set_end_of(handle.value, remote, proofs);
 }

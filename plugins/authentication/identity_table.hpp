@@ -61,8 +61,9 @@ inline Event event_about(const PeerName& name, const Error& error) {
   return Event(error, name.subject, name.guid, name.proof);
 }
 
-/// The table. A remote identity belongs to one local identity. If another local identity meets the
-/// same participant, it has its own remote identity, handle, handshakes and expiry. Thread-safe.
+/// The table. A remote identity belongs to one local identity. If another local identity discovers
+/// the same participant, it has its own remote identity, handle, handshakes and expiry.
+/// Thread-safe.
 class IdentityTable {
  public:
   IdentityTable(std::size_t max_local, const RemoteLimits& remote_limits)

@@ -1,5 +1,5 @@
 // Handshake requests and challenges sent to peers that the host dropped before their handshake
-// ended. A host drops a peer to begin its handshake anew after a disturbance.
+// ended. A host drops a peer to restart its handshake after a disturbance.
 //
 // Stock plugins answer only the first request that they saw, each time it comes. They accept only a
 // reply with the challenge that was announced first. A peer that appears again is therefore sent

@@ -278,7 +278,7 @@ Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>
     trust(std::move(store));
     return false;
   }
-  // A CA that is replaced without overlap has issued our certificate anew.
+  // A CA that is replaced without overlap has issued our certificate again.
   const auto found = watch_.read({former->certificate, former->key});
   if (!found || found->certificate == former->certificate) return std::unexpected(own.error());
   DDSSEC_RETURN_IF_ERROR(take_together(next, *found, stores, now));

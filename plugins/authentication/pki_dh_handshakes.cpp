@@ -193,7 +193,8 @@ UnprovenOctets::Share PkiDh::share_of(const IdentityPair& pair, const Token& req
   return unproven_.claim(peer.certificate().subject_digest(), octets, free);
 }
 
-// The host then finds that the handle of a dropped handshake is unknown, and begins anew.
+// The host then finds that the handle of a dropped handshake is unknown, and starts another
+// handshake.
 void PkiDh::drop_excess(HandshakeHandle newest) {
   for (const auto handle : unproven_.excess(services_.random, newest)) {
     const auto pair = table_.pair_of(handle);

@@ -6,7 +6,7 @@
 
 namespace ddssec::authentication {
 
-/// The documents that one side of a session presents anew.
+/// The documents that one side of a session presents again.
 struct RenewalOffer {
   std::shared_ptr<const PresentedDocuments> documents;
   Sha256Digest digest;  ///< digest of the signed octets

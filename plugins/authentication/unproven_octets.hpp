@@ -4,8 +4,8 @@
 //
 // No request is refused because of other ones: the owner of a recorded certificate looks like the
 // attacker until its handshake ends. Instead, handshakes that wait for their end are dropped at
-// random. To keep the owner out, an attacker must send as much as the limit anew each time, between
-// our reply and the owner's answer.
+// random. To keep the owner out, an attacker must send as much as the limit each time, between our
+// reply and the owner's answer.
 #pragma once
 
 #include <cstddef>

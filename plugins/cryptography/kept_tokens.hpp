@@ -17,7 +17,7 @@ Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
 /// Inspects a `submessage` that the host sends with the local volatile writer, for key tokens of a
 /// local endpoint for one of the peer. The host has matched the two, and now waits for the peer's
 /// tokens. This is recorded only for a peer with ddssec: other plugins would not notice that the
-/// session is started anew.
+/// session is restarted.
 void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender,
                      const ParticipantPair& pair, BytesView submessage);
 

@@ -79,9 +79,9 @@ class PackedTokens {
 /// the ticket identifies the two endpoints.
 ///
 /// A message that was decrypted may still not have reached the host. So when its sender
-/// authenticates anew, the host may or may not hold the former ticket:
-/// - Tickets of a participant are dropped with the participant.
-/// - Tickets of builtin endpoints are used as soon as the host matches these endpoints. New tokens
+/// authenticates again, the host may or may not hold the former ticket: - Tickets of a participant
+/// are dropped with the participant. - Tickets of builtin endpoints are used as soon as the host
+/// matches these endpoints. New tokens
 ///   are refused until then.
 /// - For other endpoints nothing is known for six minutes. If the host does not present the ticket
 ///   in that time, it never had it, and tokens that came since then must come again in a further
@@ -126,7 +126,7 @@ class TokenLedger {
   /// below, is Clock::monotonic.
   void acknowledged(std::uint64_t exchange, std::uint64_t next, std::chrono::nanoseconds now);
 
-  /// Notes that the sender of that exchange has left, or will authenticate anew.
+  /// Notes that the sender of that exchange has left, or will authenticate again.
   void end(std::uint64_t exchange, std::chrono::nanoseconds now);
 
   /// Notes that the host has matched two endpoints and waits for tokens of that exchange. Tokens

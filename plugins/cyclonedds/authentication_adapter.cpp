@@ -130,7 +130,7 @@ struct DiscoveredPeer {
 // Handles a remote participant that was not admitted, without an error for the host. An attacker
 // can announce something unreadable in a peer's name, and a full table or an outdated list is
 // temporary. An error would end the core's handshake for as long as the peer is present. So the
-// core asks again until the watch makes it discover the peer anew. If governance admits
+// core asks again until the watch makes it discover the peer again. If governance admits
 // unauthenticated participants, the core treats the peer as one.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& met,
                              Error refusal, CIdentity& remote_handle) {

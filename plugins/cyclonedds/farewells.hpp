@@ -1,8 +1,9 @@
-// A farewell in the local participant's name, for a peer that does not answer. An attacker may have
-// forged an announcement without security in the local participant's name. A peer's core that
-// trusted it asks no plugin and ignores the handshake, and the honest announcements only renew its
-// wrong state. The core also trusts an unprotected farewell, but only of unauthenticated
-// participants. After the farewell it discovers the local participant anew.
+// A dispose announcement in the local participant's name, for a peer that does not answer. An
+// attacker may have forged an announcement without security in the local participant's name. A
+// peer's core that trusted it asks no plugin and ignores the handshake, and the honest
+// announcements only renew its wrong state. The core also trusts an unprotected dispose
+// announcement, but only of unauthenticated participants. After it, the core discovers the local
+// participant again.
 #pragma once
 
 #include <map>
@@ -19,7 +20,7 @@ namespace ddssec::cyclonedds {
 /// participant `own` (RTPS 8.5.3.3).
 Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer);
 
-/// The local participants, which may have to send farewells. Thread-safe.
+/// The local participants, which may have to send dispose announcements. Thread-safe.
 class Farewells {
  public:
   void add_local(spi::IdentityHandle local, const GuidPrefix& prefix);

@@ -1,7 +1,7 @@
 // Watches for handshakes that do not end. Cyclone's core runs one for each remote participant that
 // it discovers. A message that an attacker forges in the peer's name can leave it in a state from
 // which it never starts again while the peer is present. Then the peer is revoked: the core forgets
-// it, discovers it anew and begins again.
+// it, discovers it again and restarts the handshake.
 #pragma once
 
 #include <chrono>
@@ -102,7 +102,7 @@ class HandshakeWatch {
     std::function<bool(spi::IdentityHandle)> is_matched = {};
     /// The time when the remote participant last showed that it has the shared secret. It had
     /// finished its half then, and its keys may still come. A peer that does not notice that the
-    /// local side begins anew is not given up.
+    /// local side restarts is not given up.
     std::function<Duration(spi::IdentityHandle)> last_heard = {};
   };
   /// Returns the remote participants to revoke now, each once.

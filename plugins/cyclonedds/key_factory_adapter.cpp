@@ -64,7 +64,7 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
                                 adapter.key_factory().register_matched_remote_participant(
                                     {local}, {remote_identity}, {permissions}, secret));
         // Another product may match fewer endpoints, and would not notice that the session is
-        // started anew.
+        // restarted.
         const bool is_ours = (secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0;
         PeersWithKeys::of_process().note_met(peer, {remote_identity}, {local},
                                              is_ours ? secret.peer_builtin_endpoints : 0);

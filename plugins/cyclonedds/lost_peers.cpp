@@ -48,8 +48,8 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
   }
 }
 
-// No farewell is sent if unauthenticated participants are admitted, because the peer may be matched
-// as one of them.
+// No dispose announcement is sent if unauthenticated participants are admitted, because the peer
+// may be matched as one of them.
 void AuthenticationAdapter::send_farewell(const Guid& peer) {
   for (const auto& local : farewells_.locals()) {
     if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle)) continue;

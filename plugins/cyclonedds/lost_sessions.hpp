@@ -1,11 +1,11 @@
 // Sessions with peers that the host has dropped although the peer may have kept them, for example
 // after a link that failed in one direction only. Such a peer is sent the reset token
 // (plugins/spi/session_reset.hpp), because otherwise it ignores every new handshake. The token is
-// sent often when the host meets the peer again. It is sent seldom while the host does not, because
-// a forged announcement can keep the host from meeting it.
+// sent often while the host discovers the peer again. It is sent seldom while the host does not,
+// because a forged announcement can keep the host from discovering it.
 //
 // A local participant that ends also sends its tokens to its peers. They do not trust the
-// unprotected farewell of its host, and its protected one no longer reaches any peer.
+// unprotected dispose announcement of its host, and the protected one no longer reaches any peer.
 #pragma once
 
 #include <array>
@@ -35,9 +35,10 @@ class LostSessions {
   static constexpr Duration kLongInterval = std::chrono::seconds(30);
   static constexpr unsigned kSoon = 10;
   /// The time from a loss to the first and to the second reset for a peer that the host does not
-  /// meet again. Each further one is sent after twice the time. The time between the first two is
-  /// long enough for the peer to notice that the local side does not answer
-  /// (HandshakeWatch::kTimeout): the farewell sent with a reset makes it begin anew.
+  /// discover again. Each further one is sent after twice the time. The time between the first two
+  /// is long enough for the peer to notice that the local side does not answer
+  /// (HandshakeWatch::kTimeout): the dispose announcement that is sent with a reset makes the peer
+  /// restart its handshake.
   static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
   static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
   /// The time from a loss to the first reset for a peer that is cut off.
@@ -91,11 +92,11 @@ class LostSessions {
     spi::IdentityHandle local;
     GuidPrefix own;
     Guid remote;
-    bool is_meeting;  ///< true if the host meets the peer again
+    bool is_meeting;  ///< true if the host discovers the peer again
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
-  /// Returns whether the host is meeting this pair again.
+  /// Returns whether the host is discovering this pair again.
   using IsMeeting = std::function<bool(spi::IdentityHandle local, const Guid& remote)>;
   /// Returns the resets to send now.
   std::vector<DueReset> due(const IsMeeting& is_meeting);
@@ -110,7 +111,7 @@ class LostSessions {
     Duration next{};
     unsigned sent = 0;
     unsigned sent_unmet = 0;
-    /// The time until the first reset for a peer that is not met.
+    /// The time until the first reset for a peer that is not discovered.
     Duration first_unmet = kFirstUnmet;
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local

@@ -1,7 +1,7 @@
 // Peers that prove that they have lost their session (plugins/spi/session_reset.hpp). Cyclone's
 // core ignores a peer that begins a new handshake while it keeps the old session. So
 // libddssec_authentication asks here and revokes the peer: the core forgets it and discovers it
-// anew.
+// again.
 #pragma once
 
 #include <atomic>

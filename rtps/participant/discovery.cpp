@@ -53,7 +53,7 @@ void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefi
              core.origin_of_announcement(some, is_secure(topic)));
 }
 
-// Uses other addresses if necessary, because another host of the participant is proven.
+// Sends to the addresses that were chosen last: those of a proven host, if there is one.
 void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
                RemoteParticipant& remote) {
   if (has_proven_address(core, remote)) core.sender.amplification_limit().end(remote.prefix());
@@ -302,7 +302,7 @@ void Discovery::remove(const GuidPrefix& prefix) {
   if (remote == nullptr) return;
   unmatch(parts_.matcher, builtin_, *remote);
   const auto reset = core_.security ? core_.security->lost(prefix) : std::nullopt;
-  // An ignored participant gets none: its host would begin all its sessions with us anew.
+  // An ignored participant gets none: its host would restart all its sessions with us.
   if (reset && !core_.ignored.contains(prefix))
     core_.sender.send_alone(*reset, remote->metatraffic);
   core_.sender.flush_now();  // before the limit is lifted, because waiting messages count for it

@@ -16,7 +16,7 @@ struct OwnChange {
   std::optional<Bytes> user_data = {};
   /// Authenticated participants of ddssec follow to the new addresses if the governance protects
   /// discovery or messages. Without security, and if none of the former addresses is left, all
-  /// participants are found anew.
+  /// participants are discovered again.
   std::optional<Addresses> addresses = {};
 };
 

@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 namespace {
 
-// Lets the endpoints of peers whose former keys have ended begin anew.
+// Lets the endpoints of peers whose former keys have ended start again.
 void end_former_keys(SecurityCore& core) {
   for (auto& [prefix, peer] : core.peers) {
     auto* association = peer.state.association();

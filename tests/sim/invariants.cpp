@@ -39,7 +39,7 @@ void Invariants::on_matched(const End& local, const Guid& remote) {
 }
 
 void Invariants::on_unmatched(const End& local, const Guid& remote) {
-  // A durable reader gets the history anew in a new session. Above the endpoints, which are not
+  // A durable reader gets the history again in a new session. Above the endpoints, which are not
   // simulated, a DataReader drops what it has (SeenOriginals).
   if (local.durable && !local.writes) latest_.erase({local.guid, remote});
   const auto* own = ledger_.life(local.guid.prefix);

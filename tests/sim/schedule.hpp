@@ -14,7 +14,7 @@ struct Plan {
   /// siege a participant that died at its beginning must be forgotten.
   Temper siege = {};
   int siege_steps = 0;
-  bool siege_restart = false;  ///< a participant restarts without a farewell at its beginning
+  bool siege_restart = false;  ///< a participant restarts without a dispose at its beginning
   unsigned tampers = 0;        ///< see Malice
   int hostile_steps = 0;
   bool meets_first = false;  ///< the participants meet before the network is hostile

@@ -1,4 +1,4 @@
-// After a key revision readers let a writer begin anew, because others may have forged messages
+// After a key revision readers let a writer start again, because others may have forged messages
 // with its former keys. What was recorded under the new keys must not count twice because of that.
 #include "tests/attack/rtps/participant_access.hpp"
 #include "tests/attack/rtps/stolen_keys.hpp"

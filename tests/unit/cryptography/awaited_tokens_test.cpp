@@ -253,7 +253,7 @@ TEST(AwaitedTokensTest, AReaderThatSendsItsTokens_WaitsForThoseOfTheWriter) {
   EXPECT_FALSE(engine.is_stranded()) << "once";
 }
 
-// Such a peer would not notice that we begin the session anew.
+// Such a peer would not notice that we restart the session.
 TEST(AwaitedTokensTest, PeerWithOtherPlugins_StrandsNothing) {
   Engine engine(spi::kStandardCiphers);
   const auto user =

@@ -70,7 +70,7 @@ TEST_F(LostSessionsTest, PeerMetAgain_GetsThePresentation) {
   EXPECT_EQ(all[0].to, secret_of(1).peer_addresses);
 }
 
-// Peers do not believe the unprotected farewell of the host.
+// Peers do not believe the unprotected dispose announcement of the host.
 TEST_F(LostSessionsTest, AParticipantThatEnds_PresentsThemAll) {
   sessions.add_local(second, kOwn);
   sessions.established(local, remote(1), secret_of(1));

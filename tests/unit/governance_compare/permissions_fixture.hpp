@@ -20,7 +20,7 @@ inline GrantRule rule(bool allow, std::vector<Text> topics) {
 }
 inline GrantRule allow(std::vector<Text> topics) { return rule(true, std::move(topics)); }
 inline GrantRule deny(std::vector<Text> topics) { return rule(false, std::move(topics)); }
-/// Returns a rule that lets the participant join and do nothing else.
+/// Returns a rule that lets the participant join, and nothing more.
 inline GrantRule join() { return {.allow = true, .domains = {.ranges = {{0, 0}}}}; }
 
 inline Permissions document(std::vector<GrantRule> rules) {

@@ -180,7 +180,7 @@ TEST(MessageProtectionChange, AKeyRevisionMeanwhile_ComesFirstAndTheChangeGoesOn
   EXPECT_FALSE(fleet.is_readable_on_the_network());
 }
 
-// Bob makes his keys for the second protection anew when alice already has some of them.
+// Bob makes his keys for the second protection again when alice already has some of them.
 TEST(MessageProtectionChange, AKeyRevisionOfOneSide_MakesTheOtherSendItsKeysAgain) {
   auto next = revising(everything(kEncrypt)), former = revising(everything(kSign));
   Fleet fleet(former);
