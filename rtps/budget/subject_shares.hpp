@@ -36,7 +36,7 @@ class SubjectShares {
     ++of_subject_[subject_of(prefix)];
     ++taken_;
   }
-  /// Must be called as often as `claim`.
+  /// Call it as often as `claim`.
   void release(const GuidPrefix& prefix) {
     const auto at = of_subject_.find(subject_of(prefix));
     --taken_;

@@ -20,7 +20,7 @@ class ArrivalOrder {
   void insert(HeldInstance& instance, HeldSamples::iterator sample);
   /// Both do nothing if the sample is not known.
   void erase(const HeldSample& sample);
-  /// Must be called before the sample is read.
+  /// Call it before the sample is read.
   void mark_read(const HeldSample& sample);
   void clear();
   /// Returns the first `max_samples` samples, or fewer, that are in these states.

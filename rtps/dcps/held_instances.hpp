@@ -68,10 +68,10 @@ class HeldInstances {
   /// Returns whether these samples of an identity can be stored beside those that are held: now,
   /// later or never. The octets of new keys and the places of InstanceWriters are not counted.
   Room room_for(const WantedRoom& wanted, const HeldShareOf& share) const;
-  /// Creates an instance. Must be called only if `rejects` found room. May remove the oldest idle
+  /// Creates an instance. Call it only if `rejects` found room. May remove the oldest idle
   /// instance to make room.
   HeldInstance& create(const KeyHash& key, Payload key_value, const HeldShareOf& share);
-  /// Moves the instance to the lists where it belongs, or forgets it. Must be called after a change
+  /// Moves the instance to the lists where it belongs, or forgets it. Call it after a change
   /// to the instance.
   void settle(HeldInstance& instance);
   /// Removes the instance, which must not have samples. A change that it holds back is dropped.

@@ -46,7 +46,7 @@ class OfferedLiveliness final : private Timed {
 
   /// Begins the lease, because the writer is enabled.
   void start(const Liveliness& liveliness, MonotonicTime now);
-  /// Must be called before destruction.
+  /// Call it before destruction.
   void stop();
   /// Notes that the writer wrote, or that the application asserted it `explicitly`.
   void assert_at(MonotonicTime now, bool explicitly);

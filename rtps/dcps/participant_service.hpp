@@ -26,7 +26,7 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
 
   ParticipantContext& context() { return context_; }
 
-  /// Must be called before all others.
+  /// Call it before all others.
   void use(std::unique_ptr<ParticipantSockets> sockets) { sockets_ = std::move(sockets); }
   ParticipantSockets& sockets() const { return *sockets_; }
   /// Passes to the protocol what the sockets receive from now on. Errors: those of

@@ -83,7 +83,7 @@ class Presenter {
                    MonotonicTime now);
   /// Pauses or resumes. While paused, nothing is presented (begin_access).
   void pause(bool paused, MonotonicTime now);
-  /// Presents what has room now. Must be called when readers may have room again (`freed`), and at
+  /// Presents what has room now. Call it when readers may have room again (`freed`), and at
   /// `next_tick`.
   void present_ready(MonotonicTime now, bool freed = true);
   MonotonicTime next_tick() const;

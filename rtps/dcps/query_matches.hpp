@@ -21,7 +21,7 @@ class QueryMatches {
   /// Evaluates the sample. It and its instance must live until it is removed.
   void add(HeldInstance& instance, HeldSamples::iterator sample);
   void remove(const HeldInstance& instance, const HeldSample& sample);
-  /// Must be called before the sample is read.
+  /// Call it before the sample is read.
   void mark_read(const HeldInstance& instance, const HeldSample& sample);
   /// Adds the instance's samples to the counts by state, or with `sign` -1 subtracts them: see
   /// HeldInstances::Recount.

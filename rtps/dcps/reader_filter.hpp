@@ -20,7 +20,7 @@ class ReaderFilter {
   /// Applies the topic's filter from now on. The topic calls update() when its filter changes.
   /// Errors: rtps_filter_invalid.
   Status attach(ContentFilteredTopic& topic);
-  /// Unregisters from the topic. Must be called before destruction.
+  /// Unregisters from the topic. Call it before destruction.
   void detach();
   /// Applies the topic's changed parameters. Errors: rtps_filter_invalid.
   Status update();

@@ -34,7 +34,7 @@ class ReaderPresentation {
   /// Returns kNever unless holds_back().
   MonotonicTime next_tick() const;
 
-  /// Passes a change to the Presenter. Must be called only if holds_back(). Returns false if the
+  /// Passes a change to the Presenter. Call it only if holds_back(). Returns false if the
   /// change is refused for now.
   bool on_change(Change& change, MonotonicTime now) {
     return presenter_->on_change(reader_, change, now);

@@ -27,7 +27,7 @@ class RequestedLiveliness final : private Timed {
   /// From now on, the signal tells when the writer is alive.
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void on_alive(const Guid& writer, MonotonicTime now);
-  /// Must be called before destruction.
+  /// Call it before destruction.
   void stop() { cancel(); }
 
   /// Returns the status and resets its change counts.

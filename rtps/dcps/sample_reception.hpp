@@ -41,7 +41,7 @@ class SampleReception final : private PresentedReader, private Timed {
     bool paused;
   };
   void start(const Qos& announced, const Subscription& subscription);
-  /// Must be called before destruction.
+  /// Call it before destruction.
   void stop();
   /// Applies changed policies. Before the start, any of them may change.
   void change_qos(const Qos& before, const Qos& now, bool started);
@@ -88,7 +88,7 @@ class SampleReception final : private PresentedReader, private Timed {
   void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
   void give_up(const Guid& writer, std::size_t samples, Limit limit) override;
   void on_time(MonotonicTime now) override;
-  /// Must be called when samples have left the reader.
+  /// Call it when samples have left the reader.
   void present_again();
   bool store(Change& change);
   void reject(const Change& change, const ReaderCache::Stored& stored, bool is_new);

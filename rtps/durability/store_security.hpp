@@ -5,7 +5,7 @@
 
 namespace ddssec::rtps {
 
-/// Checks that the store was kept by a participant of the same kind. Must be called before any
+/// Checks that the store was kept by a participant of the same kind. Call it before any
 /// other stream of the store is opened. A store remembers whether its samples were kept by a
 /// secured participant; one of the other kind must not serve them. A store with samples that
 /// remembers nothing counts as secured. `now` is the calendar time.

@@ -25,7 +25,7 @@ class Announcer {
   /// Announces the local participant to a participant that was heard for the first time, as far as
   /// AmplificationLimit allows sending to it.
   void answer(const GuidPrefix& participant, std::span<const Locator> metatraffic);
-  /// Must be called after the announced data changed.
+  /// Call it after the announced data changed.
   void announce_again();
   /// Announces from now on as often as in the beginning.
   void announce_often() { announcements_ = 0; }

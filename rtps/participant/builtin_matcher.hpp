@@ -39,9 +39,9 @@ class BuiltinMatcher {
   /// Returns true if all announcements of the participant of that kind have arrived, as far as is
   /// known.
   bool has_read(const RemoteParticipant& remote, bool secure = false) const;
-  /// Must be called when the addresses that are used for the participant may have changed.
+  /// Call it when the addresses that are used for the participant may have changed.
   void readdress(const RemoteParticipant& remote, MonotonicTime now);
-  /// Must be called when a message from the participant's endpoints of DCPSParticipantsSecure has
+  /// Call it when a message from the participant's endpoints of DCPSParticipantsSecure has
   /// arrived.
   void note_participants_secure(RemoteParticipant& remote);
 

@@ -17,7 +17,7 @@ bool adopt_signed_addresses(ParticipantCore& core, RemoteParticipant& remote,
 /// changed.
 bool prove_host(const ParticipantCore& core, RemoteParticipant& remote, const Locator& host);
 
-/// Must be called if the participant does not answer at its hosts. If it signed an address at none
+/// Call it if the participant does not answer at its hosts. If it signed an address at none
 /// of them, they are doubted from now on: an attacker may have sent a copy of a handshake message
 /// from there. So its signed addresses are used, within AmplificationLimit, until a host is proven.
 /// If called again, it returns to the doubted hosts, because the participant may be behind a

@@ -32,7 +32,7 @@ class RtpsParticipant {
   /// `transport` and `events` are borrowed and must outlive the participant.
   RtpsParticipant(ParticipantConfig config, Transport& transport, EventSink& events);
 
-  /// Makes it a secured participant. Must be called before all others; the GUID prefix must be that
+  /// Makes it a secured participant. Call it before all others; the GUID prefix must be that
   /// of `own`. Errors: those of the plugins.
   Status enable_security(std::unique_ptr<OwnSecurity> own);
 
@@ -54,7 +54,7 @@ class RtpsParticipant {
   /// Processes one datagram. `source` is the address that it came from, which limits how much
   /// unproven data one address can store.
   void receive(BytesView datagram, MonotonicTime now, const Locator& source = {});
-  /// Must be called after each batch of datagrams. `has_backlog` means that more datagrams wait to
+  /// Call it after each batch of datagrams. `has_backlog` means that more datagrams wait to
   /// be received. Some of them may be answers, without which messages would be repeated. So no work
   /// is due before they have been read, or before many batches have been read.
   void note_backlog(bool has_backlog) {
@@ -91,10 +91,12 @@ class RtpsParticipant {
   /// Asserts the liveliness of the local writers of this kind to all participants (RTPS 8.4.13).
   /// tick does this for kind AUTOMATIC.
   void assert_liveliness(LivelinessKind kind, MonotonicTime now);
-  /// See Security. Errors: rtps_key_revision_disabled, which is also returned without security.
+  /// Creates new keys for the peers that are trusted now (Security::revise_keys). Errors:
+  /// rtps_key_revision_disabled, which is also returned without security.
   Status revise_keys();
 
-  /// See RemoteParticipants.
+  /// Reports remote participants and endpoints to `listener`; with nullptr, stops reporting
+  /// (RemoteParticipants).
   void set_discovery_listener(DiscoveryListener* listener);
   /// Returns any remote endpoint on that topic.
   std::optional<EndpointData> endpoint_on(const std::string& topic_name) const {

@@ -23,7 +23,7 @@ class LocalDelivery {
   void offer_to_all();
   /// Asserts the writer's liveliness to all attached readers.
   void assert_liveliness();
-  /// Must be called before the writer is destroyed.
+  /// Call it before the writer is destroyed.
   void detach_all();
 
  private:

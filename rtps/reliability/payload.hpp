@@ -46,7 +46,7 @@ class Payload {
   MutableBytes fill() {
     return block_ == nullptr ? MutableBytes{} : MutableBytes(octets(), size());
   }
-  /// Reduces the payload to its first `size` octets. Must be called before it is shared.
+  /// Reduces the payload to its first `size` octets. Call it before it is shared.
   void shrink(std::size_t size) {
     if (block_ != nullptr) block_->size = std::min(size, block_->size);
   }

@@ -37,7 +37,7 @@ class StatefulReader final : private Timed {
 
   void limit(const Limits& limits);
   /// Makes the octets that are held count together with those of other readers, within the limits
-  /// of `held`. Must be called before a writer is matched.
+  /// of `held`. Call it before a writer is matched.
   void share_held(std::shared_ptr<HeldOctets> held);
   /// Called with the number of a writer's changes that were given up although they were not
   /// declared irrelevant (SAMPLE_LOST of DDS 1.4, 2.2.4.1).
@@ -47,7 +47,7 @@ class StatefulReader final : private Timed {
   /// `next` if there is none before it.
   using Unfinished = std::function<SequenceNumber(const Guid& writer, SequenceNumber next)>;
   void acknowledge_before(Unfinished unfinished) { unfinished_ = std::move(unfinished); }
-  /// Acknowledges to the writer. Must be called when fewer of its changes are unfinished.
+  /// Acknowledges to the writer. Call it when fewer of its changes are unfinished.
   void acknowledge_again(const Guid& writer);
   /// Called for a sample that was given up because it is larger than the limit.
   using Dropped = std::function<void(const Guid& writer, std::uint32_t octets)>;
@@ -75,28 +75,29 @@ class StatefulReader final : private Timed {
   /// Removes the writer. It is remembered with `keys`; if they are empty, it is not.
   void unmatch(const Guid& writer, const std::optional<Sha256Digest>& keys = {});
 
-  /// To be called when the keys of the writer have changed; without an entity, those of all writers
-  /// of the participant. See WriterProxy and PastWriters. When former keys have ended, reliable
+  /// Call it when the keys of the writer have changed; without an entity, those of all writers of
+  /// the participant. See WriterProxy and PastWriters. When former keys have ended, reliable
   /// writers are asked for a HEARTBEAT.
   void note_key_change(const Guid& writer, KeyChange change, MonotonicTime now,
                        const PastWriters::KeysOf& keys_of);
   /// Sets the locators to which messages for a matched writer of another process are sent.
   void readdress(const Guid& writer, const LocatorList& locators);
 
-  // All return whether the message was new. Only a new message is a sign of life, because old
-  // messages can be repeated.
-  /// Handles a DATA. `elsewhere` is a payload that is not in the submessage; empty if the
-  /// submessage has it. `age` is that of the keys that protect it, here and below.
+  // Only a new message is a sign of life, because old messages can be repeated.
+  /// Handles a DATA. Returns true if it was new. `elsewhere` is a payload that is not in the
+  /// submessage; empty if the submessage has it. `age` is that of the keys that protect it, here
+  /// and below.
   bool on_data(const GuidPrefix& from, const Data& data, const std::optional<Time>& time,
                Payload elsewhere, KeyAge age);
-  /// Handles a DATA_FRAG. `is_marked` means that only the payload is proven, and that it has the
-  /// mark of its change (end_mark).
+  /// Handles a DATA_FRAG. Returns true if it was new. `is_marked` means that only the payload is
+  /// proven, and that it has the mark of its change (end_mark).
   bool on_data_frag(const GuidPrefix& from, const DataFrag& frag, const std::optional<Time>& time,
                     bool is_marked, KeyAge age);
-  /// Handles a HEARTBEAT. `is_protected` means that keys of the writer's participant protect the
-  /// message.
+  /// Handles a HEARTBEAT. Returns true if it was new. `is_protected` means that keys of the
+  /// writer's participant protect the message.
   bool on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat, bool is_protected,
                     KeyAge age);
+  /// Handles a GAP. Returns true if it was new.
   bool on_gap(const GuidPrefix& from, const Gap& gap, KeyAge age);
 
   // Called by a writer of this process (see StatefulWriter::attach):
@@ -114,8 +115,8 @@ class StatefulReader final : private Timed {
     if (alive_) alive_(writer);
   }
 
-  /// Offers changes that were refused for now, and acknowledges them if they are taken. Must be
-  /// called when there is room again.
+  /// Offers changes that were refused for now, and acknowledges them if they are taken. Call it
+  /// when there is room again.
   void offer_again();
   /// Requests again what was refused for now, because that writer may have replaced it. Returns the
   /// octets of the samples that will be sent again if it has not.
@@ -145,7 +146,7 @@ class StatefulReader final : private Timed {
   bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time,
                  KeyAge age);
   /// Gives up the latest changes of identities that hold too much, from the writer that holds the
-  /// most. They are requested again. To be called after a change of this writer was held.
+  /// most. They are requested again. Call it after a change of this writer was held.
   void trim(const WriterProxy& proxy);
   /// Asks the writer what it holds, and schedules the next query.
   void send_query(WriterProxy& proxy, MonotonicTime now);

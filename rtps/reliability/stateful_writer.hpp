@@ -71,9 +71,9 @@ class StatefulWriter final : private Timed {
   /// Asserts the writer's liveliness to all readers without a sample (LIVELINESS MANUAL_BY_TOPIC).
   void assert_liveliness();
 
-  /// To be called when the keys of the reader have changed; without an entity, those of all readers
-  /// of the participant. When former keys have ended, the counts of readers go on from those under
-  /// the newest ones.
+  /// Call it when the keys of the reader have changed; without an entity, those of all readers of
+  /// the participant. When former keys have ended, the counts of readers go on from those under the
+  /// newest ones.
   void note_key_change(const Guid& reader, KeyChange change);
   /// Both return false if the message was received before, or contains nothing yet (a pre-emptive
   /// one). `is_protected` means that keys of its sender protect it; `age` is theirs.

@@ -101,9 +101,9 @@ class WriterProxy {
   /// Returns false if the HEARTBEAT was received before. `is_protected` means that keys of the
   /// writer's participant protect it.
   bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected, KeyAge age);
-  /// To be called when keys of the writer have come that revise the former ones.
+  /// Call it when keys of the writer have come that revise the former ones.
   void note_revised();
-  /// To be called when former keys of the writer have ended, with which others may have sent in its
+  /// Call it when former keys of the writer have ended, with which others may have sent in its
   /// name: gives up what is held, and lets the next HEARTBEAT, or with best effort the next change,
   /// decide again where the writer is. That is never before what came under the newest keys:
   /// everything else under these may have been recorded, and is repeated.

@@ -15,7 +15,7 @@ class DocumentRenewal {
 
   DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& revision);
 
-  /// Shows the peers the documents that were renewed. Must be called once a second.
+  /// Shows the peers the documents that were renewed. Call it once a second.
   void offer();
   /// Judges all endpoints again, because the local permissions were renewed.
   void on_own_rights_changed();

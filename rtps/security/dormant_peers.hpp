@@ -49,7 +49,7 @@ class DormantPeers {
     }
   }
   void drop_all();
-  /// Must be called once a second.
+  /// Call it once a second.
   void tick();
 
  private:

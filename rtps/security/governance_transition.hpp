@@ -26,11 +26,11 @@ class GovernanceTransition {
   GovernanceTransition(SecurityCore& core, Admission& admission, CryptoTokenExchange& exchange,
                        KeyReviser& revision);
 
-  /// Must be called once a second.
+  /// Call it once a second.
   void tick();
   /// True if the participant's own attributes have changed since the last call.
   bool take_changed_domain() { return std::exchange(has_changed_domain_, false); }
-  /// Must be called while keys are revised, or are to be. A second phase does not last long then.
+  /// Call it while keys are revised, or are to be. A second phase does not last long then.
   void note_revision();
 
  private:

@@ -34,7 +34,7 @@ class KeyReviser {
   void request(RevisionReason reason = RevisionReason::trust_lost);
   void tick();
   MonotonicTime next_tick() const;
-  /// Must be called once a second: checks whether the lifetime of the keys has ended.
+  /// Call it once a second: checks whether the lifetime of the keys has ended.
   void check_key_life();
 
   // Functions for peers that left while they were trusted. Their knowledge of the local keys is

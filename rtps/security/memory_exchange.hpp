@@ -19,7 +19,7 @@ class MemoryExchange {
   static memory::MemoryResult<std::unique_ptr<MemoryExchange>> make(
       SecurityCore& core, CryptoTokenExchange& exchange, const spi::SharedMemory& settings);
 
-  /// Starts a thread for work that other processes could delay. Must be called before the
+  /// Starts a thread for work that other processes could delay. Call it before the
   /// participant is served, except in tests. If no thread can be started, an event reports that.
   void start();
   /// Returns a descriptor that is readable when `serve` must be called.
@@ -32,7 +32,7 @@ class MemoryExchange {
   /// Note that a reader of a peer on this machine has matched the writer, or no longer does.
   void add_reader(StatefulWriter& writer, const Guid& reader);
   void remove_reader(const EntityId& writer, const Guid& reader);
-  /// Must be called before the writer is destroyed.
+  /// Call it before the writer is destroyed.
   void remove_writer(const EntityId& writer);
   /// Returns how many peers may still fetch a descriptor.
   std::size_t offers() const { return core_.passing->offers().size(); }

@@ -39,7 +39,7 @@ class Security {
   /// the plugins.
   Status start();
 
-  /// See Admission.
+  /// Decides what to do with a participant that announced itself (Admission).
   AdmissionDecision judge(const ParticipantData& data) { return admission_.judge(data); }
   bool may_authenticate(const ParticipantData& data) const {
     return admission_.may_authenticate(data);
@@ -61,7 +61,7 @@ class Security {
     core_.keyring.remove_local(id);
   }
 
-  /// See Handshakes.
+  /// Begins or continues the handshake with an announced participant (Handshakes).
   void discovered(const ParticipantData& data, const AnnouncedAddresses& addresses,
                   MonotonicTime now);
   void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses,
@@ -113,12 +113,13 @@ class Security {
     if (auto* peer = core_.find(prefix)) exchange_.readdress(*peer, addresses);
   }
   CryptoTokenExchange& exchange() { return exchange_; }
-  /// See CryptoTokenExchange.
+  /// Registers a local and a remote endpoint as a pair. Returns true if they can be matched now
+  /// (CryptoTokenExchange).
   bool register_pair(const EntityId& local, const Guid& remote, bool is_relay_only = false) {
     return exchange_.register_pair(local, remote, is_relay_only);
   }
 
-  /// Notes that the application no longer trusts the participant. Must be called before `lost`.
+  /// Notes that the application no longer trusts the participant. Call it before `lost`.
   void distrust(const GuidPrefix& prefix);
   /// Creates new keys for the peers that are trusted now. Errors: rtps_key_revision_disabled.
   Status revise_keys();
