@@ -20,7 +20,7 @@ namespace ddssec {
 /// file_unreadable, file_too_large (more than `max_octets` octets), item_empty.
 Result<Bytes> load_uri(std::string_view uri, std::string_view property, std::size_t max_octets);
 
-/// Does the same for secret octets, which the caller must wipe. No error repeats a part of `uri`
+/// As load_uri, for secret octets, which the caller must wipe. No error repeats a part of `uri`
 /// that may be a secret.
 Result<Bytes> load_secret_octets(std::string_view uri, std::string_view property,
                                  std::size_t max_octets);

@@ -10,8 +10,8 @@ namespace ddssec::governance {
 /// stops at an empty part (measured).
 bool fastdds_takes(std::string_view grant, std::string_view certificate);
 
-/// The same for Fast DDS 3.1: neither the order of the parts nor spaces around '=' matter, and a
-/// part without '=' is the end (measured).
+/// As fastdds_takes, for Fast DDS 3.1: neither the order of the parts nor spaces around '=' matter,
+/// and a part without '=' is the end (measured).
 bool fastdds3_applies_grant(std::string_view grant, std::string_view certificate);
 
 }  // namespace ddssec::governance

@@ -31,8 +31,8 @@ bool gives_at_least(const Decisions& next, const Decisions& former);
 /// True if the grants have the same subject and the same rights. Names and validities may differ.
 bool give_the_same(const Grant& a, const Grant& b);
 
-/// The same as above for all domains, for grants of the same subject. If the rules of a grant are
-/// for different domains, only a grant with the same rights passes.
+/// As gives_at_least above, for all domains and for grants of the same subject. If the rules of a
+/// grant are for different domains, only a grant with the same rights passes.
 bool gives_at_least(const Grant& next, const Grant& former);
 
 }  // namespace ddssec::governance

@@ -33,7 +33,8 @@ class Pattern {
   explicit Pattern(std::string_view expression, Syntax syntax = Syntax::name);
 
   bool matches(std::string_view name) const;
-  /// The same with at most `steps` steps, which are subtracted; empty if they do not suffice.
+  /// As matches(name), with at most `steps` steps, which are subtracted; empty if they do not
+  /// suffice.
   std::optional<bool> matches(std::string_view name, std::size_t& steps) const;
   /// True if no name can match, as with `[z-a]`.
   bool matches_no_name() const;
@@ -83,8 +84,8 @@ class PatternSet {
   void seal();
   /// Sets `found` to the numbers of all matching expressions, ascending.
   void match(std::string_view name, std::vector<Id>& found) const;
-  /// The same with at most `steps` steps, which are subtracted. False if they do not suffice; then
-  /// some numbers may be missing.
+  /// As match(name, found), with at most `steps` steps, which are subtracted. False if they do not
+  /// suffice; then some numbers may be missing.
   bool match(std::string_view name, std::vector<Id>& found, std::size_t& steps) const;
 
   static constexpr Id kNone = std::numeric_limits<Id>::max();

@@ -29,7 +29,7 @@ class ReadContext {
 
 /// Notes blanks around the element's text.
 void note_padding(ReadContext& context, XmlElement element);
-/// The same for a value with which Fast DDS then refuses the document.
+/// As note_padding, for a value with which Fast DDS then refuses the document.
 void note_refused_padding(ReadContext& context, XmlElement element);
 /// Notes elements and attributes, here and below, that DDS-Security 1.1 does not have. check_xml
 /// has bounded the nesting.

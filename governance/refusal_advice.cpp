@@ -110,8 +110,8 @@ std::size_t edits_to_match(std::string_view expression, std::string_view name) {
   return now.back();
 }
 
-// The same as distance() for an expression. The program's name is compared as it is and with the
-// prefix of ROS 2.
+// As distance(), for an expression. The program's name is compared as it is and with the prefix of
+// ROS 2.
 std::optional<std::size_t> distance_to_expression(std::string_view allowed,
                                                   std::string_view topic) {
   const auto expression = ascii_lower(allowed);

@@ -80,7 +80,7 @@ struct NameAtom {
 std::optional<std::vector<NameAtom>> name_atoms(std::span<const RankedExpression> expressions,
                                                 const SetLimits& limits = {});
 
-/// The same, including atoms that were found before a limit was reached.
+/// The result of name_atoms, including atoms that were found before a limit was reached.
 struct FoundAtoms {
   std::vector<NameAtom> atoms;
   bool is_complete = true;

@@ -93,9 +93,10 @@ Result<Bytes> sign_document(const Credential& signer, BytesView document, WallTi
 
 /// A certificate authority that can sign. Each call can also fail with out_of_memory.
 ///
-/// Five functions make a certificate. `issue` is for a new participant whose key is made here,
-/// `sign_request` for one that keeps its key and sends a request, `certify` for a key of the caller
-/// and a template. `reissue` renews a certificate of this CA, `renewed` the CA's own certificate.
+/// For certificates of participants: `issue` makes the key, too; `sign_request` is for a
+/// participant that keeps its key and sends a request; `certify` takes a key of the caller and a
+/// template. To renew: `reissue` renews a certificate of this CA, `renewed` the CA's own one. New
+/// CAs: `create` and `create_root`, and `subordinate` for a CA below this one.
 class Authority {
  public:
   /// Creates a new self-signed CA. Errors: subject_name_malformed, name_too_long, key_not_allowed
@@ -108,7 +109,7 @@ class Authority {
   static Result<Authority> create_root(std::string_view subject, KeySpec key, Validity validity,
                                        Random& random);
 
-  /// Does the same with the caller's key. Errors: those of create.
+  /// As create_root(KeySpec), with the caller's key. Errors: those of create.
   static Result<Authority> create_root(std::string_view subject, PrivateKey key, Validity validity,
                                        Random& random);
 
@@ -119,7 +120,7 @@ class Authority {
   Result<Authority> subordinate(std::string_view subject, KeySpec key, Validity validity,
                                 Random& random) const;
 
-  /// Does the same with the caller's key. Errors: those of create.
+  /// As subordinate(KeySpec), with the caller's key. Errors: those of create.
   Result<Authority> subordinate(std::string_view subject, PrivateKey key, Validity validity,
                                 Random& random) const;
 

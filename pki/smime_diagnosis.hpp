@@ -79,9 +79,10 @@ Status check_same_reading(const UnverifiedDocument& ours, BytesView file);
 /// (pki/openssl_guards.hpp), internal.
 Status verify_as_stock_products(BytesView file, const std::vector<Certificate>& cas, WallTime now);
 
-/// Does the same with the first `count` certificates of a CA file in PEM, whatever their keys are,
-/// because stock products also take keys of a permissions CA that DDS-Security does not allow
-/// (measured). Errors: the same; certificate_malformed, certificate_too_large.
+/// As verify_as_stock_products above, with the first `count` certificates of a CA file in PEM,
+/// whatever their keys are, because stock products also take keys of a permissions CA that
+/// DDS-Security does not allow (measured). Errors: the same; certificate_malformed,
+/// certificate_too_large.
 Status verify_as_stock_products(BytesView file, BytesView ca_file, std::size_t count, WallTime now);
 
 /// The facts that Fast DDS announces to its peers about its permissions CA file.

@@ -57,7 +57,7 @@ Result<std::string> file_of_lists(const CaPaths& ca, const pki::Crl& next);
 /// first move with all its documents. Error: not_moved_yet.
 Status check_moved(const CaPaths& ca, const std::filesystem::path& document, WallTime now);
 
-/// The same for a document that was verified already, with its signer.
+/// As check_moved above, for a document that was verified already, with its signer.
 Status check_moved(const CaPaths& ca, const pki::Certificate& signer,
                    const std::filesystem::path& document);
 

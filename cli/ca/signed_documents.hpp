@@ -23,8 +23,8 @@ std::string signed_line(const pki::Certificate& ca, BytesView text,
 /// Appends whole lines to the CA's log. Call it as the last step before files are put in place.
 /// Errors: interrupted, length_out_of_range, those of append_lines.
 Status log_signed(const CaPaths& ca, std::string_view lines);
-/// The same for one document. `extended` is the text that the document repeats for a longer time,
-/// if there is one (SigningLog::signed_line).
+/// As log_signed above, for one document. `extended` is the text that the document repeats for a
+/// longer time, if there is one (SigningLog::signed_line).
 Status log_signed(const OpenCa& ca, BytesView text, const std::filesystem::path& file, WallTime now,
                   BytesView extended = {});
 
@@ -47,9 +47,9 @@ struct DocumentOfCa {
 Result<DocumentOfCa> document_of(const std::filesystem::path& file, const OpenCa& ca,
                                  const pki::SigningLog& log, bool takes_unlogged, WallTime now);
 
-/// The same for a document that a former key of the CA signed, of a participant that an earlier
-/// rotation did not reach. It is verified with the participant's own CA file, `trusted`; its text
-/// and the key that signed it must be in the CA's log. Errors: document_unlogged,
+/// As document_of, for a document that a former key of the CA signed, of a participant that an
+/// earlier rotation did not reach. It is verified with the participant's own CA file, `trusted`;
+/// its text and the key that signed it must be in the CA's log. Errors: document_unlogged,
 /// document_superseded, those of verified().
 Result<DocumentOfCa> document_of_former_key(const std::filesystem::path& file,
                                             const std::filesystem::path& trusted, const OpenCa& ca,

@@ -26,7 +26,8 @@ void warn_of_unset_variable(const governance::doctor::LoadedFolder& folder,
                             const governance::doctor::Settings& settings,
                             governance::doctor::Diagnosis& out);
 
-/// The same for the variable that names Fast DDS's profiles, and the folder's fastdds.xml.
+/// As warn_of_unset_variable, for the variable that names Fast DDS's profiles, and the folder's
+/// fastdds.xml.
 void warn_of_unset_profiles_file(const governance::doctor::LoadedFolder& folder,
                                  const governance::doctor::Settings& settings,
                                  governance::doctor::Diagnosis& out);

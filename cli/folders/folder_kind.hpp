@@ -29,8 +29,9 @@ Status check_not_above_participants(const std::filesystem::path& given, std::str
 /// Success if `given` is a folder with the `role`'s CA ("identity", "permissions"). Errors:
 /// file_not_found and file_unreadable, which name CAs nearby.
 Status check_ca_folder(const std::filesystem::path& given, std::string_view role);
-/// The same for a CA that will sign. Also refuses the folder of the other one of two CAs, because a
-/// signature by the wrong one is detected only when a participant starts. Errors: as above, usage.
+/// As check_ca_folder, for a CA that will sign. Also refuses the folder of the other one of two
+/// CAs, because a signature by the wrong one is detected only when a participant starts. Errors: as
+/// above, usage.
 Status check_signing_ca(const std::filesystem::path& given, std::string_view role);
 
 }  // namespace ddssec::cli

@@ -47,8 +47,8 @@ class FileTransaction {
   /// the next command can finish. Errors, for files that were put before the first begin_folder():
   /// file_unwritable, interrupted.
   Result<std::vector<WrittenFile>> commit();
-  /// The same without a list and without leaving drafts. Use it for files that the next command
-  /// makes anew, such as a revocation list for each participant. Errors as commit.
+  /// As commit, without a list and without leaving drafts. Use it for files that the next command
+  /// makes again, such as a revocation list for each participant. Errors as commit.
   Result<std::vector<WrittenFile>> commit_each();
 
   /// A folder whose files could not be put in place, and why.

@@ -14,7 +14,7 @@ namespace ddssec::cli {
 /// passphrase_unusable, and those of read_file.
 Result<pki::Passphrase> passphrase(const Arguments& arguments,
                                    const char* prompt = "passphrase of the CA key: ");
-/// The same for the passphrase of a new key, which the user types twice.
+/// As passphrase, for that of a new key, which the user types twice.
 Result<pki::Passphrase> new_passphrase(const Arguments& arguments);
 /// A warning (passphrase_readable_by_others) if other users can read the file of
 /// `--passphrase-file`.

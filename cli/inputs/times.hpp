@@ -18,8 +18,8 @@ std::string date(WallTime time);
 /// A time such as 2026-11-21T00:00:00Z, or a date, which is its first second in UTC.
 std::optional<WallTime> time_from(std::string_view text);
 
-/// The same, or "+30d" or "-2d" for a time that long after or before `now`. Empty for a time before
-/// 1970.
+/// As time_from(text), or "+30d" or "-2d" for a time that long after or before `now`. Empty for a
+/// time before 1970.
 std::optional<WallTime> time_from(std::string_view text, WallTime now);
 
 /// The value of an option such as --within: 30d, 12h or 4w; a plain number means days. Error:
@@ -36,7 +36,7 @@ inline constexpr std::chrono::hours kBackdated{24};
 /// A validity from kBackdated ago until `days` days from now.
 pki::Validity validity_of(int days, WallTime now);
 
-/// The same for `--days`. Error: usage.
+/// As validity_of, for `--days`. Error: usage.
 Result<pki::Validity> validity(const Arguments& arguments, WallTime now);
 
 /// The validity of a certificate that replaces `former`. It does not begin before that of `former`,

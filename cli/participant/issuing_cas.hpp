@@ -42,7 +42,7 @@ Result<NewParticipant> make_participant_within_ca(ParticipantSpec& spec, const I
 /// that the log lacks cannot be revoked.
 Status log_participants(const IssuingCas& cas, std::string_view issued,
                         std::string_view signed_lines);
-/// The same for one participant. Also returns the errors of SubjectsInUse::check.
+/// As log_participants, for one participant. Also returns the errors of SubjectsInUse::check.
 Status log_participant(const IssuingCas& cas, const NewParticipant& made,
                        const std::filesystem::path& folder, WallTime now);
 

@@ -18,7 +18,7 @@ struct StockGovernanceDiff {
 /// appear only in the comparisons for the products.
 void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, GovernanceDiff& ours);
 
-/// The same for permissions.
+/// Like StockGovernanceDiff, for permissions.
 struct StockPermissionsDiff {
   StockProduct product;
   PermissionsDiff diff;

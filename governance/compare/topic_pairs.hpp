@@ -31,7 +31,8 @@ class RuleFinder {
 
   explicit RuleFinder(const RuleList& rules);
   Rule first(std::string_view name) const;
-  /// The same with at most `steps` steps, which are subtracted; empty if they do not suffice.
+  /// As first(name), with at most `steps` steps, which are subtracted; empty if they do not
+  /// suffice.
   std::optional<Rule> first(std::string_view name, std::size_t& steps) const;
 
  private:

@@ -86,13 +86,14 @@ struct ConfigurationInForce {
 void check_configuration_in_force(const LoadedFolder& folder, const ConfigurationInForce& in_force,
                                   const Settings& settings, Diagnosis& out);
 
-/// The same for a file of profiles of Fast DDS, named by the environment. One that is not of this
-/// participant is a warning if the participant has its own.
+/// As check_configuration_in_force, for a file of profiles of Fast DDS, named by the environment.
+/// One that is not of this participant is a warning if the participant has its own.
 void check_profile_in_force(const LoadedFolder& folder, const std::filesystem::path& file,
                             const Settings& settings, Diagnosis& out);
 
-/// The same for the file of profiles that Fast DDS reads in the working directory. Its default
-/// participant replaces that of the file that the environment names (measured with 2.9.1).
+/// As check_profile_in_force, for the file of profiles that Fast DDS reads in the working
+/// directory. Its default participant replaces that of the file that the environment names
+/// (measured with 2.9.1).
 void check_profile_of_working_directory(const LoadedFolder& folder, const Settings& settings,
                                         Diagnosis& out);
 

@@ -78,8 +78,8 @@ struct LoadedFolder {
   Bytes permissions_ca_file;  ///< the content of that file; empty if it cannot be read
   /// The revocation lists; empty if there is no such file.
   Result<std::vector<pki::Crl>> crls;
-  /// The same file as stock products read it, if ddssec refuses it because of a delta list;
-  /// otherwise empty.
+  /// The file of revocation lists as stock products read it, if ddssec refuses it because of a
+  /// delta list; otherwise empty.
   std::vector<pki::Crl> crls_with_deltas = {};
   bool has_crl_file;
   /// True if the file contains one list in DER instead of PEM.

@@ -13,9 +13,9 @@ namespace ddssec::governance::doctor {
 /// <not_before>, and ignores empty elements and repeated attributes. If an element is there several
 /// times instead of once, the last one counts.
 bool cyclonedds_starts_with(const Error& error);
-/// The same for Fast DDS: it reads numbers that are out of range, days that no month has, dates as
-/// std::get_time does, ranges that end before they begin, text between elements and a second root
-/// element, and uses the first of several elements in permissions.
+/// As cyclonedds_starts_with, for Fast DDS: it reads numbers that are out of range, days that no
+/// month has, dates as std::get_time does, ranges that end before they begin, text between elements
+/// and a second root element, and uses the first of several elements in permissions.
 bool fastdds_starts_with(const Error& error);
 
 /// True if OpenSSL, and so a stock product, reads a certificate from the file, whatever text is

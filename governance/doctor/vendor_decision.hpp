@@ -35,7 +35,7 @@ const governance::GrantRule* first_rule_naming(const Grant& grant, DomainId doma
 Decision judge_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                   const Request& request);
 
-/// The same for endpoints of the process itself. Measured with Fast DDS 2.9.1: there, and only
+/// As judge_as, for endpoints of the process itself. Measured with Fast DDS 2.9.1: there, and only
 /// there, it ignores the <domains> of a rule.
 Decision judge_local_as(Vendor vendor, const CompiledGrant& grant, DomainId domain, Action action,
                         const Request& request);

@@ -51,7 +51,8 @@ class WritablePlaces {
 /// owner of the folder.
 uid_t user_of(const pki::ParticipantFolder& paths);
 
-/// Does the same for further files of the participant's process: libraries of plugins, properties.
+/// Checks who can write to further files of the participant's process: libraries of plugins,
+/// properties.
 void check_files_of_process(const LoadedFolder& folder,
                             std::span<const std::filesystem::path> files, Diagnosis& out);
 

@@ -46,7 +46,7 @@ class JudgedPeer {
   void drop_credential() { credential_.reset(); }
 
   /// Returns the ciphers that the peer's participant data announces. They are proven once a
-  /// signature has been verified. The same applies to the next four.
+  /// signature has been verified. That also applies to the next four functions.
   spi::CipherMask ciphers() const { return ciphers_; }
   std::uint32_t builtin_endpoints() const { return builtin_endpoints_; }
   /// True if the peer's product judges documents only during the handshake: Fast DDS (measured with

@@ -20,8 +20,8 @@ namespace ddssec::authentication {
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,
                           const PluginServices& services);
 
-/// Does the same for a peer whose certificate was issued by none of the CAs trusted now. Returns
-/// true if the session goes on.
+/// As follow_renewal_lists, for a peer whose certificate was issued by none of the CAs trusted now.
+/// Returns true if the session goes on.
 bool follow_renewal_list(IdentityTable& table, const IdentityTable::Authenticated& peer,
                          const LocalIdentity& local, const PluginServices& services);
 

@@ -201,7 +201,7 @@ void note_acknowledged(BytesView submessage, F&& find) {
   if (peer != nullptr) peer->discovery.announced.acknowledged(*topic, acknowledged->next);
 }
 
-// Does the same for a submessage that goes to these writers of one participant.
+// As note_acknowledged above, for a submessage that goes to these writers of one participant.
 template <class Remote>
 void note_acknowledged(const CryptographyState& state, std::span<const Remote> receivers,
                        BytesView submessage) {
@@ -212,7 +212,7 @@ void note_acknowledged(const CryptographyState& state, std::span<const Remote> r
   });
 }
 
-// Does the same for the submessages inside a message, whose receivers INFO_DST names.
+// As note_acknowledged above, for the submessages inside a message, whose receivers INFO_DST names.
 void note_acknowledged(const CryptographyState& state, const LocalParticipant& sender,
                        BytesView message) {
   GuidPrefix to;

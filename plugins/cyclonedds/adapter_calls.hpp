@@ -25,7 +25,8 @@ DDS_Security_boolean ask(Instance* instance, Exception* ex, F&& f) noexcept {
   return allowed_at_c_boundary(context.host(), ex, [&] { return f(context); });
 }
 
-/// Does the same for functions that return a handle; `f` returns Result of a type with `.value`.
+/// As the function above, for functions that return a handle; `f` returns Result of a type with
+/// `.value`.
 template <class Context, class Instance, class F>
 DDS_Security_long_long ask_handle(Instance* instance, Exception* ex, F&& f) noexcept {
   if (instance == nullptr) {

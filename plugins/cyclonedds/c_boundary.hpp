@@ -17,8 +17,8 @@ namespace ddssec::cyclonedds {
 /// null.
 void fill_exception(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
 
-/// Does the same with a short message, for an error that an event reports in full. The host logs
-/// the message, too.
+/// As fill_exception, with a short message, for an error that an event reports in full. The host
+/// logs the message, too.
 void fill_exception_of_logged(Exception* ex, const Error& error, DDS_Security_long code) noexcept;
 
 /// The way in which a failure is reported: the code in the host's exception, and the event, if one

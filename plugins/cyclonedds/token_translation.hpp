@@ -27,7 +27,7 @@ inline bool is_nil(const DDS_Security_DataHolder* token) {
 /// (kMaxPropertiesPerToken).
 Result<spi::Token> token_from(const DDS_Security_DataHolder* token);
 
-/// Does the same for sequences of crypto tokens.
+/// As copy_token, for sequences of crypto tokens.
 Status copy_tokens(std::span<const spi::Token> tokens, DDS_Security_DataHolderSeq& out);
 void free_tokens(DDS_Security_DataHolderSeq& tokens) noexcept;
 

@@ -229,11 +229,11 @@ class CdrReader {
 /// type).
 template <DdsType T>
 Result<T> deserialize(BytesView payload);
-/// Does the same for the key alone; other members keep their defaults. In XCDR2 either KeyLayout is
-/// accepted, and for an appendable type also PLAIN_CDR2, which earlier versions of ddssec wrote.
+/// As deserialize, for the key alone; other members keep their defaults. In XCDR2 either KeyLayout
+/// is accepted, and for an appendable type also PLAIN_CDR2, which earlier versions of ddssec wrote.
 template <DdsType T>
 Result<T> deserialize_key(BytesView payload);
-/// Does the same into a value that keeps its memory. After an error its content is undefined.
+/// As deserialize, into a value that keeps its memory. After an error its content is undefined.
 template <DdsType T>
 Status deserialize_into(BytesView payload, T& value);
 template <DdsType T>

@@ -171,7 +171,7 @@ void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xc
   detail::end_payload(out);
 }
 
-/// Does the same for the key alone: the payload of a dispose or unregister.
+/// As serialize, for the key alone: the payload of a dispose or unregister.
 template <DdsType T>
 void serialize_key(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
                    Endian endian = Endian::little, KeyLayout layout = KeyLayout::delimited) {

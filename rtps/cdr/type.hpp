@@ -73,7 +73,7 @@ template <class T>
 constexpr Member<T> named(std::string_view name, T& value) {
   return {value, false, kUnbounded, name};
 }
-/// Does the same for a member that has further properties.
+/// As named above, for a member that has further properties.
 template <class T>
 constexpr Member<T> named(std::string_view name, Member<T> member) {
   member.name = name;
@@ -85,7 +85,7 @@ template <class T>
 constexpr Member<T> with_element_bound(T& value, std::size_t bound) {
   return {value, false, kUnbounded, {}, bound};
 }
-/// Does the same for a member that has further properties.
+/// As with_element_bound above, for a member that has further properties.
 template <class T>
 constexpr Member<T> with_element_bound(Member<T> member, std::size_t bound) {
   member.element_bound = bound;

@@ -145,7 +145,7 @@ class DataWriter final : public AnyDataWriter {
   Status write(const T& sample, InstanceHandle handle = {}) {
     return write_octets(with_payload(Buffers(*this), sample, handle, std::nullopt));
   }
-  /// Does the same with this source time, a time of the calendar. Further error:
+  /// As write, with this source time, a time of the calendar. Further error:
   /// rtps_bad_parameter (DESTINATION_ORDER is BY_SOURCE_TIMESTAMP, and the time is before the last
   /// one).
   Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
@@ -155,7 +155,7 @@ class DataWriter final : public AnyDataWriter {
   Status dispose(const T& sample, InstanceHandle handle = {}) {
     return dispose_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
-  /// Does the same with a source time; see write_w_timestamp for its error.
+  /// As dispose, with a source time. Further error: that of write_w_timestamp.
   Status dispose_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return dispose_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
   }
@@ -165,7 +165,7 @@ class DataWriter final : public AnyDataWriter {
   Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
     return unregister_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
   }
-  /// Does the same with a source time; see write_w_timestamp for its error.
+  /// As unregister_instance, with a source time. Further error: that of write_w_timestamp.
   Status unregister_instance_w_timestamp(const T& sample, InstanceHandle handle,
                                          Time source_timestamp) {
     return unregister_octets(with_key(Buffers(*this), sample, handle, source_timestamp));

@@ -163,7 +163,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus) {
     return create_topic(std::move(name), type_support<T>(), std::move(qos), listener, mask);
   }
-  /// Does the same for a type that is described at run time, such as a topic of octets.
+  /// As create_topic<T>, for a type that is described at run time, such as a topic of octets.
   Result<Topic*> create_topic(std::string name, TypeSupport type, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
   /// Returns nullptr if there is no topic with this name.

@@ -76,8 +76,8 @@ class Group : public Entity {
       return {};
     });
   }
-  /// Does the same, and calls `prepare` with the member before the member can be enabled. Errors:
-  /// also those of `prepare`.
+  /// As the function above, but calls `prepare` with the member before the member can be enabled.
+  /// Errors: also those of `prepare`.
   template <class E, class Prepare>
   Result<E*> create(Topic& topic, std::string_view type, std::optional<Qos> qos, Prepare prepare) {
     if (auto fits = check_topic(topic, type); !fits) return std::unexpected(fits.error());

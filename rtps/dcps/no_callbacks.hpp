@@ -13,7 +13,7 @@ class NoCallbacks {
   /// rtps_precondition_not_met (called from within a callback of this participant, or from one of
   /// another participant for which a callback of this one waits).
   static Result<NoCallbacks> begin(ParticipantContext& context);
-  /// Does the same for the end of the participant, which cannot be refused. On an error, raises the
+  /// As begin, for the end of the participant, which cannot be refused. On an error, raises the
   /// event rtps_ended_in_listener and ends the process. `whose` is the participant.
   static NoCallbacks begin_or_terminate(ParticipantContext& context, const Guid& whose);
 

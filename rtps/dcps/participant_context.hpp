@@ -58,10 +58,10 @@ class ParticipantContext {
   MonotonicTime tick(std::chrono::nanoseconds timeout);
   /// Returns the time of the next work, after callbacks that may have changed it.
   MonotonicTime next();
-  /// Must be called after a change because of which tick() must run at another time, or listeners
+  /// Call it after a change because of which tick() must run at another time, or listeners
   /// must be called.
   void reschedule();
-  /// Does the same after an action of another participant of this process, which can affect only
+  /// As reschedule, after an action of another participant of this process, which can affect only
   /// timers and listeners.
   void attend() {
     if (!is_serving_) wake_if(kNever);

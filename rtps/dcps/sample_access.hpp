@@ -87,7 +87,7 @@ class SampleAccess {
              const States& states = {}) {
     return find(out, max_samples, {.states = states});
   }
-  /// Does the same, and removes them.
+  /// As read, and removes the samples.
   Count take(Collection& out, std::int32_t max_samples = kLengthUnlimited,
              const States& states = {}) {
     return find(out, max_samples, {.states = states, .take = true});
@@ -97,7 +97,7 @@ class SampleAccess {
                          std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples, {}, &condition);
   }
-  /// Does the same, and removes them.
+  /// As read_w_condition, and removes the samples.
   Count take_w_condition(Collection& out, const ReadCondition& condition,
                          std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples, {.take = true}, &condition);
@@ -108,7 +108,7 @@ class SampleAccess {
     return find(out, max_samples,
                 {.states = states, .scope = Scope::instance, .instance = instance});
   }
-  /// Does the same, and removes them.
+  /// As read_instance, and removes the samples.
   Count take_instance(Collection& out, InstanceHandle instance,
                       std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(out, max_samples,
@@ -121,7 +121,7 @@ class SampleAccess {
     return find(out, max_samples,
                 {.states = states, .scope = Scope::next_instance, .instance = previous});
   }
-  /// Does the same, and removes them.
+  /// As read_next_instance, and removes the samples.
   Count take_next_instance(Collection& out, InstanceHandle previous,
                            std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(
@@ -135,7 +135,7 @@ class SampleAccess {
     return find(out, max_samples, {.scope = Scope::next_instance, .instance = previous},
                 &condition);
   }
-  /// Does the same, and removes them.
+  /// As read_next_instance_w_condition, and removes the samples.
   Count take_next_instance_w_condition(Collection& out, InstanceHandle previous,
                                        const ReadCondition& condition,
                                        std::int32_t max_samples = kLengthUnlimited) {

@@ -23,8 +23,8 @@ class BoundFilter {
       return std::unexpected(read.error());
     return filter_.passes(*view_);
   }
-  /// Does the same with at most this many steps (Filter::passes_within). Empty if the sample cannot
-  /// be read, or needs more steps.
+  /// As passes, with at most this many steps (Filter::passes_within). Empty if the sample cannot be
+  /// read, or needs more steps.
   std::optional<bool> passes_within(std::size_t max_steps, BytesView payload) {
     if (!view_->decode(payload, filter_.members())) return std::nullopt;
     return filter_.passes_within(max_steps, *view_);

@@ -38,7 +38,7 @@ class Filter {
 
   /// Returns whether the sample in `view` passes. The view must be of the same type as the leaves.
   bool passes(const SampleView& view) const;
-  /// Does the same with at most this many steps. A comparison takes one step, one for each eight
+  /// As passes, with at most this many steps. A comparison takes one step, one for each eight
   /// octets of text, and one for each character that LIKE examines. Empty if more steps are needed.
   std::optional<bool> passes_within(std::size_t max_steps, const SampleView& view) const;
   /// Returns the number of members that SampleView::decode must decode.
@@ -97,8 +97,8 @@ class Filter {
 
 /// True if the text matches the pattern of a LIKE: % stands for any characters, _ for any one.
 bool matches_pattern(std::string_view text, std::string_view pattern);
-/// Does the same, but subtracts one from `steps` for each character that it examines. Returns false
-/// once `steps` is 0.
+/// As matches_pattern above, but subtracts one from `steps` for each character that it examines.
+/// Returns false once `steps` is 0.
 bool matches_pattern(std::string_view text, std::string_view pattern, std::size_t& steps);
 
 }  // namespace ddssec::rtps

@@ -65,8 +65,8 @@ class Segment {
 
   /// Copies the payload into the slot that has been free for longest. Errors: too_large, full.
   MemoryResult<Reference> store(BytesView payload);
-  /// Does the same in two steps. `begin` returns a slot to write to, of largest_payload() octets,
-  /// and `end` its reference once the first `length` of them are written. Until then readers find
+  /// As store, in two steps. `begin` returns a slot to write to, of largest_payload() octets, and
+  /// `end` its reference once the first `length` of them are written. Until then readers find
   /// nothing there. Error: full.
   MemoryResult<MutableBytes> begin();
   Reference end(std::size_t length);

@@ -104,7 +104,7 @@ class BuiltinEndpoints {
   TimerQueue& timers_;
   Deliver deliver_;
   std::array<Endpoint, kBuiltinTopics.size()> endpoints_;
-  /// The same readers, in the form that readers_of() returns.
+  /// The readers of endpoints_, in the form that readers_of() returns.
   std::array<StatefulReader*, kBuiltinTopics.size()> readers_ = {};
 };
 

@@ -17,14 +17,14 @@ class EndpointMatcher {
   // Local endpoints:
   void add(LocalWriter& writer);
   void add(LocalReader& reader);
-  /// Must be called before LocalEndpoints::remove.
+  /// Call it before LocalEndpoints::remove.
   void remove(LocalWriter& writer);
   void remove(LocalReader& reader);
   /// Matches the endpoint again with all endpoints on its topic, after its policies changed or
   /// something was ignored.
   void match_all(LocalWriter& writer);
   void match_all(LocalReader& reader);
-  /// The same for all local writers and readers with each other.
+  /// As match_all, for all local writers and readers with each other.
   void match_own();
 
   // Remote endpoints:
@@ -39,7 +39,7 @@ class EndpointMatcher {
   /// Matches all its endpoints again, after permissions changed. Returns true if any no longer
   /// match.
   bool match_all(RemoteParticipant& remote);
-  /// Must be called when the addresses that are used for the participant may have changed.
+  /// Call it when the addresses that are used for the participant may have changed.
   void readdress(RemoteParticipant& remote);
   /// Removes all endpoints of the participant. If they may return, their keys are kept.
   void remove_all(RemoteParticipant& remote, bool may_return = false);

@@ -103,7 +103,7 @@ class MessageReceiver {
   /// Returns the payload without its protection; empty if it cannot be opened.
   std::optional<BytesView> opened(const StatefulReader& reader, const Guid& writer,
                                   BytesView payload, const ReceivedProtection& opened_by);
-  /// Does the same for a payload from shared memory.
+  /// As opened above, for a payload from shared memory.
   Payload opened(const StatefulReader& reader, const Guid& writer, const Payload& payload,
                  const ReceivedProtection& opened_by);
 

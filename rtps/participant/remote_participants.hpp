@@ -42,7 +42,7 @@ struct RemoteParticipant {
   std::array<std::shared_ptr<LivelinessSignal>, 2> signals = {};
   /// The listeners of the local readers of its MANUAL_BY_TOPIC writers with a finite lease.
   std::map<EntityId, std::vector<EndpointListener*>> watches = {};
-  /// True if it was dormant in this session (DormantPeers). The counts of its endpoints began anew,
+  /// True if it was dormant in this session (DormantPeers). The counts of its endpoints restarted,
   /// so recordings look new to all of them but its volatile secure writer and reader.
   bool has_returned = false;
   bool accepted = false;              ///< authenticated, or admitted without authentication
@@ -78,8 +78,8 @@ struct RemoteParticipant {
   bool exceeds_addresses = false;
 
   const GuidPrefix& prefix() const { return data.guid.prefix; }
-  /// Returns nullptr if none of its writers of this kind with a finite lease is matched. Not for
-  /// MANUAL_BY_TOPIC.
+  /// Returns the slot of the signal for writers of this kind. It holds nullptr if no such writer
+  /// with a finite lease is matched. Not for MANUAL_BY_TOPIC.
   std::shared_ptr<LivelinessSignal>& signal(LivelinessKind kind) {
     return signals[kind == LivelinessKind::automatic ? 0 : 1];
   }
@@ -100,7 +100,7 @@ class RemoteParticipants {
   static constexpr std::size_t kMaxEndpointsPerParticipant = 16384;
   /// Limit for all participants together. One identity gets no more than is free.
   static constexpr std::size_t kMaxEndpoints = 65536;
-  /// The same limits for the memory of announcements, including a fixed price for each endpoint.
+  /// The limits for the memory of announcements, including a fixed price for each endpoint.
   static constexpr std::size_t kMaxEndpointOctetsPerParticipant = std::size_t{64} << 20;
   static constexpr std::size_t kMaxEndpointOctets = std::size_t{256} << 20;
   static constexpr std::size_t kPricePerEndpoint = 1024;

@@ -90,7 +90,7 @@ class MessageSender {
   /// Sends at once. It is for messages whose keys are about to be removed, or that must not be
   /// shared.
   void flush_now();
-  /// Does the same in a destructor, which must not throw.
+  /// As flush_now, in a destructor, which must not throw.
   void flush_at_end() noexcept;
   /// While an instance exists, nothing is flushed, so that the results of one event share messages.
   class Gathering {

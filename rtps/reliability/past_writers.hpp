@@ -20,7 +20,8 @@ class PastWriters {
     Sha256Digest keys;
     SequenceNumber next;  ///< every change below was delivered or given up
     std::int32_t last_heartbeat;
-    /// The same for what came under the newest keys only. Others cannot have moved it.
+    /// As `next`, but moved only by messages under the newest keys. Participants that have only
+    /// former keys cannot have moved it.
     SequenceNumber newest_next = {1};
     std::optional<std::int32_t> newest_heartbeat = {};
     /// Others may have moved `next` and `last_heartbeat`, with keys that have ended.

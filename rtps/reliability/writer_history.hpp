@@ -36,7 +36,7 @@ class WriterHistory {
   /// Returns nullptr if the change was dropped, or is not yet written.
   const Change* find(SequenceNumber number) const;
   /// Returns the first number from `number` on that is held; one after the last if there is none.
-  /// The cost does not depend on how many numbers in between are not held. The same holds for
+  /// The cost does not depend on how many numbers in between are not held. This is also true of
   /// previous_held.
   SequenceNumber next_held(SequenceNumber number) const;
   /// Returns the last number below `number` that is held; 0 if there is none.

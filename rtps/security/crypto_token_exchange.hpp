@@ -48,10 +48,10 @@ class CryptoTokenExchange {
   /// Receives messages with renewed documents, and answers to them.
   using RenewalListener = std::function<void(Peer&, const GenericMessage&)>;
   void on_renewal(RenewalListener listener) { renewal_listener_ = std::move(listener); }
-  /// The same for messages about governance documents.
+  /// As on_renewal, for messages about governance documents.
   void on_governance(RenewalListener listener) { governance_listener_ = std::move(listener); }
 
-  /// The same for messages about shared memory.
+  /// As on_renewal, for messages about shared memory.
   void on_memory(RenewalListener listener) { memory_listener_ = std::move(listener); }
 
   /// Sends messages that waited until the peer acknowledged something.

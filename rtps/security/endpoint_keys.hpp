@@ -115,7 +115,7 @@ class EndpointKeys {
   /// Ends the suspension of a pair. If its keys are doubtful, and the remote participant can be
   /// asked for them, it is not ready before they come.
   void resume(const EntityId& id, LocalKeys& local, const Guid& remote, PairKeys& pair) const;
-  /// The same as unregister_pair for all endpoints of the participant.
+  /// As unregister_pair, for all endpoints of the participant.
   void unregister_pairs_of(Locals& from, const GuidPrefix& remote);
   Result<std::vector<spi::Token>> tokens_for(const EntityId& id, const LocalKeys& local,
                                              const PairKeys& pair,
@@ -197,7 +197,7 @@ class SecondProtections {
   bool has_pair_under_two_protections(const GuidPrefix& prefix) const;
   /// Notes that keys of second protections must be sent once more, to endpoints of that peer.
   void send_again(const GuidPrefix& prefix);
-  /// The same for one pair.
+  /// As send_again(prefix), for one pair.
   void send_again(const EntityId& id, const Guid& remote);
   /// Returns the pairs with endpoints of that peer that have one protection and lack the other
   /// one, or whose keys must be sent.

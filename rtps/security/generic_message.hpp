@@ -38,7 +38,8 @@ inline constexpr std::string_view kDatawriterTokensOfOne =
     "org.ddssec.datawriter_crypto_tokens_of_protection";
 inline constexpr std::string_view kDatareaderTokensOfOne =
     "org.ddssec.datareader_crypto_tokens_of_protection";
-/// The same of a participant: those of messages.
+/// Specific to ddssec: the tokens of a participant for whole messages, for one of two protections.
+/// The number of the related message is the ProtectionId of that protection.
 inline constexpr std::string_view kParticipantTokensOfOne =
     "org.ddssec.participant_crypto_tokens_of_protection";
 }  // namespace message_class

@@ -40,7 +40,7 @@ class HandshakeBudgets {
   bool may_begin(const SourceAddress& source, MonotonicTime now) {
     return starts_.try_spend(source, now);
   }
-  /// The same for a peer that has sent one.
+  /// True if a handshake may begin with a peer that has sent a handshake message.
   bool may_begin_again(MonotonicTime now) { return spoken_starts_.try_spend(now); }
   /// True if a message may be repeated to a peer that never sent one.
   bool may_repeat_unasked(const SourceAddress& source, MonotonicTime now) {

@@ -15,7 +15,7 @@ class HandshakeSender {
   /// Returns 0 if the message was sent. Otherwise returns the message's octets, which may not be
   /// sent yet.
   std::size_t send(const Peer& peer, const GenericMessage& message, const LocatorList& addresses);
-  /// The same for an authentication request to a peer that also runs ddssec. It has a challenge for
+  /// As send, for an authentication request to a peer that also runs ddssec. It has a challenge for
   /// each host.
   std::size_t send_auth_request(const Peer& peer, const GenericMessage& message,
                                 LocatorList addresses);

@@ -45,7 +45,8 @@ class SecurityHost {
 
 class MemoryExchange;
 
-/// The shared state. All parts borrow it; it knows none of them.
+/// The shared state. All parts borrow it. The only part that it knows is `memory`, which is set
+/// while shared memory is on.
 struct SecurityCore {
   SecurityCore(std::unique_ptr<OwnSecurity> identity, MessageSender& message_sender,
                TimerQueue& timer_queue, SecurityHost& security_host, EventSink& sink)
@@ -99,8 +100,8 @@ struct SecurityCore {
   void raise(Error error, const Peer& peer, EventOrigin origin) {
     raise(std::move(error), peer.prefix(), peer.name(), origin);
   }
-  /// The same about a participant that may be unknown, or about one of its endpoints. `guid` is
-  /// that of the participant or endpoint.
+  /// As raise(Error, Peer, EventOrigin), about a participant that may be unknown, or about one of
+  /// its endpoints. `guid` is that of the participant or endpoint.
   void raise(Error error, const Guid& guid, EventOrigin origin) {
     raise(std::move(error), guid.prefix, guid.to_string(), origin);
   }

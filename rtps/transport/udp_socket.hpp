@@ -34,7 +34,7 @@ class UdpSocket {
   /// it alone. Errors: those of bind.
   static Result<UdpSocket> on_interface(const Locator& interface,
                                         std::size_t buffer = kWantedBuffer);
-  /// Does the same, but even if `interface` is the loopback, the socket can be reached by every
+  /// As on_interface, but even if `interface` is the loopback, the socket can be reached by every
   /// address: for a participant that uses several interfaces.
   static Result<UdpSocket> everywhere(const Locator& interface, std::size_t buffer = kWantedBuffer);
   /// Creates a socket bound to the port of `group` and joins the group on the interface with
