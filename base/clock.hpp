@@ -21,7 +21,8 @@ inline std::time_t to_time_t(WallTime time) {
   return static_cast<std::time_t>(time.time_since_epoch().count());
 }
 
-/// A reading of Clock::monotonic, or a length of time.
+/// Nanoseconds: either a point in time of Clock::monotonic, whose start is arbitrary, or a length
+/// of time. The type does not tell them apart.
 using MonotonicTime = std::chrono::nanoseconds;
 /// A deadline that never comes.
 inline constexpr MonotonicTime kNever = MonotonicTime::max();

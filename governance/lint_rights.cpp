@@ -113,8 +113,8 @@ void check_joined_partitions(LintFindings& out, const GrantPlace& place,
   }
 }
 
-// The expressions in the search for a topic of which the deny rule denies one direction and a later
-// rule allows the other. Each list has one role in the search.
+// Expression lists for one search: a topic that this deny_rule denies in one direction and a later
+// allow_rule allows in the other. Each list has one role in the search.
 struct HalfDenied {
   std::vector<std::string_view> denied, also_denied, named_before, allowed_later;
 
@@ -175,7 +175,7 @@ void check_denials(LintFindings& out, const GrantPlace& place) {
   }
 }
 
-// The entries of allow rules with listed partitions, in document order.
+// Returns the entries of allow rules with listed partitions, in document order.
 std::vector<const GrantEntry*> allowed_in_partitions(const std::vector<GrantEntry>& entries) {
   std::vector<const GrantEntry*> out;
   for (const auto& entry : entries)
@@ -276,7 +276,8 @@ void check_default(LintFindings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-// The domains in which the first rule denies topics and a later rule lets the participant join.
+// Returns the domains in which the first rule denies topics and a later rule lets the participant
+// join.
 std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxGovernedDomainId; ++id) {
@@ -303,8 +304,8 @@ void check_joining(LintFindings& out, const GrantPlace& place) {
                            to_text(domains))));
 }
 
-// The domains that the deny_rule closes to ddssec's plugins, although an allow_rule lets the
-// participant join with stock products (doctor: judge_participant_as).
+// Returns the domains that the deny_rule closes to ddssec's plugins, although an allow_rule lets
+// the participant join with stock products (doctor: judge_participant_as).
 std::vector<DomainRange> closed_by(const Grant& grant, const GrantRule& denial) {
   std::vector<DomainRange> out;
   for (DomainId id = 0; id <= kMaxGovernedDomainId; ++id) {
@@ -357,7 +358,8 @@ void check_domains(LintFindings& out, const GrantPlace& place, const Governance&
   }
 }
 
-// The domain rule for the first domain of `rule` that the governance document covers, or nullptr.
+// Returns the domain rule for the first domain of `rule` that the governance document covers, or
+// nullptr.
 const DomainRule* domain_rule_for(const GrantRule& rule, const Governance& governance) {
   for (const auto& range : rule.domains.ranges)
     for (auto id = range.first; id <= range.last; ++id)

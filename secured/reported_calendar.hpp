@@ -24,7 +24,7 @@ class ReportedCalendar final : public Clock {
   std::chrono::nanoseconds monotonic() const override { return calendar_.monotonic(); }
   std::chrono::nanoseconds since_boot() const override { return calendar_.since_boot(); }
 
-  /// See SteadyCalendar.
+  /// Sets the grace period (SteadyCalendar).
   void set_grace(std::chrono::seconds grace) { calendar_.set_grace(grace); }
 
  private:

@@ -86,7 +86,7 @@ std::vector<Diagnostic> diagnostics_of(const Report& report) {
   return out;
 }
 
-// The escape sequence for bold red, yellow or cyan.
+// Returns the escape sequence for bold red, yellow or cyan.
 std::string_view color_of(Severity severity) {
   if (severity >= Severity::error) return "\033[1;31m";
   return severity == Severity::warning ? "\033[1;33m" : "\033[1;36m";

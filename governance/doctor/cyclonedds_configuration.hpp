@@ -30,7 +30,7 @@ std::vector<std::filesystem::path> files_named_by(std::string_view uri);
 std::filesystem::path folder_named_by(std::string_view uri);
 
 /// Reads the content of the file. An empty file gives no octets, because Cyclone DDS starts with
-/// it, without security. Errors: those of ddssec::load, except item_empty.
+/// it, without security. Errors: those of load_uri, except item_empty.
 Result<Bytes> load_or_empty(std::string_view uri, std::string_view name, std::size_t max_octets);
 
 /// Returns the text without XML comments.

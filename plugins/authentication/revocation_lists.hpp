@@ -29,7 +29,7 @@ class RevocationLists {
   /// CA, which may also come later. These do not count if a trusted_ca_dir is configured, which
   /// cannot be combined with a list. Otherwise both count, from the start or as soon as they come:
   /// the newest list of each CA among `anchors` is in force. Errors name the property or the path:
-  /// invalid_property, property_without_effect (both are named), those of ddssec::load and
+  /// invalid_property, property_without_effect (both are named), those of load_uri and
   /// Crl::all_from, crl_file_empty.
   static Result<RevocationLists> load(const spi::PropertyList& properties,
                                       const std::vector<pki::Certificate>& anchors, WallTime now);
@@ -52,7 +52,7 @@ class RevocationLists {
   /// if the lists are the same as before. An error describes the fault of a file; the former lists
   /// stay in force. The error comes only if the file was wrong at two looks, so that a file that is
   /// just being written causes none, and once as long as the file stays the same. Errors: those of
-  /// ddssec::load, Crl::all_from and `accept`, crl_file_empty; crl_copy_older for a file with an
+  /// load_uri, Crl::all_from and `accept`, crl_file_empty; crl_copy_older for a file with an
   /// older list than the other file.
   Result<bool> poll(const Clock& clock, const std::vector<pki::Certificate>& anchors,
                     const Accept& accept);
@@ -71,7 +71,7 @@ class RevocationLists {
 
   /// Reads the lists as they are in the files now, whether these have changed or not. It is for a
   /// caller that takes the lists together with CAs, which are `anchors`. Errors: those of
-  /// ddssec::load and Crl::all_from, crl_file_empty.
+  /// load_uri and Crl::all_from, crl_file_empty.
   Result<RevocationLists> read(const std::vector<pki::Certificate>& anchors, WallTime now) const;
 
  private:

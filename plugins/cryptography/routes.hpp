@@ -2,7 +2,7 @@
 //
 // A peer may have thousands of endpoints that come and go one by one, so no change may copy all
 // routes. Routes are stored in sorted runs; readers see all runs as a whole, without a lock. A new
-// route is a run of its own. It is merged with the runs before it that are less than eight times as
+// route is a run of its own. It is merged with the runs before it that are at most eight times as
 // long: n routes cost about n log n copies. The route of a removed endpoint stays in its run and
 // leads nowhere, because the registry no longer knows the handle. So removal needs neither memory
 // nor a copy. Such a route is removed by a later merge. All runs are merged if half of all routes

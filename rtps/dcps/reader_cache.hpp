@@ -22,7 +22,8 @@ class ReaderCache {
   /// later one is replaced by the time of arrival (DDS 1.4, 2.2.3.17), so that a sample from the
   /// far future does not suppress what others write to its instance.
   static constexpr std::chrono::seconds kMaxAhead{10};
-  /// For `queries` see HeldInstances.
+  /// `queries` are those of the reader's QueryConditions. They must outlive this object
+  /// (HeldInstances).
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr, const Queries& queries = kNoQueries);
 
   /// Adds a matched writer, or changes its OWNERSHIP_STRENGTH. Its samples and new instances count

@@ -3,7 +3,7 @@
 // Strangers may connect to the local socket of a writer's process, and a hostile writer may answer
 // anything. The data that they send can hold up the thread that receives, drops or closes it. So no
 // thread of the participant does any of that: it gives work to the thread here, and takes results.
-// If that thread is held up, results are late or never come, and samples go by UDP.
+// If that thread is held up, results are late or never come, and samples are sent over UDP.
 #pragma once
 
 #include <memory>
@@ -43,7 +43,7 @@ class DescriptorPassing {
   /// Starts the thread, which does the work from now on. Until then `serve` does it, for tests.
   /// Returns false if no thread could be started: then no work is accepted.
   bool start();
-  /// Must be called when `descriptor()` is readable, and at `deadline()`.
+  /// Call it when `descriptor()` is readable, and at `deadline()`.
   void serve(MonotonicTime now);
   int descriptor() const;
   std::optional<MonotonicTime> deadline() const { return offers().next_end(); }

@@ -11,7 +11,8 @@ namespace ddssec::rtps::memory {
 /// of FUSE, or a TCP socket that lingers. So one thread of the process closes descriptors, and
 /// starts when it is needed. If too many wait for it, the descriptor stays open. Never blocks.
 void close_elsewhere(FileDescriptor descriptor);
-/// True if so many wait that no more should be accepted from other processes.
+/// True if eight descriptors or more wait for close_elsewhere or are being closed. Then no more
+/// should be accepted from other processes.
 bool closes_too_many();
 
 /// A local socket to which another process may send descriptors. If a message is dropped, its

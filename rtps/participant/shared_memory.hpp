@@ -8,7 +8,7 @@ namespace ddssec::rtps {
 
 /// Returns nullptr if the participant is not secured, or if shared memory is off.
 MemoryExchange* memory_of(const ParticipantCore& core);
-/// See MemoryExchange.
+/// Starts the thread of shared memory, if the participant has any (MemoryExchange::start).
 void start_memory(const ParticipantCore& core);
 /// Returns a descriptor that is readable when `serve_memory` must be called. Empty if there is no
 /// shared memory.

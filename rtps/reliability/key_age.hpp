@@ -6,7 +6,9 @@
 namespace ddssec::rtps {
 
 /// Former keys count for a while after their owner has revised them. Others that should no longer
-/// have them may use them until then. Messages without protection count as `newest`.
+/// have them may use them until then. Messages without protection count as `newest`. That does not
+/// help an attacker: an endpoint takes them only if the governance protects neither messages nor
+/// its submessages, and then former keys prove nothing either.
 enum class KeyAge : std::uint8_t { newest, former };
 
 /// What happened to the keys of a remote endpoint.

@@ -71,7 +71,7 @@ class ReaderProxy {
   ReaderProxy& operator=(const ReaderProxy&) = delete;
 
   const MatchedReader& reader() const { return reader_; }
-  /// See MatchedReaders::readdress.
+  /// Sets where messages for the reader are sent (MatchedReaders::readdress).
   void set_locators(LocatorList locators) { reader_.locators = std::move(locators); }
   /// True if both sides are reliable.
   bool acknowledges() const { return acknowledges_; }

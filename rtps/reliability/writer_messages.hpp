@@ -56,7 +56,8 @@ class WriterMessages {
  private:
   /// Returns the payload of a change as it is sent, without the mark of its end.
   BytesView payload_of(const Change& change);
-  /// Returns the beginning of such a payload, with the mark if it needs one (end_mark).
+  /// Returns `beginning`, the first octets of what payload_of returned, with the mark of the end of
+  /// the change if it needs one (end_mark).
   BytesView marked(const Change& change, BytesView beginning);
   InlineQos inline_qos_of(const Change& change, std::span<const FilterResult> filters) const;
   std::optional<HeartbeatGroupInfo> group_state() const;

@@ -1,27 +1,30 @@
 // The legal transitions. All others are refused and change nothing.
 //
-//   Announced       --handshake begins------->  Authenticating
-//   Announced       --100 s------------------>  Waiting         goes on slowly, and has no end
-//   Authenticating  --100 s------------------>  Waiting
-//   Authenticating  --3 s, strangers allowed->  Authenticating  takes part without authentication
-//   Waiting         --3 s, strangers allowed->  Waiting         takes part without authentication
-//   Authenticating  --handshake finished----->  Authenticating  what was agreed on before ends
-//   Waiting         --handshake finished----->  Authenticating
-//   AwaitingKeys    --handshake finished----->  Authenticating
-//   Joined          --handshake finished----->  Authenticating
-//   Authenticating  --permissions are good--->  AwaitingKeys    keys registered
-//   AwaitingKeys    --message by its key----->  AwaitingKeys
-//   AwaitingKeys    --10 s------------------->  AwaitingKeys    asks for another handshake
-//   AwaitingKeys    --participant tokens----->  Joined
-//   Joined          --auth_request----------->  Joined          probes the peer by its keys
-//   Joined          --probe ends------------->  Joined
-//   Announced       --refusal---------------->  Refused
-//   Authenticating  --refusal---------------->  Refused
-//   Waiting         --refusal---------------->  Refused
-//   AwaitingKeys    --refusal---------------->  Refused         its keys could not be made
-//   Refused         --another announcement--->  Announced
-//   Refused         --5 s to 60 s------------>  Announced       documents may have been renewed
-//   any other       --expired, revoked------->  Distrusted      keys stay until it is unmatched
+//   Announced       --HandshakeBegun--------->  Authenticating
+//   Announced       --HandshakeTimeout------->  Waiting         after 100 s: retries slowly
+//   Authenticating  --HandshakeTimeout------->  Waiting         after 100 s
+//   Authenticating  --AdmissionTimeout------->  Authenticating  after 3 s, if strangers are allowed
+//   Waiting         --AdmissionTimeout------->  Waiting         after 3 s, if strangers are allowed
+//   Authenticating  --HandshakeFinished------>  Authenticating  what was agreed on before ends
+//   Waiting         --HandshakeFinished------>  Authenticating
+//   AwaitingKeys    --HandshakeFinished------>  Authenticating
+//   Joined          --HandshakeFinished------>  Authenticating
+//   Authenticating  --PermissionsValidated--->  AwaitingKeys    keys registered
+//   AwaitingKeys    --KeyExchangeMessage----->  AwaitingKeys
+//   AwaitingKeys    --KeysTimeout------------>  AwaitingKeys    after 10 s: requests a handshake
+//   AwaitingKeys    --ParticipantTokens------>  Joined
+//   Joined          --AuthRequest------------>  Joined          probes the peer by its keys
+//   Joined          --ProbeEnded------------->  Joined
+//   Announced       --Refusal---------------->  Refused
+//   Authenticating  --Refusal---------------->  Refused
+//   Waiting         --Refusal---------------->  Refused
+//   AwaitingKeys    --Refusal---------------->  Refused         its keys could not be made
+//   Refused         --AnotherAnnouncement---->  Announced       also after 5 s to 60 s
+//   any other       --TrustEnded------------->  Distrusted      keys stay until it is unmatched
+//
+// AdmissionTimeout lets the peer take part without authentication. A refused peer is tried again
+// after a time, because documents may have been renewed. TrustEnded: identity or permissions of the
+// peer, or our own ones, have expired or were revoked.
 //
 // No transition leaves Distrusted: the participant is removed. Announcements and forged messages,
 // which prove nothing, lead only to Authenticating, to Waiting or to a probe. They lead to Refused

@@ -88,8 +88,9 @@ struct Association {
   Renewal renewal = {};  ///< see DocumentRenewal
   GovernanceOfPeer governance = {};
   MonotonicTime former_keys_end = kNever;  ///< of the keys that it has revised
-  /// It has revised its keys. Others may have said with the former ones that an endpoint had ended,
-  /// so that its keys were dropped. Keys that are missing are requested.
+  /// The peer has revised its keys. With its former keys, another participant may have sent a false
+  /// end of one of its endpoints, and we dropped the keys of that endpoint. Missing keys are
+  /// therefore requested.
   bool has_revised = false;
   EarlyTokens early = {};
   WaitingTokens waiting = {};

@@ -37,7 +37,7 @@ class ParticipantSockets final : public Transport {
   /// Returns the addresses at which the sockets can be reached, on all interfaces.
   LocatorList metatraffic() const { return everywhere(sockets_[0].local().port); }
   LocatorList user() const { return everywhere(sockets_[1].local().port); }
-  /// See UdpSocket.
+  /// Checks the receive buffer of the socket for user data (UdpSocket::check_receive_buffer).
   Status check_receive_buffer() const { return sockets_[1].check_receive_buffer(); }
 
   /// Joins a multicast group on one of the interfaces. Errors: rtps_no_multicast, those of

@@ -29,7 +29,7 @@ inline constexpr std::size_t kMaxTypeObjects = 6144;
 /// Identifies a type in its minimal TypeIdentifier (XTypes 7.3.4.6).
 using EquivalenceHash = std::array<std::uint8_t, 14>;
 /// Returns the hash, or empty if the octets, which may come from any sender, are not a
-/// TypeInformation with such a hash.
+/// TypeInformation whose minimal TypeIdentifier has an EquivalenceHash.
 std::optional<EquivalenceHash> minimal_hash(BytesView type_information);
 
 enum class TypeVerdict : std::uint8_t {
