@@ -77,7 +77,7 @@ main_job() {
   ip route add 224.0.0.0/4 dev lo
   rows=()
 
-  step "radar publishes on our plugins; ours, stock Cyclone DDS and Fast DDS subscribe"
+  step "radar publishes on our plugins; ddssec, stock Cyclone DDS and Fast DDS subscribe"
   start radar ours radar publish --hold --timeout 60
   local publisher=$!
   start display ours display subscribe --samples 10 --timeout 15
@@ -87,11 +87,11 @@ main_job() {
   start fast fast fast subscribe --samples 10 --timeout 15
   local fast=$!
   await $display
-  line "display: Cyclone DDS on our plugins" "from radar (ours)" "10 samples arrived" "$(samples)"
+  line "display: Cyclone DDS on our plugins" "from radar (ddssec)" "10 samples arrived" "$(samples)"
   await $stock
-  line "stock: Cyclone DDS on its own plugins" "from radar (ours)" "10 samples arrived" "$(samples)"
+  line "stock: Cyclone DDS on its own plugins" "from radar (ddssec)" "10 samples arrived" "$(samples)"
   await $fast
-  line "fast: Fast DDS" "from radar (ours)" "10 samples arrived" "$(samples)"
+  line "fast: Fast DDS" "from radar (ddssec)" "10 samples arrived" "$(samples)"
   kill "$publisher" && await "$publisher"
   for name in display stock fast; do
     echo "   $name got: $(grep -m1 '^sample' "$work/$name.log" || echo nothing)"
