@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the whole set anew from documents/: new keys, certificates and signatures, valid for ten years.
+# Makes the whole set again from documents/: new keys, certificates and signatures, valid for ten years.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 program=../build/release/bin/ddssec-example

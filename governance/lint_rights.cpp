@@ -50,7 +50,7 @@ void check_unread_conditions(LintFindings& out, const GrantPlace& place) {
     const auto add = [&](std::string_view what, Severity severity) {
       auto finding = place.about_rule(
           PERM014, i + 1,
-          fmt::format("rule {} has {}: Cyclone DDS and Fast DDS pass over them", i + 1, what));
+          fmt::format("rule {} has {}: Cyclone DDS and Fast DDS ignore them", i + 1, what));
       finding.vendors = stock_vendors();
       finding.severity = severity;
       out.add(std::move(finding));
@@ -80,10 +80,10 @@ void check_partitions_by_rule(LintFindings& out, const GrantPlace& place,
     if (ids.empty() || first[ids.front()]->rule_number >= entry.rule_number) continue;
     const auto& earlier = *first[ids.front()];
     if (!entry.rule->allow || earlier.criteria->partitions == entry.criteria->partitions) continue;
-    auto finding = place.about(
-        PERM015, entry,
-        fmt::format("{}: {} matches it for other partitions, and Fast DDS goes no further",
-                    in_quotes(entry.topic->text), rule_name(earlier)));
+    auto finding =
+        place.about(PERM015, entry,
+                    fmt::format("{}: {} matches it for other partitions, and Fast DDS stops there",
+                                in_quotes(entry.topic->text), rule_name(earlier)));
     finding.vendors = {kFastDds};
     out.add(std::move(finding));
   }
@@ -157,10 +157,10 @@ void check_half_denied(LintFindings& out, const GrantPlace& place, std::size_t a
   if (!witness) return;
   auto finding = place.about_rule(
       PERM020, at + 1,
-      fmt::format("deny_rule {} denies to {} {}, and a later allow_rule allows to {} it: Cyclone "
+      fmt::format("deny_rule {} denies {} {}, and a later allow_rule allows {} it: Cyclone "
                   "DDS refuses the topic altogether",
-                  at + 1, publish ? "publish" : "subscribe", in_quotes(*witness),
-                  publish ? "subscribe" : "publish"));
+                  at + 1, publish ? "publishing" : "subscribing to", in_quotes(*witness),
+                  publish ? "subscribing to" : "publishing"));
   finding.vendors = {kCyclone};
   out.add(std::move(finding));
 }
@@ -299,8 +299,8 @@ void check_joining(LintFindings& out, const GrantPlace& place) {
   out.add(place.about(
       PERM026, fmt::format("the first rule for domain {} is a deny_rule about topics; ddssec, "
                            "Cyclone DDS and Fast DDS let the participant join by the allow_rule "
-                           "after it, a product that takes DDS-Security 1.2 (table 70) by the "
-                           "letter refuses it",
+                           "after it, a product that takes DDS-Security 1.2 (table 70) "
+                           "literally refuses it",
                            to_text(domains))));
 }
 

@@ -35,7 +35,7 @@ enum class NoteKind : std::uint8_t {
   byte_order_mark,    ///< a mark before the text, with which Cyclone DDS refuses the document
   passed_over,        ///< an unknown element that may be passed over (must_interpret="false")
   newer_element,      ///< an element that DDS-Security 1.1 does not have
-  tag_of_rule,        ///< a domain tag in a rule of permissions: Cyclone DDS passes over it
+  tag_of_rule,        ///< a domain tag in a rule of permissions: Cyclone DDS ignores it
   default_namespace,  ///< the attribute xmlns
   other_attribute,    ///< another attribute that DDS-Security 1.1 does not have
   no_algorithms,      ///< a list of allowed algorithms is absent, and its schema requires it

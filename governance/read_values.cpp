@@ -151,7 +151,7 @@ bool is_of_permissions(XmlElement element) {
 void note_tag(ReadContext& context, XmlElement tag, bool is_of_rule) {
   if (!is_of_rule) return context.note(NoteKind::newer_element, tag, "came with DDS-Security 1.2");
   context.note(NoteKind::tag_of_rule, tag,
-               "came with DDS-Security 1.2: Cyclone DDS passes over it, and takes the rule for "
+               "came with DDS-Security 1.2: Cyclone DDS ignores it, and takes the rule for "
                "participants without the tag, too");
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the tests of the release build as if it were another day: documents of the tests that end on a fixed date
-# must not make them fail next month. Network tests are left out; they make all their documents anew.
+# must not make them fail next month. Network tests are left out; they make all their documents again.
 # Usage: scripts/another_day.sh [DAYS ...]     the days from now; -5, 45, 400 and 3000 if none is given.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -90,7 +90,7 @@ Result<spi::PropertyList> folder_properties(const std::filesystem::path& path) {
   };
   for (auto& further : file_properties) {
     if (spi::find_property(out, further.name) != nullptr)
-      return without_effect(further.name, "a file of the folder goes before it");
+      return without_effect(further.name, "a file in the folder takes precedence");
     out.push_back(std::move(further));
   }
   return out;

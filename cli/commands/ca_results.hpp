@@ -227,7 +227,7 @@ struct RotatedCa {
                          subject, count);
     if (step == "not due")
       return fmt::format("not due: the former {} CA ends on {}\n", role, until ? date(*until) : "");
-    return fmt::format("{} CA is {} with a new key now; {} signed anew\n", role, subject, count);
+    return fmt::format("{} CA is {} with a new key now; {} signed again\n", role, subject, count);
   }
 };
 

@@ -353,7 +353,7 @@ std::vector<Command> ca_rotate_commands() {
   return {
       {.group = "ca",
        .name = "rotate",
-       .summary = "Replaces a CA and its key; issues or signs everything of it anew.",
+       .summary = "Replaces a CA and its key; issues or signs everything of it again.",
        .positionals = {{"DIR", "the CA's folder, or one with both"},
                        {"DIRS",
                         "the participants' folders; without any, all that the identity CA's "

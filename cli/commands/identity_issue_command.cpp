@@ -216,7 +216,7 @@ std::unexpected<Error> refuse_existing(const fs::path& file, std::string note) {
   return fail(Code::would_overwrite,
               {.document = file,
                .note = std::move(note),
-               .hint = "--replace makes the participant's key, certificate and documents anew in "
+               .hint = "--replace makes a new key, certificate and documents in "
                        "this folder; ddssec permissions new --replace changes the permissions "
                        "alone; or choose another folder"});
 }
@@ -234,9 +234,9 @@ Status check_pair(const IssueRequest& request) {
        .note = has_key ? "the key has no certificate" : "the certificate has no key here",
        .hint = has_key
                    ? "ddssec identity sign-csr issues the certificate for a key that is "
-                     "there; --replace makes both anew; or choose another folder"
+                     "there; --replace makes both new; or choose another folder"
                    : "the key is on the device as a rule, and this folder needs none; --replace "
-                     "makes both anew; or choose another folder"});
+                     "makes both new; or choose another folder"});
 }
 
 // Adds missing files to a folder.
@@ -484,8 +484,8 @@ std::vector<Command> identity_issue_commands() {
                    kDropIn,
                    kOcspResponder,
                    {"--replace", "",
-                    "in a folder that is there: make key, certificate and the documents that are "
-                    "asked for anew; without it, only what is missing is added"},
+                    "in a folder that is there: replace key, certificate and the documents that "
+                    "are asked for; without it, only what is missing is added"},
                    kPassphraseFile,
                    kPassphraseEnv,
                    kInsecureKeyMode},

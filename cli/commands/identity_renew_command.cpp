@@ -100,7 +100,7 @@ Status check_not_superseded(const pki::ParticipantFolder& files, const OpenCa& c
       {.document = files.permissions,
        .expected = "the last document that " + ca.paths.signed_log.string() + " has",
        .hint = "put the later document into its place; if this one is meant after all, sign "
-               "its XML anew: ddssec permissions sign; without --permissions only the "
+               "its XML again: ddssec permissions sign; without --permissions only the "
                "certificate is renewed"});
 }
 

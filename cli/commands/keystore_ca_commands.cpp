@@ -52,7 +52,7 @@ struct KeystoreCa {
 
   static constexpr auto fields() {
     return std::tuple_cat(fields_within(&KeystoreCa::ca),
-                          std::tuple(field<&KeystoreCa::enclaves>({"signed anew"}),
+                          std::tuple(field<&KeystoreCa::enclaves>({"signed again"}),
                                      field<&KeystoreCa::unlogged>(
                                          {.note = "documents signed although the log lacks them",
                                           .omits_empty = true})));
@@ -60,7 +60,8 @@ struct KeystoreCa {
   std::string text() const {
     if (!is_new) return fmt::format("{}  has two CAs already\n", keystore.string());
     auto out = fmt::format(
-        "{}  {} CA is {} now, with a new key; {} signed anew\nCopies of enclaves on other machines "
+        "{}  {} CA is {} now, with a new key; {} signed again\nCopies of enclaves on other "
+        "machines "
         "need the new files, too. Every participant must start again with them, unless it runs on "
         "ddssec's plugins: old ones and new ones do not meet.\n",
         keystore.string(), ca.role, ca.subject, count_text(enclaves.size(), "enclave"));
@@ -210,7 +211,7 @@ const Option kUnlogged{
 std::vector<Command> keystore_ca_commands() {
   return {{.group = "keystore",
            .name = "split-ca",
-           .summary = "Gives a keystore with one CA a permissions CA of its own; signs all anew.",
+           .summary = "Gives a keystore with one CA a permissions CA of its own; signs all again.",
            .positionals = {{"KEYSTORE", "the keystore's folder"}},
            .options = {kUnlogged, kPassphraseFile, kPassphraseEnv, kInsecureKeyMode},
            .examples = {"ddssec keystore split-ca keystore",
@@ -218,7 +219,7 @@ std::vector<Command> keystore_ca_commands() {
            .run = keystore_split_ca},
           {.group = "keystore",
            .name = "rotate",
-           .summary = "Replaces a CA and its key; issues or signs everything of it anew.",
+           .summary = "Replaces a CA and its key; issues or signs everything of it again.",
            .positionals = {{"KEYSTORE", "the keystore's folder"}},
            .options = {{.name = "--role",
                         .value = "ROLE",

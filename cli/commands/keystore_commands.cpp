@@ -426,7 +426,7 @@ std::vector<Command> keystore_commands() {
                         kKey,
                         {"--clamp", "", "end with the CA if it ends before"},
                         {"--replace", "",
-                         "make key and certificate of an enclave that is there anew; without "
+                         "replace key and certificate of an enclave that is there; without "
                          "rights, it keeps its permissions; enclaves below it stay as they are"}},
                        rights_options()),
        .examples = {"ddssec keystore enclave keystore /talker --publish rt/chatter",

@@ -33,7 +33,7 @@ constexpr OutcomeWords<GovernanceOutcome> kGovernanceWords[] = {
     {GovernanceOutcome::live_if_signer_accepted, "live if the signer is believed",
      "refused, unless the new signer is one of their permissions CAs"},
     {GovernanceOutcome::rolled_back, "refused as a roll-back",
-     "refused as a roll-back: sign it anew"},
+     "refused as a roll-back: sign it again"},
     {GovernanceOutcome::no_revision, "refused without a revision",
      "refused: ddssec governance sign writes the revision that it lacks"},
     {GovernanceOutcome::restart, "restart", "restart"}};

@@ -34,7 +34,7 @@ Result<FleetFolder> FleetFolder::at(const fs::path& target, std::vector<Particip
                 {.document = target,
                  .note = "it has every participant of the file",
                  .hint = "ddssec identity issue NAME --ca CA -o DIR --replace makes one of them "
-                         "anew; ddssec permissions new --replace changes its permissions alone"});
+                         "again; ddssec permissions new --replace changes its permissions alone"});
   for (const auto& spec : specs) {
     DDSSEC_ASSIGN_OR_RETURN(auto new_folder, NewFolder::at(target / spec.name));
     out.parts_.push_back(std::move(new_folder));

@@ -67,9 +67,10 @@ void check_one_way(const DenialScene& scene, const Grant& grant) {
                  ? fmt::format("grant \"{}\" denies topic \"{}\" in some partitions first, and "
                                "allows it in others: {} refuses the whole topic",
                                grant.name, topic, product)
-                 : fmt::format("grant \"{}\" allows to {} topic \"{}\" and denies the other "
+                 : fmt::format("grant \"{}\" allows {} topic \"{}\" and denies the other "
                                "direction first: {} refuses the whole topic",
-                               grant.name, publish ? "publish" : "subscribe to", topic, product),
+                               grant.name, publish ? "publishing" : "subscribing to", topic,
+                               product),
          .document = scene.file(),
          .line = rule->line,
          .hint = std::string(publish && subscribe ? kHintOfPartitions : "")});

@@ -17,7 +17,7 @@ constexpr Outcomes kFastFails{.fastdds = Outcome::fail};
 constexpr std::string_view kHint =
     "let the <participant> with is_default_profile=\"true\" have the properties that ddssec "
     "identity "
-    "issue NAME --ca CA -o DIR writes; or move the file away, and the command writes it anew";
+    "issue NAME --ca CA -o DIR writes; or move the file away, and the command writes it again";
 
 // A property that switches one plugin on.
 struct Plugin {

@@ -182,8 +182,8 @@ class Rights {
     };
     each_expression(ours_.grant(), false, find(topic));
     each_expression(ours_.grant(), true, find(partition));
-    return {reason, fmt::format("it allows to {} topic \"{}\"{}, which ddssec refuses",
-                                action == Action::publish ? "publish" : "subscribe to", topic,
+    return {reason, fmt::format("it allows {} topic \"{}\"{}, which ddssec refuses",
+                                action == Action::publish ? "publishing" : "subscribing to", topic,
                                 partition.empty() ? "" : " in partition \"" + partition + '"')};
   }
 

@@ -243,7 +243,7 @@ void check_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagno
   each_topic(grant.grant(), [&](const Text& topic, bool publish) {
     if (!publish || !topic.text.ends_with("/rosout")) return;
     out.report({}, {.rule = Rule::DOC066,
-                    .message = fmt::format("the grant allows to publish \"{}\", and ROS publishes "
+                    .message = fmt::format("the grant allows publishing \"{}\", and ROS publishes "
                                            "\"rt/rosout\"",
                                            topic.text),
                     .document = folder.paths.permissions,

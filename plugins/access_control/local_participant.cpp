@@ -23,8 +23,8 @@ Error old_revision_error(const governance::CompiledGovernance& former,
                {.field = "revision",
                 .expected = "more than " + std::to_string(former.revision()) + ", the one in force",
                 .found = revision == 0 ? "none" : std::to_string(revision),
-                .hint = "sign the document anew with ddssec governance sign, which writes the next "
-                        "revision, if it is not an old one that was put back"});
+                .hint = "sign the document again with ddssec governance sign, which writes the "
+                        "next revision, if it is not an old one that was put back"});
 }
 
 // `what`: whose protection the document changes.

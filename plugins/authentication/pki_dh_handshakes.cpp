@@ -211,7 +211,7 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
               .expected = "at most " + std::to_string(UnprovenOctets::kMaxOfASubject) +
                           " octets of a subject in requests that wait for their end, and " +
                           std::to_string(UnprovenOctets::kMax) + " of all",
-              .found = "more; this handshake is dropped, and begins anew"});
+              .found = "more; this handshake is dropped, and another one begins"});
     static_cast<void>(reported(dropped, (*pair)->remote_handle));
   }
 }

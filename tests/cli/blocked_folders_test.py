@@ -87,7 +87,7 @@ class Sticky(Blocked):
     def rotate(self, role):
         self.assertEqual(self.current(role), list(NAMES))
         done = self.administrator("ca", "rotate", "demo", "--role", role, exit=5)
-        self.assertIn("3 folders signed anew", done.stdout)
+        self.assertIn("3 folders signed again", done.stdout)
         self.assertIn("demo/bravo/", done.stderr)
         self.assertIn("hint: the participant keeps its old files", done.stderr)
         self.assertEqual(self.current(role), ["alpha", "charlie", "delta"])
@@ -116,7 +116,7 @@ class Sticky(Blocked):
     def rotate_again(self, role):
         self.open_again()
         done = self.administrator("ca", "rotate", "demo", "--role", role)
-        self.assertIn("4 folders signed anew", done.stdout)
+        self.assertIn("4 folders signed again", done.stdout)
         self.assertEqual((self.current(role), self.drafts()), (list(NAMES), []))
         (self.at / "demo/bravo").chmod(0o3775)
 
@@ -125,7 +125,7 @@ class Sticky(Blocked):
             self.rotate(role)
             waiting = set(self.drafts())
             done = self.administrator("ca", "rotate", "demo", "--role", role, exit=5)
-            self.assertIn("3 folders signed anew", done.stdout)
+            self.assertIn("3 folders signed again", done.stdout)
             self.assertEqual(waiting & set(self.drafts()), set())
             self.open_again()
             self.administrator("ca", "renew", "demo", "--role", role)

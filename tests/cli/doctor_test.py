@@ -71,7 +71,7 @@ SENTENCES = {
     "governance-order": ("DOC037", "governance.p7s", "order"),
     "governance-end-tag-blank": ("DOC037", "governance.p7s", "</domain_rule>", "Cyclone DDS refuses"),
     "permissions-end-tag-blank": ("DOC037", "permissions.p7s", "</grant>", "Cyclone DDS refuses"),
-    "permissions-domain-tag": ("DOC037", "permissions.p7s", "<tag>", "Cyclone DDS passes over it"),
+    "permissions-domain-tag": ("DOC037", "permissions.p7s", "<tag>", "Cyclone DDS ignores it"),
     "governance-key-revision": ("DOC037", "governance.p7s", "enable_key_revision", "DDS-Security 1.2"),
     "governance-pre-shared-key": ("DOC091", "security.properties", "<rtps_psk_protection_kind> is ENCRYPT",
                                   "dds.sec.crypto.rtps_psk_secret_passphrase"),

@@ -252,7 +252,7 @@ class Upkeep(KeystoreTest):
         self.run_program("identity", "revoke", "ks/enclaves/b", "--ca", "ks", *NOW)
         self.run_program("crl", "distribute", "--ca", "ks", *NOW)
         done = self.run_program("keystore", "rotate", "ks", "--role", "identity", *NOW)
-        self.assertIn("2 enclaves signed anew", done.stdout)
+        self.assertIn("2 enclaves signed again", done.stdout)
         self.assertIn("/b is revoked and was left out", done.stdout)
         for name in ("a", "c"):
             self.json("crl", "verify", f"ks/enclaves/{name}", "--ca", "ks", *NOW)

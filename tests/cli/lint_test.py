@@ -73,7 +73,7 @@ class Lint(WithDocuments):
         for file, rule, old, new, words in (
                 ("g.xml", "GOV001", "</domain_rule>", "</domain_rule >", "</domain_rule> has a blank"),
                 ("p.xml", "PERM001", "</grant>", "</grant\n>", "</grant> has a blank or a line break"),
-                ("p.xml", "PERM006", "</id>", "</id><tag>lab</tag>", "Cyclone DDS passes over it")):
+                ("p.xml", "PERM006", "</id>", "</id><tag>lab</tag>", "Cyclone DDS ignores it")):
             with self.subTest(new=new):
                 whole = (self.at / file).read_text()
                 self.edit(file, (old, new))

@@ -68,7 +68,7 @@ class Rotated(Transcript):
         self.run_program("keystore", "enclave", "keystore", "/talker", "--allow-all", *MADE)
         for role in ("identity", "permissions"):
             told = self.run_program("keystore", "rotate", "keystore", "--role", role, *MADE).stdout
-            self.assertRegex(told, f"{role} CA is CN=.* now, with a new key; .* signed anew\n")
+            self.assertRegex(told, f"{role} CA is CN=.* now, with a new key; .* signed again\n")
             self.assertIn("Copies of enclaves on other machines need the new files, too. Every participant must start "
                           "again with them, unless it runs on ddssec's plugins", told)
 

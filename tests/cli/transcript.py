@@ -131,7 +131,7 @@ class Transcript(unittest.TestCase):
 
 
 class WithDocuments(Transcript):
-    """Begins with a CA, a participant's certificate, g.xml, and p.xml, which allows to publish the topic a."""
+    """Begins with a CA, a participant's certificate, g.xml, and p.xml, which allows publishing topic a."""
 
     def setUp(self):
         super().setUp()

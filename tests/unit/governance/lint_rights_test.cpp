@@ -72,9 +72,10 @@ TEST(LintRights, DeniedInOneDirectionAndAllowedInTheOther_IsFound) {
   const auto found = only(with_rules({rule(false, {"rtc*"}), rule(true, {}, {"rt*"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM020);
   EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
-  EXPECT_EQ(found.message,
-            "deny_rule 1 denies to publish \"rtc\", and a later allow_rule allows to subscribe it: "
-            "Cyclone DDS refuses the topic altogether");
+  EXPECT_EQ(
+      found.message,
+      "deny_rule 1 denies publishing \"rtc\", and a later allow_rule allows subscribing to it: "
+      "Cyclone DDS refuses the topic altogether");
   EXPECT_EQ(only(with_rules({rule(false, {}, {"a"}), rule(true, {"a"})})).rule,
             ddssec::Rule::PERM020);
   // In the first document both directions are denied. In the second one an allow_rule names the

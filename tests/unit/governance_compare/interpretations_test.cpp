@@ -31,7 +31,7 @@ Governance governance(std::vector<TopicRule> topics) {
   return out;
 }
 
-// Returns a rule that allows to publish in domain 0.
+// Returns a rule that allows publishing in domain 0.
 GrantRule allow(std::vector<Text> topics) {
   GrantRule rule{.allow = true};
   rule.domains.ranges = {{0, 0}};
