@@ -11,7 +11,7 @@ import sys
 
 # Folders of tests/ whose tests run against each host.
 FOLDERS = {
-    "Engine": ("attack/access_control", "attack/authentication", "attack/cryptography", "unit/access_control", "unit/authentication",
+    "Plugins": ("attack/access_control", "attack/authentication", "attack/cryptography", "unit/access_control", "unit/authentication",
                "unit/base", "unit/cryptography", "unit/governance", "unit/governance_compare", "unit/governance_doctor", "unit/pki",
                "unit/spi", "vectors"),
     "Cyclone DDS": ("attack/cyclonedds", "unit/cyclonedds"),
@@ -20,7 +20,7 @@ FOLDERS = {
     "Open": ("",),
 }
 # Entries of ctest that run real processes, by the beginning of their names.
-ENTRIES = {"Engine": (), "Cyclone DDS": ("interop.", "ros2."), "Embedded": ("interop_rtps.",), "Tool": ("cli.",),
+ENTRIES = {"Plugins": (), "Cyclone DDS": ("interop.", "ros2."), "Embedded": ("interop_rtps.",), "Tool": ("cli.",),
            "Open": ("interop.", "interop_rtps.")}
 
 
@@ -45,7 +45,7 @@ def ctest_entries(root):
 def lines_by_host(text):
     """Each bullet with its continuation lines: (host, text)."""
     for bullet in re.findall(r"^- (.+(?:\n  .+)*)", text, re.MULTILINE):
-        host = re.match(r"(Engine|Cyclone DDS|Embedded|Tool|Open)[:,]", bullet)
+        host = re.match(r"(Plugins|Cyclone DDS|Embedded|Tool|Open)[:,]", bullet)
         yield (host.group(1) if host else None), bullet
 
 
