@@ -1,4 +1,4 @@
-// Internal to governance/compare/: the effort limit of one comparison of two documents.
+// The effort limit of one comparison of two documents. For governance/compare/ only.
 #pragma once
 
 #include "governance/topic_sets.hpp"
