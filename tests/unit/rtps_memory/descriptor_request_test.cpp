@@ -1,3 +1,4 @@
+// Requests for descriptors between processes, with descriptors that are slow to close.
 #include <array>
 #include <chrono>
 #include <csignal>
