@@ -1,6 +1,7 @@
 // When a file that cannot be used is reported, and with which text.
 #include "base/renewal_refusals.hpp"
 
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sys/wait.h>
@@ -75,17 +76,28 @@ TEST(RenewalRefused, ReasonOfTheSameCode_KeepsItsHintAndIsNotRepeated) {
   EXPECT_EQ(told.hint(), "do this");
 }
 
-// True if `f` returns true for a user that is not root. It runs in a child process.
+void become_another_user() {
+  if (::geteuid() != 0) return;
+  ASSERT_EQ(::setgid(65534), 0);
+  ASSERT_EQ(::setuid(65534), 0);
+}
+
+// Runs the expectations of `f` in a child process of a user that is not root. The child prints
+// those that fail.
 template <class F>
-bool as_another_user(F&& f) {
+void expect_as_another_user(F&& f) {
+  std::fflush(stdout);  // or the child would print it again
   const auto child = ::fork();
+  ASSERT_GE(child, 0);
   if (child == 0) {
-    const bool is_root = ::geteuid() == 0;
-    ::_exit((!is_root || (::setgid(65534) == 0 && ::setuid(65534) == 0)) && f() ? 0 : 1);
+    become_another_user();
+    if (!testing::Test::HasFailure()) f();
+    std::fflush(stdout);
+    ::_exit(testing::Test::HasFailure() ? 1 : 0);
   }
   int status = -1;
   ::waitpid(child, &status, 0);
-  return status == 0;
+  EXPECT_EQ(status, 0) << "see the failures of the child process";
 }
 
 // A folder that other users cannot enter.
@@ -106,18 +118,20 @@ struct ClosedFolder : testing::Test {
 };
 
 TEST_F(ClosedFolder, UnreadableFileInIt_IsReportedAsTheFolder) {
-  EXPECT_TRUE(as_another_user([&] {
+  expect_as_another_user([&] {
     const auto path = closed + "/a.pem";
     const auto file = load_uri("file:" + path, "a property", 100);
-    if (file || file.error().code() != Code::file_unreadable) return false;
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().code(), Code::file_unreadable);
     const auto told =
         renewal_refused_error(Code::identity_renewal_refused, file.error(), path, "stays");
-    return told.code() == Code::folder_unreadable && told.details().document == closed;
-  }));
+    EXPECT_EQ(told.code(), Code::folder_unreadable);
+    EXPECT_EQ(told.details().document, closed);
+  });
 }
 
 TEST_F(ClosedFolder, AllItsFiles_HaveTheSameEvent) {
-  EXPECT_TRUE(as_another_user([&] {
+  expect_as_another_user([&] {
     std::vector<Error> told;
     for (const auto code : {Code::permissions_renewal_refused, Code::governance_renewal_refused}) {
       DocumentWatch watch({.uri = "file:" + closed + "/" + std::to_string(told.size()),
@@ -130,20 +144,23 @@ TEST_F(ClosedFolder, AllItsFiles_HaveTheSameEvent) {
       const auto take = [](BytesView) { return Status(); };
       static_cast<void>(watch.poll(std::chrono::seconds(1), take));
       const auto looked = watch.poll(std::chrono::seconds(2), take);
-      if (!looked) told.push_back(looked.error());
+      ASSERT_FALSE(looked);
+      told.push_back(looked.error());
     }
-    return told.size() == 2 && told[0].code() == Code::folder_unreadable &&
-           told[0].to_sentence() == told[1].to_sentence();
-  }));
+    EXPECT_EQ(told[0].code(), Code::folder_unreadable);
+    EXPECT_EQ(told[0].to_sentence(), told[1].to_sentence());
+  });
 }
 
 TEST_F(ClosedFolder, FileThatIsUnreadableItself_IsNotItsFault) {
   const auto path = folder.path() + "/a.pem";
   std::filesystem::permissions(path, std::filesystem::perms::none);
-  EXPECT_TRUE(as_another_user([&] {
+  expect_as_another_user([&] {
     const auto file = load_uri("file:" + path, "a property", 100);
-    return !file && !folder_refused(file.error(), path);
-  }));
+    ASSERT_FALSE(file);
+    EXPECT_EQ(file.error().code(), Code::file_unreadable);
+    EXPECT_FALSE(folder_refused(file.error(), path));
+  });
 }
 
 }  // namespace
