@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "plugins/spi/property_names.hpp"
+#include "tests/support/expect_code.hpp"
 
 namespace ddssec::spi {
 namespace {
@@ -27,8 +28,8 @@ TEST(SharedMemoryProperties, AnythingElse_Refused) {
     EXPECT_EQ(refused.error().code(), Code::invalid_property);
     EXPECT_EQ(refused.error().details().document, property::kSharedMemory);
   }
-  EXPECT_FALSE(shared_memory(with(property::kTrustKernel, "on")));
-  EXPECT_FALSE(shared_memory(with(property::kSharedWithOtherUsers, "all")));
+  EXPECT_CODE(shared_memory(with(property::kTrustKernel, "on")), invalid_property);
+  EXPECT_CODE(shared_memory(with(property::kSharedWithOtherUsers, "all")), invalid_property);
 }
 
 TEST(SharedMemoryProperties, MostOctets_IsANumber) {
