@@ -102,5 +102,41 @@ TEST_P(Agreement, BothSides_DeriveTheSame) {
   }
 }
 
+TEST(Reissue, NewCertificate_KeepsSubjectAndKeyAndHasANewSerialNumber) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca, "CN=talker+OU=x,O=Example");
+  const Validity later{kNow, kNow + 24h};
+  const auto again = ca.reissue(leaf.certificate, later, test_random());
+  ASSERT_TRUE(again) << again.error().to_sentence();
+  EXPECT_EQ(again->subject_digest(), leaf.certificate.subject_digest());
+  EXPECT_NE(again->serial(), leaf.certificate.serial());
+  EXPECT_EQ(again->not_after(), later.not_after);
+  EXPECT_FALSE(again->is_ca());
+  EXPECT_TRUE(leaf.key.matches(*again));
+  EXPECT_TRUE(make_verifier({ca.certificate()}).verify(*again, kNow));
+  const auto other = PrivateKey::generate(KeyKind::ec_p256);
+  const auto rekeyed = ca.reissue(leaf.certificate, later, test_random(), &*other);
+  ASSERT_TRUE(rekeyed);
+  EXPECT_TRUE(other->matches(*rekeyed));
+  EXPECT_CODE(leaf.key.matches(*rekeyed), key_mismatch);
+}
+
+TEST(Reissue, RenewedRoot_StillVouchesForWhatItIssued) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca);
+  const auto renewed = ca.renewed({kNow, kNow + 1000 * 24h}, test_random());
+  ASSERT_TRUE(renewed) << renewed.error().to_sentence();
+  EXPECT_TRUE(renewed->is_ca());
+  EXPECT_TRUE(renewed->is_self_issued());
+  EXPECT_EQ(renewed->path_length(), ca.certificate().path_length());
+  EXPECT_TRUE(make_verifier({*renewed}).verify(leaf.certificate, kNow));
+  const auto middle = ca.subordinate("CN=Middle", {}, kYear, test_random());
+  ASSERT_TRUE(middle);
+  const auto middle_again = ca.reissue(middle->certificate(), kYear, test_random());
+  ASSERT_TRUE(middle_again);
+  EXPECT_EQ(middle_again->path_length(), 0);
+  EXPECT_FALSE(middle_again->is_self_issued());
+}
+
 }  // namespace
 }  // namespace ddssec::pki

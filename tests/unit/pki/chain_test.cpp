@@ -40,15 +40,30 @@ Certificate as_version_1(const Certificate& certificate, const PrivateKey& key) 
 
 TEST(Chain, Validity_IsJudgedAtEveryCall) {
   const auto ca = make_ca();
-  const auto leaf = make_leaf(ca, "CN=short", {}, {kNow, kNow + 10s});
+  const auto leaf = make_leaf(ca, "CN=short", {}, {kNow, kNow + 10s}).certificate;
   const auto verifier = make_verifier({ca.certificate()});
-  EXPECT_TRUE(verifier.verify(leaf.certificate, kNow));
-  EXPECT_EQ(verifier.verify(leaf.certificate, kNow)->not_after(), kNow + 10s);
-  EXPECT_EQ(verifier.verify(leaf.certificate, kNow)->first_to_expire(), "CN=short");
-  EXPECT_CODE(verifier.verify(leaf.certificate, kNow + 11s), certificate_expired);
-  EXPECT_CODE(verifier.verify(leaf.certificate, kNow - 1s), certificate_not_yet_valid);
-  EXPECT_TRUE(verifier.verify(leaf.certificate, kNow + 5s));
-  const auto error = verifier.verify(leaf.certificate, kNow + 11s).error();
+  EXPECT_TRUE(verifier.verify(leaf, kNow));
+  EXPECT_CODE(verifier.verify(leaf, kNow + 11s), certificate_expired);
+  EXPECT_CODE(verifier.verify(leaf, kNow - 1s), certificate_not_yet_valid);
+  EXPECT_TRUE(verifier.verify(leaf, kNow + 5s));
+}
+
+TEST(Chain, Proof_EndsWithTheFirstCertificateOfTheChainThatExpires) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca, "CN=short", {}, {kNow, kNow + 10s}).certificate;
+  const auto proof = make_verifier({ca.certificate()}).verify(leaf, kNow);
+  ASSERT_OK(proof);
+  EXPECT_EQ(proof->not_after(), kNow + 10s);
+  EXPECT_EQ(proof->first_to_expire(), "CN=short");
+}
+
+TEST(Chain, ExpiredCertificate_IsNamedWithItsEnd) {
+  const auto ca = make_ca();
+  const auto leaf = make_leaf(ca, "CN=short", {}, {kNow, kNow + 10s}).certificate;
+  const auto refused = make_verifier({ca.certificate()}).verify(leaf, kNow + 11s);
+  ASSERT_FALSE(refused);
+  const auto& error = refused.error();
+  EXPECT_EQ(error.code(), Code::certificate_expired);
   EXPECT_EQ(error.details().field, "CN=short");
   EXPECT_NE(error.to_sentence().find("2026-11-21T00:00:10Z"), std::string::npos)
       << error.to_sentence();
@@ -61,7 +76,7 @@ TEST(Chain, Strangers_AreRefused) {
   const auto verifier = make_verifier({ca.certificate()});
   EXPECT_CODE(verifier.verify(make_leaf(other).certificate, kNow), issuer_unknown);
   EXPECT_CODE(verifier.verify(other.certificate(), kNow), issuer_unknown);
-  EXPECT_FALSE(verifier.verify(make_leaf(twin).certificate, kNow));
+  EXPECT_CODE(verifier.verify(make_leaf(twin).certificate, kNow), issuer_unknown);
 }
 
 TEST(Chain, AnotherCaOfTheSameName_IsToldByItsKey) {
@@ -131,10 +146,12 @@ TEST(Chain, AnExpiredMiddle_IsRefused) {
   }
 }
 
-TEST(Chain, OnlyCas_MayBeInTheFileOrIssue) {
-  const auto ca = make_ca();
-  const auto leaf = make_leaf(ca);
-  EXPECT_CODE(ChainVerifier::make({leaf.certificate}), not_a_ca);
+TEST(Chain, CertificateOfAParticipant_IsNoAnchor) {
+  EXPECT_CODE(ChainVerifier::make({make_leaf(make_ca()).certificate}), not_a_ca);
+}
+
+TEST(Chain, CertificateOfAParticipant_IssuesNothing) {
+  const auto leaf = make_leaf(make_ca());
   EXPECT_CODE(Authority::load(leaf.certificate, leaf.key), not_a_ca);
 }
 
@@ -359,7 +376,7 @@ TEST_F(RevocationByChain, TwoCasOfOneName_HaveAListEach) {
 TEST_F(RevocationByChain, AListOfTheOtherCaOfTheName_IsNone) {
   const auto twin = make_ca("CN=Root");
   const auto verifier = make_verifier({ca_.certificate(), twin.certificate()}, {list(twin, {})});
-  EXPECT_FALSE(verifier.verify(good_.certificate, kNow + 1s));
+  EXPECT_CODE(verifier.verify(good_.certificate, kNow + 1s), crl_missing);
 }
 
 TEST_F(RevocationByChain, AForgedList_IsRefusedUnderEitherPolicy) {

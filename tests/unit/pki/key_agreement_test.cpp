@@ -3,6 +3,7 @@
 
 #include "pki/openssl.hpp"
 #include "pki_fixture.hpp"
+#include "tests/support/code_of.hpp"
 #include "tests/support/known_key.hpp"
 
 namespace ddssec::pki {
@@ -22,7 +23,8 @@ TEST_P(Elliptic, OnlyPointsOfTheCurveAtFullLength_AreTaken) {
   ASSERT_EQ(point.size(), GetParam() == kP256 ? 65u : 97u);
   EXPECT_EQ(PeerPublicKey::parse(GetParam(), point)->encoding(), PublicKeyEncoding::point);
   for (std::size_t size = 0; size < point.size(); ++size)
-    EXPECT_FALSE(PeerPublicKey::parse(GetParam(), BytesView(point).first(size))) << size;
+    EXPECT_CODE(PeerPublicKey::parse(GetParam(), BytesView(point).first(size)),
+                public_key_malformed);
   for (std::size_t at = 1; at < point.size(); ++at) {
     point[at] ^= 1;
     EXPECT_CODE(PeerPublicKey::parse(GetParam(), point), public_key_not_in_group);
@@ -108,11 +110,14 @@ TEST(Modp, BothEncodings_AreWrittenAndRecognised) {
   EXPECT_EQ(der, der_of(plain));
   EXPECT_EQ(PeerPublicKey::parse(kModp, plain)->encoding(), PublicKeyEncoding::plain_integer);
   EXPECT_EQ(PeerPublicKey::parse(kModp, der)->encoding(), PublicKeyEncoding::der_integer);
+  // A part of the DER form that is not longer than the modulus is read as a plain integer.
   for (std::size_t size = 0; size < der.size(); size += 5)
-    EXPECT_FALSE(PeerPublicKey::parse(kModp, BytesView(der).first(size))) << size;
+    EXPECT_EQ(test::code_of(PeerPublicKey::parse(kModp, BytesView(der).first(size))),
+              size == 0 || size > 256 ? Code::public_key_malformed : Code::public_key_not_in_group)
+        << size;
   auto trailing = der;
   trailing.push_back(0);
-  EXPECT_FALSE(PeerPublicKey::parse(kModp, trailing));
+  EXPECT_CODE(PeerPublicKey::parse(kModp, trailing), public_key_malformed);
 }
 
 // One of 256 shared values begins with a zero octet, and peers hash it without this octet.

@@ -80,7 +80,8 @@ TEST(PrivateKey, OtherThings_AreRefused) {
   EXPECT_CODE(PrivateKey::from_pem(as_bytes("junk")), private_key_malformed);
   EXPECT_CODE(PrivateKey::from_pem(as_bytes(make_ca().certificate().pem())), private_key_malformed);
   EXPECT_CODE(PrivateKey::from_pem(Bytes(20000)), private_key_malformed);
-  EXPECT_FALSE(PrivateKey::from_pem(data_file(kCyclone + "invalid_private_key")));
+  EXPECT_CODE(PrivateKey::from_pem(data_file(kCyclone + "invalid_private_key")),
+              private_key_malformed);
   EXPECT_CODE(PrivateKey::from_pem(data_file(kCyclone + "private_key_1024")), key_not_allowed);
   EXPECT_CODE(PrivateKey::from_pem(data_file(kCyclone + "ec_private_key_unsupported")),
               key_not_allowed);
