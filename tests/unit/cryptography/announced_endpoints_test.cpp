@@ -15,6 +15,9 @@ TEST_F(AnnouncedEndpointsTest, OctetsTheyHold_AreBounded) {
 TEST_F(AnnouncedEndpointsTest, Number_IsBounded) {
   for (; announce(next, 0) == Code{}; ++next)
     ASSERT_LE(next, AnnouncedOctets::kMax / AnnouncedOctets::kOfEach);
+  EXPECT_EQ(announce(next, 0), Code::builtin_source_unreadable);
+  EXPECT_EQ(next, AnnouncedOctets::kMax / cost(0) + 1)
+      << "fewer were accepted than the octets allow";
 }
 
 TEST_F(AnnouncedEndpointsTest, RepeatedByEachWriter_CountOnce) {

@@ -19,7 +19,7 @@ TEST(MatchShares, OneSubject_HasItsShareAndNoMore) {
   EXPECT_FALSE(share);
   matches.release(share);  // does nothing, because no match was counted
   EXPECT_TRUE(matches.claim(1));
-  EXPECT_FALSE(matches.claim(1));
+  EXPECT_EQ(code_of(matches.claim(1)), Code::too_many_matches);
 }
 
 TwoSides trusting_host() {
