@@ -62,6 +62,10 @@ Status check_later(const pki::Certificate& renewed, const pki::Certificate& old,
                .hint = "give the CA a later end: ddssec ca renew"});
 }
 
+bool has_no_later_end(const Error& error) {
+  return error.code() == tool_code::renewal_goes_back || error.code() == Code::outlives_ca;
+}
+
 Result<pki::Certificate> issue(const RenewalRequest& request, const pki::Certificate& old,
                                const OpenCa& ca, const Arguments& arguments,
                                const Context& context) {
@@ -155,20 +159,32 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   DDSSEC_ASSIGN_OR_RETURN(const auto home, check_renewable(request, old, folder, ca, arguments));
-  DDSSEC_ASSIGN_OR_RETURN(const auto renewed, issue(request, old, ca, arguments, context));
+  const auto extended_until_end_of = [&](const pki::Certificate& certificate) {
+    return extended_by_ca(request.permissions, certificate, home / "permissions.p7s", opener,
+                          context);
+  };
+  const auto renewed = issue(request, old, ca, arguments, context);
+  if (!renewed) {
+    if (request.permissions.empty() || !has_no_later_end(renewed.error()))
+      return std::unexpected(renewed.error());
+    auto extended = extended_until_end_of(old);
+    if (!extended || extended->permissions.empty()) return std::unexpected(renewed.error());
+    return RenewalAnswer{.certificate = old.pem(),
+                         .permissions = std::move(extended->permissions),
+                         .problem = std::move(extended->problem)};
+  }
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(log_issued(
       ca.paths,
-      pki::IssueLog::issued_line(renewed, home.string(), context.clock.calendar_seconds())));
+      pki::IssueLog::issued_line(*renewed, home.string(), context.clock.calendar_seconds())));
   RenewalListAdditions listed;
-  listed.add(ca.paths, renewed);
-  RenewalAnswer out{renewed.pem()};
+  listed.add(ca.paths, *renewed);
+  RenewalAnswer out{renewed->pem()};
   // The certificate is logged already, and a list that cannot be written does not undo that.
   if (const auto written = listed.write(context.clock.calendar_seconds()); !written)
     out.problem = written.error();
   if (request.permissions.empty()) return out;
-  auto permissions =
-      extended_by_ca(request.permissions, renewed, home / "permissions.p7s", opener, context);
+  auto permissions = extended_until_end_of(*renewed);
   if (permissions) {
     out.permissions = std::move(permissions->permissions);
     if (permissions->problem) out.problem = std::move(permissions->problem);

@@ -15,8 +15,9 @@ namespace ddssec::cli {
 /// stay; with --rekey the new key is that of the request. The certificate is valid for --days, or
 /// as long as the old one. With --permissions, permissions that end before it are extended, and the
 /// answer gives the reason if they cannot be. They must be the last that the CA signed for a file
-/// (signed.jsonl). Errors: those of CaOpener, check_issued_for, check_renewal_request,
-/// Authority::sign_request; outlives_ca.
+/// (signed.jsonl). If the CA can issue no certificate with a later end, but can extend the
+/// permissions, the answer has the old certificate. Errors: those of CaOpener, check_issued_for,
+/// check_renewal_request, Authority::sign_request; renewal_goes_back, outlives_ca.
 Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const std::filesystem::path& folder, const Arguments& arguments,
                                   const Context& context);

@@ -315,6 +315,30 @@ void keep_renewals(const Participant& self, const std::string& renewals, Json& e
   if (!status && !event.contains("problem")) event["problem"] = error_to_json(status.error());
 }
 
+Json renewed_event(const Participant& self, const pki::Certificate& certificate, WallTime next,
+                   const RenewalAnswer& answer, const std::vector<WrittenFile>& files) {
+  auto event = event_of("renewed", certificate, next);
+  event["rekeyed"] = false;
+  event["permissions_extended"] = !answer.permissions.empty();
+  event["restart_needed"] = self.certificate.not_after() <= self.now();
+  event["files"] = to_json(files);
+  event["sha256"] = to_hex(certificate.fingerprint());
+  if (answer.problem) event["problem"] = error_to_json(*answer.problem);
+  return event;
+}
+
+// The CA has no certificate with a later end, for example because the CA itself ends then. Without
+// this, the permissions would end before the certificate although the CA can extend them.
+Result<Json> extend_permissions(const Participant& self, const RenewalAnswer& answer) {
+  FileTransaction out;
+  DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
+  DDSSEC_ASSIGN_OR_RETURN(const auto files, out.commit());
+  auto event = renewed_event(self, self.certificate, due_by_certificate(self), answer, files);
+  keep_response({self.files, self.certificate, self.now(), self.task.responders}, event);
+  keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
+  return event;
+}
+
 Result<Json> renew(const Participant& self, const AskCa& ask) {
   DDSSEC_RETURN_IF_ERROR(mode_of(self.files.certificate, 0));  // before the CA is asked
   DDSSEC_ASSIGN_OR_RETURN(const auto key, key_for_request(self));
@@ -329,19 +353,16 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   // that would be repeated on every visit.
   if (answer.permissions.empty() && answer.problem && due_by_certificate(self) > self.now())
     return std::unexpected(*answer.problem);
+  if (answer.certificate == request.certificate && !answer.permissions.empty())
+    return extend_permissions(self, answer);
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, checked(self, answer.certificate, key));
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_certificate(self, renewed, key, out));
   if (!answer.permissions.empty())
     DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
   DDSSEC_ASSIGN_OR_RETURN(const auto files, out.commit());
-  auto event = event_of("renewed", renewed, renewal_from(renewed, self.now()));
+  auto event = renewed_event(self, renewed, renewal_from(renewed, self.now()), answer, files);
   event["rekeyed"] = self.task.is_rekeying;
-  event["permissions_extended"] = !answer.permissions.empty();
-  event["restart_needed"] = self.certificate.not_after() <= self.now();
-  event["files"] = to_json(files);
-  event["sha256"] = to_hex(renewed.fingerprint());
-  if (answer.problem) event["problem"] = error_to_json(*answer.problem);
   keep_response({self.files, renewed, self.now(), self.task.responders}, event);
   keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
   return event;

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The agent is killed at any moment: every file is old or new, and the next run does the work."""
 
+import datetime
 import os
 import random
 import shutil
@@ -8,7 +9,7 @@ import signal
 import subprocess
 import time
 
-from agent_folders import AgentTest, Running, ShortLived
+from agent_folders import AgentTest, Running, ShortLived, checked_events
 from interrupted_test import is_whole
 from transcript import PROGRAM, library_path, main
 
@@ -95,6 +96,44 @@ class Interrupted(AgentTest):
         for path in (self.talker, *self.talker.iterdir()):
             os.chown(path, 65534, 65534)
         self.kill_at_each_write("--ca", "demo", "--permissions", owner=65534)
+
+    def once_full_at(self, number, words, now):
+        """The events of one look, in which each process finds the disk full from its write with this number on."""
+        done = subprocess.run([PROGRAM, "agent", "demo/talker", "--once", *words, *now], cwd=self.at, text=True,
+                              capture_output=True, timeout=60, check=False, stdin=subprocess.DEVNULL,
+                              env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
+                                   "FULL_AT": str(number)})
+        self.assertIn(done.returncode, (0, 5), done.stderr)
+        return done.returncode == 0, checked_events(done.stdout)
+
+    def test_ADiskThatIsFull_LeavesEachFileOldOrNewAndTheNextLookDoesTheWork(self):
+        base = self.at.parent / (self.at.name + "-base")
+        subprocess.run(["cp", "-a", self.at / "demo", base], check=True)
+        self.addCleanup(shutil.rmtree, base, True)
+        now = ("--now", f"{datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(days=300):%Y-%m-%dT%H:%M:%SZ}")
+        alone = 0
+        for words in (("--ca", "demo", "--permissions"), ("--ca", "demo", "--permissions", "--rekey")):
+            number, is_done = 0, False
+            while not is_done:
+                number += 1
+                shutil.rmtree(self.at / "demo")
+                subprocess.run(["cp", "-a", base, self.at / "demo"], check=True)
+                before = self.contents()
+                is_done, (event,) = self.once_full_at(number, words, now)
+                where = f"{words}, full at {number}: {event}"
+                for name, octets in self.contents().items():
+                    self.assertTrue(octets == before.get(name) or is_whole(name, octets), where)
+                self.assertEqual(self.contents().keys() - {"demo/talker/renewed.pem"}, before.keys(), where)
+                problem = event.get("problem", event)
+                self.assertEqual(problem.get("code"), None if is_done else "file_unwritable", where)
+                # At the same second the CA can give no later certificate, but it can extend the permissions.
+                alone += event["event"] == "renewed" and not event["permissions_extended"]
+                again, = self.once(*words, *now)
+                self.assertIn(again["event"], ("renewed", "current"), f"{where}, then {again}")
+                self.assertNotIn("problem", again, where)
+                self.is_well("--now", "+660d")  # the permissions last as long as the new certificate
+            self.assertGreater(number, 3)
+        self.assertGreater(alone, 0, "the certificate was never renewed without the permissions")
 
     def test_kill_of_all_processes_at_any_moment_leaves_whole_files(self):
         short = ShortLived(self.at, self.ca)

@@ -150,6 +150,22 @@ class OwnCa(AgentTest):
                          "20000", "--publish", "x")
         self.refused("outlives_ca", "--ca", "demo", "--now", "+3000d", exit=4)
 
+    def test_PermissionsThatEndBeforeACertificateWithoutALaterEnd_AreExtendedAlone(self):
+        self.run_program("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker", "--replace", "--clamp", "--days",
+                         "20000", "--publish", "x")
+        certificate, key = ((self.talker / name).read_bytes() for name in ("cert.pem", "key.pem"))
+        for words in ((), ("--rekey",)):
+            self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "--sign",
+                             "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
+            event, = self.once("--ca", "demo", "--permissions", *words, "--now", "+20d")
+            self.assertEqual((event["event"], event["permissions_extended"], event["rekeyed"]), ("renewed", True, False))
+            self.assertEqual({pathlib.Path(file["path"]).name for file in event["files"]}, {"permissions.xml", "permissions.p7s"})
+            self.assertEqual((self.talker / "cert.pem").read_bytes(), certificate)
+            self.assertEqual((self.talker / "key.pem").read_bytes(), key)
+            self.run_program("doctor", "demo/talker", "--now", "+3000d")
+            self.assertEqual(self.once("--ca", "demo", "--permissions", *words, "--now", "+21d")[0]["event"], "current")
+        self.refused("outlives_ca", "--ca", "demo", "--permissions", "--now", "+3000d", exit=4)
+
     def test_several_folders_and_json(self):
         (self.at / "demo/listener").chmod(0o777)
         told = self.json("agent", "demo/listener", "demo/talker", "--ca", "demo", "--once", *self.LATER, exit=4)
