@@ -1,5 +1,8 @@
 #include "plugins/authentication/own_ocsp_response.hpp"
 
+#include <filesystem>
+#include <system_error>
+
 #include "base/uri_source.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
@@ -17,6 +20,11 @@ std::string beside_certificate(const spi::PropertyList& properties) {
   if (!file) return {};
   const auto slash = file->rfind('/');
   return file->substr(0, slash == std::string::npos ? 0 : slash + 1) + std::string(kUsualResponse);
+}
+
+bool is_link(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::is_symlink(path, ignored);
 }
 
 }  // namespace
@@ -55,12 +63,14 @@ Result<bool> OwnOcspResponse::poll(std::chrono::nanoseconds monotonic, const Jud
   return false;
 }
 
-// If the file disappears, the response that was read from it counts until its end.
+// If the file disappears, the response that was read from it counts until its end. A missing file
+// is no fault, because it may come later. A link was put there for a response, so a link to a
+// missing file is a fault.
 Result<bool> OwnOcspResponse::read(const Judge& judge) {
   judged_for_ = judge.certificate;
   if (path_.empty()) return false;
   auto file = load_uri(watch_.uri(), path_, pki::kMaxOcspOctets);
-  if (!file && file.error().code() == Code::file_not_found) return false;
+  if (!file && file.error().code() == Code::file_not_found && !is_link(path_)) return false;
   content_ = file ? sha256(*file) : Sha256Digest{};
   if (!file) return refuse(file.error());
   const auto good = judge.trust.ocsp(*file, judge.certificate, judge.now);

@@ -41,7 +41,8 @@ class OwnOcspResponse {
   /// Reads the file if it, or our certificate, may have changed. Returns true if another response
   /// came into force. `monotonic` is Clock::monotonic. Errors: ocsp_revoked, at every poll as long
   /// as it is so; ocsp_response_refused, with the fault, once as long as the file stays the same,
-  /// and only at the second of two looks in a row; ocsp_response_ended, once.
+  /// and only at the second of two looks in a row; ocsp_response_ended, once. A missing file is no
+  /// error, but a link to one is.
   Result<bool> poll(std::chrono::nanoseconds monotonic, const Judge& judge);
   /// Makes the next poll read the file, whatever the interval is.
   void force_poll() { watch_.force_poll(); }

@@ -74,6 +74,23 @@ TEST_F(OwnOcspFile, UnusableResponse_IsReportedOnceAndDoesNotKeepUsOut) {
   EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
 }
 
+TEST_F(OwnOcspFile, LinkToAMissingResponse_IsReportedOnceAndFollowedWhenItComes) {
+  std::filesystem::create_symlink("fetched.der", folder.path() + "/ocsp.der");
+  ASSERT_OK(start());
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(poll().empty());
+  ASSERT_EQ(count_of(engine.events, Code::ocsp_response_refused), 1);
+  EXPECT_THAT(engine.events.all.back().error.to_sentence(), HasSubstr("/ocsp.der"));
+  folder.replace("fetched.der", std::string(as_text(response_about(alice().certificate))));
+  for (int i = 0; i < 5; ++i) poll();
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_renewed), 1);
+}
+
+TEST_F(OwnOcspFile, MissingResponse_IsNoFault) {
+  ASSERT_OK(start());
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(poll().empty());
+  EXPECT_EQ(count_of(engine.events, Code::ocsp_response_refused), 0);
+}
+
 // A recorded answer of the responder must not take the place of a later one.
 TEST_F(OwnOcspFile, ResponseEarlierThanTheOneInForce_IsRefused) {
   put(response_about(alice().certificate, V_OCSP_CERTSTATUS_GOOD, 0s, 48h));
