@@ -45,6 +45,16 @@ struct Renewed {
   void put_permissions(std::vector<std::string> topics) {
     put(properties_of("CN=alice,O=Example", rules, std::move(topics), 48h));
   }
+  // Puts permissions, and returns the time until both sides have that number of matches.
+  std::chrono::milliseconds time_until(int count, std::vector<std::string> topics) {
+    files.put(properties_of("CN=alice,O=Example", rules, std::move(topics), 48h));
+    const auto since = world.now;
+    for (int i = 0; i < 50 && !matched(count); ++i) {
+      for (auto* node : world.nodes) node->clock.advance(100ms);
+      world.run(10);
+    }
+    return std::chrono::duration_cast<std::chrono::milliseconds>(world.now - since);
+  }
   bool all_arrive() {
     for (int i = 0; i < 3; ++i) {
       Change change;
@@ -155,6 +165,17 @@ TEST(DocumentRenewal, ARightThatIsGivenAgain_MatchesAgain) {
   EXPECT_TRUE(two.world.run_until([&] { return two.matched(1); }, 200)) << two.text();
   EXPECT_TRUE(two.all_arrive()) << two.text();
   EXPECT_TRUE(two.one_session()) << two.text();
+}
+
+TEST(DocumentRenewal, ARightThatChanges_CountsOnBothSidesWithinTwoSeconds) {
+  for (const bool revises : {false, true}) {
+    Renewed two(Short::permissions,
+                revises ? revising(everything(kEncrypt)) : everything(kEncrypt));
+    EXPECT_LE(two.time_until(0, {"Circle"}), 2s) << two.text();
+    EXPECT_LE(two.time_until(1, {"Circle", "Square"}), 2s) << two.text();
+    EXPECT_LE(two.time_until(0, {"Circle", "Triangle"}), 2s) << two.text();
+    EXPECT_TRUE(two.one_session()) << two.text();
+  }
 }
 
 // Bob never knew of the loss, so he has no reason to send his keys again. Alice must not wait for
