@@ -5,8 +5,9 @@
   part of an identifier ("by_anybody"). In tests, which quote what others write, only comments and docstrings count.
 - In comments of tests: history ("Before: ..."), and numbers of attacks in a file that does not name docs/attacks.md.
 - In README.md, SECURITY.md and docs/: sentences of more than 45 words.
-- There, and in README.md of each folder: literal translations (TRANSLATED), with what to write instead. Not in pages that
-  are generated from texts of the tool, nor in docs/history.md, which has former names.
+- There, in docs/attacks/, in README.md of each folder and in comments of C++: literal translations (TRANSLATED), with what
+  to write instead. Not in pages that are generated from texts of the tool, nor in docs/history.md, which has former names.
+- In docs/attacks/: "before the fix", because a page says what holds now.
 
 Exit 1 and a line for each place. Name the subject: "an attacker", "a participant without a certificate"; a question may
 begin with "Who is". Write "predict" for "foretell", "fix" or "repair" for "mend", "still" for "all the same", "belong in"
@@ -33,7 +34,7 @@ ALLOWED = {
     "tests/interop/insider/insider.cpp": "one of the tamperings is called nobody",
 }
 C_FAMILY = {".cpp", ".hpp", ".h", ".c", ".idl"}
-HISTORY = re.compile(r"\bBefore(:| the fix\b)")
+HISTORY = re.compile(r"\bBefore:|\b[Bb]efore the fix\b")
 ATTACK = re.compile(r"\bT[1-9]\d?\b")
 MOST_WORDS = 45
 TRANSLATED = {
@@ -44,6 +45,7 @@ TRANSLATED = {
     r"(does|did|do) nothing else": "is idle, or: only",
     r"met more slowly": "discovered more slowly",
     r"in truth": "really",
+    r"[Bb]efore the fix": "what holds now",
 }
 NOT_TRANSLATED = {"docs/codes.md", "docs/rules.md", "docs/history.md", "docs/contributing.md", "docs/README.md", "cli/README.md"}
 PAGES = re.compile(r"^(README\.md|SECURITY\.md|docs/[\w-]+\.md)$")
@@ -114,9 +116,15 @@ def long_sentences(markdown):
 
 def translated(name, text):
     """Pairs of a line of a page and what is wrong with it."""
-    if not PAGES.match(name) and not name.endswith("README.md") or name in NOT_TRANSLATED or "/decisions/" in name:
+    if name.endswith((".hpp", ".cpp")):
+        lines = comments(pathlib.PurePath(name), text)
+    elif PAGES.match(name) or name.startswith("docs/attacks/") or name.endswith("README.md"):
+        lines = enumerate(text.split("\n"), 1)
+    else:
         return
-    for number, line in enumerate(text.split("\n"), 1):
+    if name in NOT_TRANSLATED:
+        return
+    for number, line in lines:
         line = re.sub(r"`[^`]*`", "", line)
         for words, instead in TRANSLATED.items():
             if found := re.search(rf"\b{words}\b", line):
