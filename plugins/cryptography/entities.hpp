@@ -122,6 +122,8 @@ struct ParticipantPair final : Retirable {
   std::optional<SubjectId> place_subject = {};
   std::unique_ptr<SendKey> key_exchange_send;
   std::unique_ptr<ReceiveKey> key_exchange_receive;
+  /// True once the local volatile reader has sent anything to the peer (kept_tokens.hpp).
+  std::atomic<bool> has_reader_spoken = false;
   Published<RemoteKeys> remote_keys;
   NamesSpoken names_spoken;            ///< names of other authenticated peers
   FragmentedTokens fragmented_tokens;  ///< key token messages that went to the peer in fragments

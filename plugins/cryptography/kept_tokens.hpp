@@ -10,7 +10,14 @@ namespace ddssec::cryptography {
 /// message that the host must not see is passed to it under a class that it does not know, because
 /// a missing message would delay all that follow. Submessages without key tokens stay unchanged.
 /// `pair` belongs to the sender's participant and the local one. Errors: those of read_data_piece,
-/// read_token_message; crypto_tokens_repeated (not accepted now, will be sent again).
+/// read_token_message; crypto_tokens_repeated, crypto_not_matched (not accepted now, will be sent
+/// again).
+///
+/// Nothing is accepted before the local volatile reader has sent a submessage to the peer. Until
+/// Cyclone DDS has connected this reader, it passes a message on by the readers of its other
+/// participants. The sender repeats the message, and then this reader passes it on, too. The host
+/// would store the same ticket twice and so corrupt its memory. A reader sends only when it is
+/// connected.
 Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
                    const ParticipantPair& pair, MutableBytes submessage);
 

@@ -168,7 +168,7 @@ Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sen
 bool is_reported(const CryptographyState& state, const RemoteEndpoint& sender, const Error& error) {
   if (error.code() == Code::announcements_delayed)
     return sender.participant.discovery.work.take_report(state.services.clock.monotonic());
-  return error.code() != Code::crypto_tokens_repeated &&
+  return error.code() != Code::crypto_tokens_repeated && error.code() != Code::crypto_not_matched &&
          error.code() != Code::builtin_fragment_early;
 }
 

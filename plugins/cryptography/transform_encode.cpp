@@ -181,6 +181,8 @@ Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalE
                           state.remote_endpoint(receivers.front(), remote_kind(Remote{})));
   auto* const pair = remote->participant.pair(sender.participant.handle());
   if (&remote->local != &sender || pair == nullptr) return fail(Code::crypto_not_matched);
+  if (sender.kind() == EntityKind::local_reader)
+    pair->has_reader_spoken.store(true, std::memory_order_release);
   DDSSEC_RETURN_IF_ERROR(check_volatile(state, *pair, request.body));
   if (const auto acknowledged = read_acknowledgment(request.body);
       acknowledged && !state.host_checks_sources)

@@ -116,6 +116,26 @@ Bytes acknowledgement(std::uint32_t next, bool little) {
   return out.take();
 }
 
+// Until then the host passes the message on by another participant's reader. It would do so again
+// when the sender repeats the message.
+TEST(TrustingHost, TokensBeforeItsReaderSpeaks_AreNotAccepted) {
+  for (const bool host_checks : {false, true}) {
+    Engine engine(host_checks);
+    const auto tokens = engine.two.writer_tokens(engine.user).value();
+    engine.authenticate(6, false);
+    const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, tokens);
+    const auto message = DataMessage{.number = 1, .payload = payload}.octets();
+    const auto receive = [&] {
+      return decode_submessage(engine.two, engine.ends,
+                               encode_submessage(engine.two, engine.ends, message).value());
+    };
+    EXPECT_EQ(code_of(receive()), host_checks ? Code{} : Code::crypto_not_matched);
+    EXPECT_EQ(engine.two.b.events.codes(), std::vector<Code>()) << "no peer is to blame";
+    EXPECT_TRUE(encode_reply(engine.two, engine.ends, acknowledgement(1, true)));
+    EXPECT_TRUE(receive());
+  }
+}
+
 // The host drops tokens for an endpoint that it does not have. Such an endpoint may come later.
 TEST(TrustingHost, TokensTakenSixMinutesAgo_ComeAgain) {
   for (const bool little : {true, false}) {

@@ -185,6 +185,7 @@ TEST_F(KeyOwnerTest, AReader_AcknowledgesAsItselfOnly) {
       b.factory().register_matched_remote_datareader(writer, b.remote, shared_secret(), false);
   const auto from =
       a.factory().register_matched_remote_datawriter(reader, a.remote, shared_secret());
+  TwoSides::let_reader_speak(a, reader, *from);
   const auto message = token_submessage(kReader, tokens);
   const auto sent =
       into_bytes(message.size() + spi::protection_overhead(1), [&](MutableBytes out) {

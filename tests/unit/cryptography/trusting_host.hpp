@@ -21,7 +21,7 @@ struct Engine {
     authenticate(5);
     user = two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
   }
-  void authenticate(std::uint8_t seed) {
+  void authenticate(std::uint8_t seed, bool reader_speaks = true) {
     auto secret = shared_secret(seed);
     secret.own_prefix = own;
     for (auto* side : {&two.a, &two.b}) {
@@ -31,7 +31,7 @@ struct Engine {
                          .register_matched_remote_participant(side->participant, {8}, {7}, secret)
                          .value();
     }
-    ends = two.volatile_endpoints();
+    ends = reader_speaks ? two.volatile_endpoints() : two.silent_volatile_endpoints();
   }
   /// Returns what the host gets from a message with these tokens.
   Bytes decoded(std::uint32_t number, std::span<const spi::Token> tokens) {

@@ -1,6 +1,7 @@
 // Two engines that authenticated each other, for tests: participants, endpoints and their tokens.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -176,8 +177,21 @@ struct TwoSides {
   }
 
   WriterToReader volatile_endpoints() {
+    const auto out = silent_volatile_endpoints();
+    let_reader_speak(b, out.reader, out.remote_writer);
+    return out;
+  }
+  /// Returns volatile endpoints whose reader the host has not connected yet.
+  WriterToReader silent_volatile_endpoints() {
     return endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none),
                      builtin_endpoint(kVolatileWriter), builtin_endpoint(kVolatileReader));
+  }
+  /// The reader sends a submessage that acknowledges nothing.
+  static void let_reader_speak(Side& side, spi::DatareaderCryptoHandle reader,
+                               spi::DatawriterCryptoHandle to) {
+    constexpr std::array<std::uint8_t, 8> kPad = {0x01, 0x01, 4, 0};
+    std::array<std::uint8_t, 256> out;
+    side.transform().encode_datareader_submessage(reader, {&to, 1}, kPad, out).value();
   }
 
   Side a;
