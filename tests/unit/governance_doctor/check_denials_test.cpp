@@ -24,7 +24,7 @@ TEST_F(DiagnosisTest, DenyFirst_MattersOnlyWhereOneDirectionIsAllowed) {
   };
   EXPECT_THAT(rules_of(with_deny(true, true)), IsEmpty());
   const auto all = with_deny(false, true);
-  EXPECT_THAT(finding_of(all, Rule::DOC053).message, HasSubstr("publish topic \"rt/cmd\""));
+  EXPECT_THAT(finding_of(all, Rule::DOC053).message, HasSubstr("publishing topic \"rt/cmd\""));
   EXPECT_EQ(all.outcomes(), (Outcomes{.cyclonedds = Outcome::late}));
 }
 
