@@ -20,7 +20,8 @@ from renewal_test import DOMAIN, TOPIC, Documents, Process, command
 
 FAKETIME = next(pathlib.Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1"), None)
 AGE, LEFT = 100, 31  # days since the documents began, and until they end
-STEPS = ((1, "in 29 days"), (24, "in 6 days"), (30, "in 23 hours"))  # days by which the calendar is set forward; what is said
+# The days by which the calendar is set forward, and the time left that the event then names.
+STEPS = ((1, "in 29 days"), (24, "in 6 days"), (30, "in 23 hours"))
 NAMES = {"own": ("identity_ends_soon", "permissions_end_soon", "crl_ends_soon"),
          "ca": ("identity_ends_soon", "permissions_end_soon")}
 PATIENCE = 40.0      # seconds

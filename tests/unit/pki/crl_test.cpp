@@ -196,7 +196,8 @@ TEST(CrlReplaces, ListOfTheFuture_NeedsAHigherNumberAndAllEntries) {
   const auto future = list(7, kNow + 300 * 24h, 1);
   EXPECT_TRUE(list(8, kNow, 1).may_replace_at(future, kNow));
   EXPECT_TRUE(list(8, kNow, 2).may_replace_at(future, kNow));
-  EXPECT_FALSE(list(8, kNow, 0).may_replace_at(future, kNow)) << "somebody would come back";
+  EXPECT_FALSE(list(8, kNow, 0).may_replace_at(future, kNow))
+      << "the certificate that it leaves out would count again";
   EXPECT_FALSE(list(7, kNow, 2).may_replace_at(future, kNow));
   EXPECT_FALSE(list(6, kNow, 2).may_replace_at(future, kNow));
   EXPECT_FALSE(list(8, kNow, 2).may_replace_at(future, kNow + 300 * 24h)) << "its time has come";
