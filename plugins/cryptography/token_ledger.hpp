@@ -79,9 +79,9 @@ class PackedTokens {
 /// the ticket identifies the two endpoints.
 ///
 /// A message that was decrypted may still not have reached the host. So when its sender
-/// authenticates again, the host may or may not hold the former ticket: - Tickets of a participant
-/// are dropped with the participant. - Tickets of builtin endpoints are used as soon as the host
-/// matches these endpoints. New tokens
+/// authenticates again, the host may or may not hold the former ticket:
+/// - Tickets of a participant are dropped with the participant.
+/// - Tickets of builtin endpoints are used as soon as the host matches these endpoints. New tokens
 ///   are refused until then.
 /// - For other endpoints nothing is known for six minutes. If the host does not present the ticket
 ///   in that time, it never had it, and tokens that came since then must come again in a further
