@@ -70,7 +70,7 @@ class TwoReadersOfBob : public ::testing::TestWithParam<Rules> {
   KeyThief::Tokens keys;
 };
 
-TEST_P(TwoReadersOfBob, TheOneThatStayed_HearsTheNewKeys) {
+TEST_P(TwoReadersOfBob, ReaderThatStayed_HearsTheNewKeys) {
   ASSERT_NO_FATAL_FAILURE(begin());
   write(5);
   EXPECT_EQ(second.changes.size(), 6U) << trio.text();
@@ -79,7 +79,7 @@ TEST_P(TwoReadersOfBob, TheOneThatStayed_HearsTheNewKeys) {
   EXPECT_EQ(second.changes.size(), 11U) << trio.text();
 }
 
-TEST_P(TwoReadersOfBob, TheOneThatReturns_HearsTheNewKeys) {
+TEST_P(TwoReadersOfBob, ReaderThatReturns_HearsTheNewKeys) {
   ASSERT_NO_FATAL_FAILURE(begin());
   until_former_keys_have_ended(trio);
   move(trio, older, {});
@@ -91,7 +91,7 @@ TEST_P(TwoReadersOfBob, TheOneThatReturns_HearsTheNewKeys) {
 }
 
 // Alice does not notice that it was away, so she does not send its keys by herself.
-TEST_P(TwoReadersOfBob, TheOneThatWasNotMissed_IsMatchedAgain) {
+TEST_P(TwoReadersOfBob, ReaderWhoseAbsenceWasNotNoticed_IsMatchedAgain) {
   ASSERT_TRUE(trio.match()) << trio.text();
   older = reader_of_bob(trio);
   write(1);

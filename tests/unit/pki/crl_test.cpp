@@ -205,7 +205,7 @@ TEST(CrlReplaces, ListOfTheFuture_NeedsAHigherNumberAndAllEntries) {
       make_crl(make_ca("CN=Other"), {.this_update = kNow, .next_update = kNow + 24h, .number = 8})
           .may_replace_at(list(7, kNow + 300 * 24h, 0), kNow));
   EXPECT_TRUE(list(7, kNow + 300 * 24h, 0).may_replace_at(list(7, kNow, 1), kNow))
-      << "as supersedes";
+      << "as is_not_older_than";
 }
 
 TEST(CrlCheck, TwoKeysOfOneName_AreBothNamed) {
