@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Checks a commit message: a subject "area: what it does" of at most 72 columns, an empty line, and a body that says why.
+# After the reason, a line begins with "Tested: " and names the programs and commands that were run for this change.
 # An area is the path of a folder, the name of one of the first two levels of the tree, or build, ci, release or all.
 # The body is not that of one of the 50 commits before, and has more than one short line if more than ten files change.
 # Comments count for nothing, nor does the change itself, which `git commit -v` shows below a line with scissors.
@@ -8,12 +9,15 @@ set -euo pipefail
 
 kept() { sed '/^# -* >8 -*$/,$d; /^#/d' -- "$1"; }
 fail() { printf 'commit-msg.sh: %s\n' "$*" >&2; exit 1; }
-# Of each text with a \001 after it, the first line and the words of the others, with tabs between. Line breaks and trailers
-# such as Reviewed-by make no difference.
+# Of each text with a \001 after it, the first line and the words of the others, with tabs between. Line breaks, trailers
+# such as Reviewed-by, and what was tested make no difference.
 words() {
   awk 'BEGIN { RS = "\001"; FS = "\n" }
-    { sub(/^\n/, ""); body = ""
-      for (i = 2; i <= NF; ++i) if ($i !~ /^[A-Z][a-z]+(-[a-z]+)+: /) body = body " " $i
+    { sub(/^\n/, ""); body = ""; tested = 0
+      for (i = 2; i <= NF; ++i) {
+        tested = $i ~ /^Tested: / || tested && $i != ""
+        if (!tested && $i !~ /^[A-Z][a-z]+(-[a-z]+)+: /) body = body " " $i
+      }
       gsub(/[ \t]+/, " ", body); sub(/^ /, "", body); sub(/ $/, "", body)
       if ($1 != "") print $1 "\t" body }'
 }
@@ -38,7 +42,8 @@ done
 [ -z "${lines[1]:-}" ] || fail "the second line must be empty: the body begins after it"
 body=$(printf '%s\n' "${lines[@]}" $'\001' | words)
 body=${body#*$'\t'}
-[ -n "$body" ] || fail "there is no body: say why the change is made, and how it was tested"
+[ -n "$body" ] || fail "there is no body: say why the change is made"
+printf '%s\n' "${lines[@]}" | grep -qE '^Tested: +[^ ]' || fail "there is no line \"Tested: ...\": name the programs and commands that you ran"
 
 # Of a commit that is being made, HEAD is not asked: `git commit --amend` replaces it.
 before=${2:-HEAD}

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 
+# Each gets the line TESTED, unless it has one or begins with "fixup!".
 GOOD = [
     "pki: read delta lists\n\nA list without them is out of date.\n",
     "rtps, wire: read delta lists\n\nWhy.\n\n# A comment of git.\n",
@@ -18,7 +19,8 @@ GOOD = [
     "all: read delta lists\n\nThe whole tree.\n",
     "tests/unit/pki, lint: read delta lists\n\nA deep path, and the name of a folder of the second level.\n",
     "fixup! pki: read delta lists\n",
-    "pki: read delta lists\n\nWhy.\n# ------------------------ >8 ------------------------\ndiff --git a/a b/a\n",
+    "pki: read delta lists\n\nWhy.\n\nTested: test_pki, and\ntest_governance.\n",
+    "pki: read delta lists\n\nWhy.\nTested: test_pki.\n# ------------------------ >8 ------------------------\ndiff --git a/a b/a\n",
 ]
 BAD = [
     "",
@@ -36,9 +38,20 @@ BAD = [
     "data: read delta lists\n\nA part of paths, and no area.\n",
     "unit/pki: read delta lists\n\nThe path does not begin at the root.\n",
 ]
+UNTESTED = [
+    "pki: read delta lists\n\nWhy.\n",
+    "pki: read delta lists\n\nWhy.\n\nTested: \n",
+    "pki: read delta lists\n\nWhy, and it was Tested: by hand.\n",
+    "pki: read delta lists\n\nWhy.\n\n# Tested: test_pki.\n",
+]
+TESTED = "\nTested: test_pki.\n"
 
 
 OPTIONS = ["user.name=Test", "user.email=test@example.org", "core.hooksPath=/dev/null", "commit.gpgSign=false"]
+
+
+def tested(message):
+    return message if message.startswith("fixup!") or "Tested:" in message else message + TESTED
 
 
 def accepts(script, message, *commit):
@@ -87,11 +100,11 @@ def history_faults(script):
     """What the script says of bodies that come again, of short bodies, and as a hook."""
     with tempfile.TemporaryDirectory() as folder:
         history = History(pathlib.Path(folder), script)
-        history.commit("pki: one change\n\nSentences have a verb.\n")
-        history.commit("pki: two changes\n\nLists are read in order.\n")
-        again = "pki: more changes\n\nSentences have\na verb.\n\nReviewed-by: A Person <a@example.org>\n"
-        short = "pki: many changes\n\nA review named them.\n"
-        amended = "pki: two good changes\n\nLists are read in order.\n"
+        history.commit(tested("pki: one change\n\nSentences have a verb.\n"))
+        history.commit(tested("pki: two changes\n\nLists are read in order.\n"))
+        again = "pki: more changes\n\nSentences have\na verb.\n\nReviewed-by: A Person <a@example.org>\nTested: test_wire.\n"
+        short = tested("pki: many changes\n\nA review named them.\n")
+        amended = tested("pki: two good changes\n\nLists are read in order.\n")
         history.stage("few", 10)
         table = [(again, (), False, "a body that came before"), (amended, (), True, "the body of HEAD, as in an amendment"),
                  (short, (), True, "a short body for ten files")]
@@ -99,12 +112,12 @@ def history_faults(script):
         if not accepts(history.root / "scripts/hooks/commit-msg", short)[0]:
             yield "as a hook, it does not know the folders"
         history.stage("many", 11)
+        longer = short.replace("named them.", "named them. Each has its own name now, as the page of the style demands.")
         yield from faults_of(history.script, [(short, (), False, "a short body for more than ten files"),
-                                              (short[:-1] + " Each has its own name now, " + "as the page of the style demands.\n",
-                                               (), True, "a longer body for more than ten files")])
+                                              (longer, (), True, "a longer body for more than ten files")])
         history.commit(amended)
         yield from faults_of(history.script, [(amended, ("HEAD",), False, "a commit with the body of the one before")])
-        said = accepts(history.script, "pki: read lists and keys\n\nWhy.\n", "HEAD~1")
+        said = accepts(history.script, tested("pki: read lists and keys\n\nWhy.\n"), "HEAD~1")
         if not said[0] or "warning" not in said[1]:
             yield 'there is no warning of "and" in a subject'
 
@@ -121,12 +134,13 @@ def main():
         del os.environ[name]  # of a hook that runs this test: they name the repository of the hook
     script = root / "scripts/commit-msg.sh"
     found = list(history_faults(script))
-    found += [f"{message!r} is refused: {accepts(script, message)[1]}" for message in GOOD if not accepts(script, message)[0]]
-    found += [f"{message!r} is accepted" for message in BAD if accepts(script, message)[0]]
+    good, bad = [tested(message) for message in GOOD], [tested(message) for message in BAD]
+    found += [f"{message!r} is refused: {accepts(script, message)[1]}" for message in good if not accepts(script, message)[0]]
+    found += [f"{message!r} is accepted" for message in [*bad, *BAD, *UNTESTED] if accepts(script, message)[0]]
     newest = newest_commit(root)
     if newest and not accepts(script, newest[1], newest[0])[0]:
         found.append(f"the newest commit: {accepts(script, newest[1], newest[0])[1]}")
-    print("\n".join(found) if found else f"{len(GOOD)} accepted, {len(BAD)} refused")
+    print("\n".join(found) if found else f"{len(good)} accepted, {2 * len(bad) + len(UNTESTED)} refused")
     return 1 if found else 0
 
 
