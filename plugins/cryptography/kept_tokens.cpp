@@ -130,7 +130,7 @@ Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
                    const ParticipantPair& pair, MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
   if (!pair.has_reader_spoken.load(std::memory_order_acquire))
-    return fail(Code::crypto_not_matched, {.document = "a key token message"});
+    return fail(Code::crypto_tokens_early);
   DDSSEC_ASSIGN_OR_RETURN(const auto piece, read_data_piece(submessage));
   DDSSEC_ASSIGN_OR_RETURN(auto message, read_token_message(piece));
   if (!message) return {};

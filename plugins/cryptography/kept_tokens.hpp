@@ -10,7 +10,7 @@ namespace ddssec::cryptography {
 /// message that the host must not see is passed to it under a class that it does not know, because
 /// a missing message would delay all that follow. Submessages without key tokens stay unchanged.
 /// `pair` belongs to the sender's participant and the local one. Errors: those of read_data_piece,
-/// read_token_message; crypto_tokens_repeated, crypto_not_matched (not accepted now, will be sent
+/// read_token_message; crypto_tokens_repeated, crypto_tokens_early (not accepted now, will be sent
 /// again).
 ///
 /// Nothing is accepted before the local volatile reader has sent a submessage to the peer. Until

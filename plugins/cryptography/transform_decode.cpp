@@ -168,8 +168,8 @@ Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sen
 bool is_reported(const CryptographyState& state, const RemoteEndpoint& sender, const Error& error) {
   if (error.code() == Code::announcements_delayed)
     return sender.participant.discovery.work.take_report(state.services.clock.monotonic());
-  return error.code() != Code::crypto_tokens_repeated && error.code() != Code::crypto_not_matched &&
-         error.code() != Code::builtin_fragment_early;
+  return error.code() != Code::crypto_tokens_repeated &&
+         error.code() != Code::crypto_tokens_early && error.code() != Code::builtin_fragment_early;
 }
 
 // Success unless a peer asks for fragments of key tokens that it was not sent.

@@ -30,9 +30,11 @@ struct FailureReport {
 };
 /// Returns the default report: number and severity of the Code. For keys_not_permitted access
 /// control raises the event, and for announcements_delayed cryptography does, once in a while.
+/// After crypto_tokens_early the sender repeats the tokens, so it raises none.
 inline FailureReport default_report(const Error& error) {
   return {static_cast<DDS_Security_long>(error.code()), info(error.code()).severity,
-          error.code() != Code::keys_not_permitted && error.code() != Code::announcements_delayed};
+          error.code() != Code::keys_not_permitted && error.code() != Code::announcements_delayed &&
+              error.code() != Code::crypto_tokens_early};
 }
 
 /// Returns the Error for an exception. Never throws.

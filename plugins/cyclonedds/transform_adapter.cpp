@@ -138,24 +138,6 @@ void note_heard(Adapter& adapter, CHandle sender) {
   if (peers.awaits_keys()) peers.note_heard(sender, adapter.host().clock().monotonic());
 }
 
-// Cryptography refuses key tokens that come before the host can take them, and the sender repeats
-// them (cryptography/kept_tokens.hpp). That is no reason for an event.
-FailureReport as_submessage_that_comes_again(const Error& error) {
-  auto report = default_report(error);
-  if (error.code() == Code::crypto_not_matched) report.raises_event = false;
-  return report;
-}
-
-// Calls `f(adapter)`, which opens a submessage.
-template <class F>
-DDS_Security_boolean ask_to_open(Instance* instance, Exception* ex, F&& f) noexcept {
-  if (instance == nullptr) return ask<Adapter>(instance, ex, [](Adapter&) { return Status{}; });
-  auto& adapter = Adapter::of(*instance);
-  const auto outcome = at_c_boundary(
-      adapter.host(), ex, [&] { return f(adapter); }, as_submessage_that_comes_again);
-  return outcome ? 1 : 0;
-}
-
 // This code makes the host ask for its next local participant. Any other code ends the message.
 constexpr DDS_Security_long kAskNext = DDS_SECURITY_ERR_INVALID_CRYPTO_RECEIVER_SIGN_CODE;
 
@@ -240,7 +222,7 @@ DDS_Security_boolean preprocess_secure_submsg(Instance* instance, CHandle* dataw
 DDS_Security_boolean decode_datawriter_submessage(Instance* instance, Octets* plain,
                                                   const Octets* encoded, const CHandle receiver,
                                                   const CHandle sender, Exception* ex) {
-  return ask_to_open(instance, ex, [&](Adapter& adapter) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
     auto decoded = decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
       return adapter.transform().decode_datawriter_submessage({receiver}, {sender}, octets, room);
     });
@@ -252,7 +234,7 @@ DDS_Security_boolean decode_datawriter_submessage(Instance* instance, Octets* pl
 DDS_Security_boolean decode_datareader_submessage(Instance* instance, Octets* plain,
                                                   const Octets* encoded, const CHandle receiver,
                                                   const CHandle sender, Exception* ex) {
-  return ask_to_open(instance, ex, [&](Adapter& adapter) {
+  return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
     auto decoded = decode_submessage(plain, encoded, [&](BytesView octets, MutableBytes room) {
       return adapter.transform().decode_datareader_submessage({receiver}, {sender}, octets, room);
     });

@@ -129,7 +129,7 @@ TEST(TrustingHost, TokensBeforeItsReaderSpeaks_AreNotAccepted) {
       return decode_submessage(engine.two, engine.ends,
                                encode_submessage(engine.two, engine.ends, message).value());
     };
-    EXPECT_EQ(code_of(receive()), host_checks ? Code{} : Code::crypto_not_matched);
+    EXPECT_EQ(code_of(receive()), host_checks ? Code{} : Code::crypto_tokens_early);
     EXPECT_EQ(engine.two.b.events.codes(), std::vector<Code>()) << "no peer is to blame";
     EXPECT_TRUE(encode_reply(engine.two, engine.ends, acknowledgement(1, true)));
     EXPECT_TRUE(receive());
