@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/ids.hpp"
+#include "plugins/cryptography/subject_id.hpp"
 
 namespace ddssec::cryptography {
 
@@ -30,9 +31,11 @@ class AwaitedTokens {
   /// not waited.
   static constexpr std::chrono::seconds kTokenTimeout{20};
   static constexpr unsigned kMinReviews = 10;
-  /// The largest number of entries for all exchanges; further ones are not recorded. If discovery
-  /// is not protected, an attacker can invent endpoints.
-  static constexpr std::size_t kMax = 16384;
+  /// The largest numbers of entries for the participants of one certificate, which are identified
+  /// by the first six octets of the prefix (DDS-Security 1.2, clause 10.3.3), and for all; further
+  /// ones are not recorded. If discovery is not protected, an attacker can invent endpoints.
+  static constexpr std::size_t kMaxOfSubject = 16384;
+  static constexpr std::size_t kMax = 4 * kMaxOfSubject;
 
   /// Notes that the host has matched the two endpoints in that exchange and has no keys yet.
   void await(std::uint64_t exchange, const TokenKey& key, Time now);
@@ -50,7 +53,7 @@ class AwaitedTokens {
       const auto one = at++;
       auto& [since, reviews] = one->second;
       if (++reviews < kMinReviews || now - since < kTokenTimeout) continue;
-      if (!is_undecided(one->first.second, since)) awaited_.erase(one);
+      if (!is_undecided(one->first.second, since)) erase(one);
     }
   }
   /// Calls `f(key, since)` for each entry of the exchange.
@@ -67,8 +70,10 @@ class AwaitedTokens {
   };
   using All = std::map<std::pair<std::uint64_t, TokenKey>, Waiting>;
   All::iterator first_of(std::uint64_t exchange) { return awaited_.lower_bound({exchange, {}}); }
+  void erase(All::iterator entry);
 
   All awaited_;
+  std::map<SubjectId, std::size_t> of_subject_;
 };
 
 }  // namespace ddssec::cryptography

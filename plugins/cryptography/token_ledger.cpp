@@ -10,7 +10,6 @@ namespace ddssec::cryptography {
 namespace {
 
 constexpr std::string_view kDocument = "a key token message";
-constexpr std::size_t kSubjectSize = 6;
 
 bool has_place_for_ticket(std::span<const spi::Token> tokens) {
   return !tokens.empty() && !tokens.front().binary_properties.empty() &&
@@ -56,11 +55,7 @@ std::vector<spi::Token> PackedTokens::tokens() const {
 // The first six octets of a proven prefix are bound to the subject (DDS-Security 1.2,
 // clause 10.3.3).
 std::uint64_t TokenLedger::account_of(const Key& key, const TokenSender& sender) {
-  if (!sender.is_proven) return kUnproven | sender.exchange;
-  std::uint64_t subject = 0;
-  for (std::size_t i = 0; i < kSubjectSize; ++i)
-    subject = subject << 8 | key.remote.prefix.octets[i];
-  return subject;
+  return sender.is_proven ? named_subject(key.remote.prefix) : kUnproven | sender.exchange;
 }
 
 // No transformation kind begins with this first octet, so a ticket is never parsed as key

@@ -253,6 +253,24 @@ TEST(AwaitedTokensTest, AReaderThatSendsItsTokens_WaitsForThoseOfTheWriter) {
   EXPECT_FALSE(engine.is_stranded()) << "once";
 }
 
+// Each exchange of a subject awaits tokens of endpoints that it invented.
+TEST(AwaitedTokensTest, OneSubject_LeavesRoomForAnother) {
+  AwaitedTokens awaited;
+  const auto await = [&](std::uint8_t subject, std::uint64_t exchange, std::uint32_t endpoint) {
+    TokenKey key{{kPeer, kWriter}, {kOurs, kReader}};
+    key.remote.prefix.octets[0] = subject;
+    for (std::size_t i = 0; i < 3; ++i)
+      key.remote.entity.octets[i] = static_cast<std::uint8_t>(endpoint >> 8 * i);
+    awaited.await(exchange, key, seconds(1));
+    return awaited.contains(exchange, key);
+  };
+  for (std::uint32_t i = 0; i < AwaitedTokens::kMaxOfSubject; ++i) ASSERT_TRUE(await(1, i % 4, i));
+  EXPECT_FALSE(await(1, 5, AwaitedTokens::kMaxOfSubject));
+  EXPECT_TRUE(await(2, 6, 0));
+  awaited.end(3);
+  EXPECT_TRUE(await(1, 5, AwaitedTokens::kMaxOfSubject));
+}
+
 // Such a peer would not notice that we restart the session.
 TEST(AwaitedTokensTest, PeerWithOtherPlugins_StrandsNothing) {
   Engine engine(spi::kStandardCiphers);
