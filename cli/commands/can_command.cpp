@@ -117,6 +117,19 @@ Result<Documents> documents_for(const Question& question) {
   return Documents{std::move(governance), std::move(compiled)};
 }
 
+// Adds what `doctor` advises if a file of the participant is missing.
+Result<Documents> documents_or_advice(const Question& question) {
+  auto out = documents_for(question);
+  if (out || out.error().code() != Code::file_not_found) return out;
+  auto details = out.error().details();
+  const auto diagnosis = diagnosis_for(question);
+  for (const auto& check : diagnosis.checks())
+    for (const auto& finding : check.findings)
+      if (check.rule == Rule::DOC001 && finding.document == details.document)
+        details.hint = finding.hint.empty() ? std::string(info(Rule::DOC001).hint) : finding.hint;
+  return fail(Code::file_not_found, std::move(details));
+}
+
 // Judges the certificate as every peer does.
 Status check_identity(const Question& question) {
   if (!question.folder.certificate) return std::unexpected(question.folder.certificate.error());
@@ -264,7 +277,7 @@ std::string permission_hint(const Question& question) {
 // Takes the same steps as `check`: identity, grant, joining, topic rule and rights.
 Result<Ruling> answer_to(const Question& question) {
   if (auto answer = by_revocation(question.folder.paths)) return *std::move(answer);
-  DDSSEC_ASSIGN_OR_RETURN(const auto documents, documents_for(question));
+  DDSSEC_ASSIGN_OR_RETURN(const auto documents, documents_or_advice(question));
   const auto& [governance, grant] = documents;
   DDSSEC_RETURN_IF_ERROR(check_identity(question));
   const auto& domain_rule = governance->domain_rule();

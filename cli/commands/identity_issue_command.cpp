@@ -90,11 +90,15 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findin
 }
 
 // Names the files that the participant needs to start and that this command was not given.
-std::string missing_documents(bool has_permissions, bool has_governance) {
+std::string missing_documents(const pki::ParticipantFolder& files) {
   std::string out;
-  if (!has_governance)
+  if (!path_exists(files.permissions_ca))
+    out +=
+        "no permissions_ca.pem is in it yet, since --ca has no permissions CA: copy ca.pem of the "
+        "permissions CA there under this name\n";
+  if (!path_exists(files.governance))
     out += "no governance.p7s is in it yet: --governance FILE copies a signed one\n";
-  if (!has_permissions)
+  if (!path_exists(files.permissions))
     out +=
         "no permissions are in it yet: --publish and --subscribe, or --permissions FILE, make "
         "them\n";
@@ -190,10 +194,9 @@ Result<Issued> issue(IssueRequest& request) {
 Result<IssueAnswer> issue_answer(IssuedFacts issued, Report report, const IssueRequest& request,
                                  Result<std::vector<WrittenFile>> committed) {
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
-  const bool has_permissions = path_exists(request.files.permissions);
-  const bool has_governance = path_exists(request.files.governance);
-  report.text += missing_documents(has_permissions, has_governance);
-  if (has_permissions && has_governance)
+  const auto missing = missing_documents(request.files);
+  report.text += missing;
+  if (missing.empty())
     report.text += configuration_lines(request.spec.name, request.target);
   if (!request.spec.dropin.empty() || leaves_libraries_open(request.target))
     report.text += drop_in_line(request.spec.dropin);
@@ -287,16 +290,15 @@ Status check_same(const IssueRequest& request, const pki::Certificate& certifica
 
 Status add_permissions(const IssueRequest& request, const pki::Certificate& certificate,
                        Completion& out) {
-  const auto now = request.context.clock.calendar_seconds();
-  const auto paths = ca_paths(request.arguments.text("--ca"), "permissions");
   if (!request.spec.has_permissions()) {
-    if (!path_exists(request.files.permissions) && request.governance.empty()) return {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(paths.certificate));
-    const auto trust = to_pem(certificates);
-    return out.add(request.files.permissions_ca, as_bytes(trust), 0644, true);
+    const bool is_used = path_exists(request.files.permissions) || !request.governance.empty();
+    DDSSEC_ASSIGN_OR_RETURN(const auto trust, permissions_trust(request.arguments, is_used));
+    if (trust.empty()) return {};
+    return out.add(request.files.permissions_ca, as_bytes(trust), 0644, is_used);
   }
   if (path_exists(request.files.permissions))
     return refuse_existing(request.files.permissions, "the participant has permissions");
+  const auto now = request.context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(request.arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(const auto xml,
                           with_default_document(permissions_xml(request.spec, certificate, now),
@@ -358,8 +360,10 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
   const auto& files = request.files;
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.identity_ca, cas.identity.trust_pem));
-  if (cas.permissions)
-    DDSSEC_RETURN_IF_ERROR(out.put_public(files.permissions_ca, cas.permissions->trust_pem));
+  // Documents that stay may be of another permissions CA, and then its certificate stays, too.
+  const bool is_ca_used = cas.permissions || !request.governance.empty();
+  if (!cas.permissions_trust.empty() && (is_ca_used || !path_exists(files.permissions_ca)))
+    DDSSEC_RETURN_IF_ERROR(out.put_public(files.permissions_ca, cas.permissions_trust));
   if (!made.permissions.empty())
     DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, made.permissions, 0644));
   const auto plain = fs::path(files.permissions).replace_extension("xml");

@@ -251,7 +251,7 @@ Result<Answer<Initialised>> init(const Arguments& arguments, const Context& cont
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, make_ca(plan, "Permissions", context));
   DDSSEC_ASSIGN_OR_RETURN(const auto crl, first_crl(identity.authority));
   const auto list = crl.pem();
-  const Issuers issuers{identity, &permissions, list};
+  const Issuers issuers{identity, &permissions, list, permissions.trust_pem};
   DDSSEC_RETURN_IF_ERROR(add_cas(folder, plan, identity, permissions, crl));
 
   const auto xml = to_xml(governance::governance_of(plan.profile, plan.domains));

@@ -6,17 +6,30 @@
 #include "cli/ca/subject_overlap.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/interruption.hpp"
+#include "cli/inputs/files.hpp"
 
 namespace ddssec::cli {
+
+Result<std::string> permissions_trust(const Arguments& arguments, bool signs_documents) {
+  const std::filesystem::path given = arguments.text("--ca");
+  const auto file = ca_paths(given, "permissions").certificate;
+  const bool is_other = path_exists(file) && file != ca_paths(given, "identity").certificate;
+  if (!is_other && !signs_documents) return std::string();
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificates, read_certificates(file));
+  return to_pem(certificates);
+}
 
 Result<IssuingCas> open_issuing_cas(const Arguments& arguments, bool with_permissions,
                                     WallTime now) {
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(auto identity, opener.open("identity"));
-  IssuingCas out{std::move(identity), std::nullopt, std::nullopt, {}};
+  IssuingCas out{std::move(identity), std::nullopt, std::nullopt, {}, {}};
   if (with_permissions) {
     DDSSEC_ASSIGN_OR_RETURN(out.permissions, opener.open("permissions"));
   }
+  DDSSEC_ASSIGN_OR_RETURN(
+      out.permissions_trust,
+      permissions_trust(arguments, with_permissions || arguments.has("--governance")));
   DDSSEC_ASSIGN_OR_RETURN(out.list, list_for_newcomers(out.identity.paths, now));
   if (out.list) {
     DDSSEC_ASSIGN_OR_RETURN(out.crl, file_of_lists(out.identity.paths, *out.list));

@@ -18,13 +18,20 @@ struct IssuingCas {
   OpenCa identity;
   std::optional<OpenCa> permissions;
   std::optional<pki::Crl> list;
-  std::string crl;  ///< `list` in PEM
+  std::string crl;                ///< `list` in PEM
+  std::string permissions_trust;  ///< as permissions_trust() returns it
 
   /// Returns the issuers for a participant with or without permissions.
   Issuers issuers(bool with_permissions) const {
-    return {identity, with_permissions ? &*permissions : nullptr, crl};
+    return {identity, with_permissions ? &*permissions : nullptr, crl, permissions_trust};
   }
 };
+
+/// Returns the certificates of the permissions CA below --ca, in PEM: a participant needs them,
+/// also if its documents come later. No key is read. --ca may be the folder of one CA. It is taken
+/// for the permissions CA only if it signs a document of the participant; otherwise the result is
+/// empty.
+Result<std::string> permissions_trust(const Arguments& arguments, bool signs_documents);
 
 /// Opens the CAs below --ca; the permissions CA only `with_permissions`. Errors: those of
 /// CaOpener::open and list_for_newcomers.

@@ -160,8 +160,8 @@ Status add_flat(NewFolder& folder, const fs::path& below, const NewParticipant& 
   DDSSEC_ASSIGN_OR_RETURN(const auto pem, participant.self.key.to_pem());
   DDSSEC_RETURN_IF_ERROR(
       pem.expose([&](BytesView octets) { return folder.add(files.key, octets, 0600); }));
-  if (issuers.permissions != nullptr)
-    DDSSEC_RETURN_IF_ERROR(folder.add_public(files.permissions_ca, issuers.permissions->trust_pem));
+  if (!issuers.permissions_trust.empty())
+    DDSSEC_RETURN_IF_ERROR(folder.add_public(files.permissions_ca, issuers.permissions_trust));
   if (!participant.permissions.empty())
     DDSSEC_RETURN_IF_ERROR(folder.add(files.permissions, participant.permissions, 0644));
   if (!governance.empty()) DDSSEC_RETURN_IF_ERROR(folder.add(files.governance, governance, 0644));

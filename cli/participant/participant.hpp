@@ -52,6 +52,8 @@ struct Issuers {
   const OpenCa& identity;
   const OpenCa* permissions = nullptr;  ///< nullptr: permissions cannot be signed
   std::string_view crl = {};            ///< from list_for_newcomers
+  /// The permissions CA's certificates in PEM, also if it signs nothing now; empty: none is known.
+  std::string_view permissions_trust = {};
 };
 
 /// Returns the validity `wanted`, which does not begin before the CA's. An end after the CA's is

@@ -88,7 +88,7 @@ void judge_start(const MeetingScene& scene, int index) {
     add_finding(scene, Rule::DOC090, out,
                 fmt::format("{} cannot start on its own with {}: {}", party.name, party.product(),
                             out.reason),
-                why->hint);
+                why->hint.empty() ? std::string(info(why->rule).hint) : why->hint);
   }
   note_revocation(scene, party, diagnosis);
   if (settings.may_run_elsewhere) note_places(scene, party, diagnosis);

@@ -125,6 +125,46 @@ class Identity(Transcript):
         self.assertNotIn("yet", done.stdout)
         self.json("doctor", "whole", *NOW)
 
+    def test_Issue_WithGovernanceAndNoRights_WritesThePermissionsCaSoThatTheHintsSuffice(self):
+        self.governance()
+        out = self.run_with_secret(self.json, *self.issue("--governance", "governance.p7s"))
+        self.assertIn("talker/permissions_ca.pem", [f["path"] for f in out["files_written"]])
+        hint = self.json("can", "talker", "publish", "x", *NOW, exit=3)["diagnostics"][0]["hint"]
+        found = re.search(r"ddssec (permissions new .*)", hint)
+        self.assertIsNotNone(found, hint)
+        words = found[1].replace("TOPIC", "x").replace("--ca CA", "--ca ca").split()
+        self.run_with_secret(self.run_program, *words, *NOW)
+        self.json("doctor", "talker", *NOW)
+        self.json("can", "talker", "publish", "x", *NOW)
+
+    def test_Issue_OfAFleetWithoutRights_WritesThePermissionsCa(self):
+        (self.at / "fleet.toml").write_text('[[participant]]\nname = "a"\n[[participant]]\nname = "b"\npublish = ["x"]\n')
+        self.run_with_secret(self.run_program, "identity", "issue", "--from", "fleet.toml", "--ca", "ca", "-o", "fleet", *NOW)
+        for name in ("a", "b"):
+            self.assertEqual((self.at / f"fleet/{name}/permissions_ca.pem").read_bytes(),
+                             (self.at / "ca/permissions/ca.pem").read_bytes())
+
+    def test_Issue_WithAnIdentityCaAlone_SaysThatThePermissionsCaIsMissing(self):
+        done = self.run_with_secret(self.run_program, "identity", "issue", "x", "--ca", "ca/identity", "-o", "x", *NOW)
+        self.assertIn("no permissions_ca.pem is in it yet, since --ca has no permissions CA: copy ca.pem", done.stdout)
+        self.assertFalse((self.at / "x/permissions_ca.pem").exists())
+        shutil.copy(self.at / "ca/identity/ca.pem", self.at / "x/permissions_ca.pem")
+        out = self.run_with_secret(self.json, "identity", "issue", "x", "--ca", "ca", "-o", "x", "--replace", *NOW)
+        self.assertNotIn("x/permissions_ca.pem", [f["path"] for f in out["files_written"]], "it may be of documents to come")
+
+    def test_CanAndCheck_OfAFolderWithoutPermissionsCa_AdviseAsDoctorDoes(self):
+        self.governance()
+        self.run_with_secret(self.run_program, *self.issue("--governance", "governance.p7s", "--publish", "x"))
+        (self.at / "talker/permissions_ca.pem").unlink()
+        told = self.json("can", "talker", "publish", "x", *NOW, exit=3)["diagnostics"][0]
+        self.assertEqual((told["id"], told["file"]), ("file_not_found", "talker/permissions_ca.pem"))
+        hints = [told["hint"]] + [d["hint"] for d in self.json("check", "talker", "talker", *NOW, exit=1)["diagnostics"]
+                                  if d["id"] == "DOC090"]
+        advice = self.json("explain", "DOC001")["result"]["hint"]
+        self.assertEqual(hints, [advice] * 3)
+        self.json(*self.issue())  # as the hint says, this adds what is missing
+        self.json("can", "talker", "publish", "x", *NOW)
+
     def test_a_request_that_its_key_did_not_sign_gets_nothing(self):
         self.run_program("identity", "csr", "device", "-o", "device")
         request = self.at / "device/request.pem"
@@ -241,7 +281,7 @@ class Identity(Transcript):
         self.governance()
         before = self.octets()
         out = self.json(*self.issue("--governance", "governance.p7s"))  # no key is needed for that
-        self.assertEqual({f["path"] for f in out["files_written"]}, {"talker/governance.p7s", "talker/permissions_ca.pem"})
+        self.assertEqual({f["path"] for f in out["files_written"]}, {"talker/governance.p7s"})
         out = self.run_with_secret(self.json, *self.issue("--publish", "x", "--subscribe", "y"))
         self.assertEqual({f["path"] for f in out["files_written"]}, {"talker/permissions.p7s"})
         self.assertEqual({name: self.octets()[name] for name in before}, before)
