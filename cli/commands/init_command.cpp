@@ -227,7 +227,7 @@ Snippets snippets_of(const Plan& plan) {
   const auto files = pki::participant_folder(
       plan.target / (sros2 ? enclave_folder(first) : fs::path(first)), plan.layout);
   Snippets out{cyclonedds_snippet(files, plan.dropin), fastdds_snippet(files)};
-  if (sros2) out.ros2 = ros2_snippet(plan.target, first);
+  if (sros2) out.ros2 = ros2_snippet(plan.target, first, plan.domains);
   return out;
 }
 

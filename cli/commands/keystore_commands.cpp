@@ -309,7 +309,10 @@ Result<Answer<MadeEnclave>> keystore_enclave(const Arguments& arguments, const C
   }
   if (job.is_again)
     out.report.text += former_certificate_text(job.files.certificate, job.keystore, now);
-  out.report.text += ros2_snippet(job.keystore, job.name);
+  out.report.text +=
+      ros2_snippet(job.keystore, job.name, spec.domains) +
+      fmt::format("# in the same terminal, ddssec doctor {} --ros checks these variables\n",
+                  shell_word(job.target.string()));
   DDSSEC_ASSIGN_OR_RETURN(out.report.files_written,
                           put_enclave(job, folder, made, identity, signer));
   return out;

@@ -9,6 +9,8 @@
 #include "base/shell_word.hpp"
 #include "base/text.hpp"
 #include "cli/inputs/files.hpp"
+#include "governance/doctor/domains_of_folder.hpp"
+#include "governance/doctor/library_search.hpp"
 #include "pki/certificate_source.hpp"
 
 namespace ddssec::cli {
@@ -18,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr auto kCycloneDdsFile = "cyclonedds.xml";
 constexpr auto kFastDdsFile = "fastdds.xml";
+constexpr auto kDropin = "DROPIN";  // stands for a folder that is not known
 
 std::string xml_text(std::string_view text) {
   std::string out;
@@ -175,12 +178,24 @@ std::string fastdds_snippet(const pki::ParticipantFolder& folder) {
          "    </properties></propertiesPolicy>\n  </rtps></participant>\n</profiles>\n";
 }
 
-std::string ros2_snippet(const fs::path& keystore, const std::string& enclave) {
+std::string ros2_snippet(const fs::path& keystore, const std::string& enclave,
+                         const std::vector<governance::DomainRange>& domains) {
+  const auto dropin = governance::doctor::own_dropin();
+  const bool is_in_domain_0 = domains.empty() || governance::doctor::contains(domains, 0);
   return fmt::format(
+      "# after sourcing setup.bash of ROS 2, which sets LD_LIBRARY_PATH{}:\n"
       "export ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce\n"
       "export ROS_SECURITY_KEYSTORE={}\n"
+      "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp\n"
+      "{}\n{}"
       "ros2 run PACKAGE NODE --ros-args --enclave {}\n",
-      shell_word(whole_path(keystore)), enclave);
+      dropin.empty() ? fmt::format(". {} is the folder with ddssec's libdds_security_*.so", kDropin)
+                     : std::string(),
+      shell_word(whole_path(keystore)),
+      governance::doctor::library_path_line(dropin.empty() ? kDropin : dropin),
+      is_in_domain_0 ? std::string()
+                     : fmt::format("export ROS_DOMAIN_ID={}\n", domains.front().first),
+      enclave);
 }
 
 }  // namespace ddssec::cli

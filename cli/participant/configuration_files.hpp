@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "governance/model.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::cli {
@@ -45,7 +46,9 @@ std::string cyclonedds_snippet(const pki::ParticipantFolder& folder,
 /// FASTDDS_DEFAULT_PROFILES_FILE).
 std::string fastdds_snippet(const pki::ParticipantFolder& folder);
 
-/// Returns environment variables of ROS 2 for an enclave of a keystore.
-std::string ros2_snippet(const std::filesystem::path& keystore, const std::string& enclave);
+/// Returns commands for a shell that start a ROS 2 node in an enclave of a keystore, on Cyclone DDS
+/// with ddssec's plugins. `domains` are those of the enclave's documents.
+std::string ros2_snippet(const std::filesystem::path& keystore, const std::string& enclave,
+                         const std::vector<governance::DomainRange>& domains);
 
 }  // namespace ddssec::cli

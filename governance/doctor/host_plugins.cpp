@@ -156,13 +156,11 @@ std::string sign_of_ours(const fs::path& folder, const std::vector<HostPlugin>& 
 }
 
 std::string hint_for(const LoaderPlaces& places) {
-  const auto what =
-      places.dropin.empty()
-          ? "let LD_LIBRARY_PATH begin with the folder that has ddssec's three "
-            "libdds_security_*.so (lib/ddssec/dropin of an installation, "
-            "build/release/dropin of a build)"
-          : fmt::format("export LD_LIBRARY_PATH={}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}",
-                        shell_word(places.dropin.string()));
+  const auto what = places.dropin.empty()
+                        ? "let LD_LIBRARY_PATH begin with the folder that has ddssec's three "
+                          "libdds_security_*.so (lib/ddssec/dropin of an installation, "
+                          "build/release/dropin of a build)"
+                        : library_path_line(places.dropin);
   return what + " where the application starts; the application's log then says plugins_in_use";
 }
 

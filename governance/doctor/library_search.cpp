@@ -12,6 +12,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
+#include "base/shell_word.hpp"
 #include "governance/doctor/installed_version.hpp"
 #include "governance/doctor/loader_subfolders.hpp"
 
@@ -147,7 +150,8 @@ FoundLibrary found_in_cache(const LoaderPlaces& places, std::string_view name) {
   return out;
 }
 
-// The folder with the drop-in of this very program, in an installation or in a build.
+}  // namespace
+
 fs::path own_dropin() {
   std::error_code error;
   const auto program = fs::read_symlink("/proc/self/exe", error);
@@ -158,7 +162,10 @@ fs::path own_dropin() {
   return {};
 }
 
-}  // namespace
+std::string library_path_line(const fs::path& dropin) {
+  return fmt::format("export LD_LIBRARY_PATH={}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}",
+                     shell_word(dropin.string()));
+}
 
 LoaderPlaces LoaderPlaces::here() {
   const char* const path = std::getenv("LD_LIBRARY_PATH");

@@ -27,6 +27,13 @@ struct LoaderPlaces {
   static LoaderPlaces here();
 };
 
+/// Returns the folder with the drop-in of this program's installation or build; empty if there is
+/// none.
+std::filesystem::path own_dropin();
+
+/// Returns the shell command after which a process finds ddssec's plugins in this folder first.
+std::string library_path_line(const std::filesystem::path& dropin);
+
 /// The loader's reaction to a file.
 enum class LibraryState : std::uint8_t {
   absent,    ///< not there, not readable, or for another class of machine: the search goes on
