@@ -132,6 +132,15 @@ std::vector<std::string> IssueLog::places() const {
   return out;
 }
 
+std::vector<std::string> IssueLog::revoked_places() const {
+  const auto valid = places();
+  std::unordered_set<std::string> seen(valid.begin(), valid.end());
+  std::vector<std::string> out;
+  for (const auto& one : issued_)
+    if (!one.folder.empty() && seen.insert(one.place()).second) out.push_back(one.place());
+  return out;
+}
+
 std::unordered_set<std::string> IssueLog::present_places() const {
   std::unordered_set<std::string> out;
   std::unordered_map<std::string, const IssuedCertificate*> last;

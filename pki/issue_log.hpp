@@ -74,6 +74,8 @@ class IssueLog {
   std::optional<WallTime> latest_before(WallTime limit) const;
   /// Returns the places of all certificates that are not revoked, each once.
   std::vector<std::string> places() const;
+  /// Returns the places at which every certificate is revoked, each once.
+  std::vector<std::string> revoked_places() const;
   /// Returns the places that no participant has left: those of the last certificate of each subject
   /// and key, and those of certificates whose key is not known.
   std::unordered_set<std::string> present_places() const;

@@ -182,6 +182,29 @@ bool are_all_revoked(const pki::IssueLog& log) {
   return log.places().empty() && std::ranges::any_of(log.issued(), has_folder);
 }
 
+std::vector<std::string> revoked_folders(const CaPaths& ca, const pki::IssueLog& log) {
+  const LoggedFolders logged(ca, log);
+  std::vector<std::string> out;
+  std::set<fs::path> seen;
+  const auto look = [&](const fs::path& folder) {
+    const auto certificate = certificate_of_others(folder);
+    if (certificate && log.is_revoked(certificate->serial()) &&
+        !logged.is_of_another_copy(folder) && seen.insert(folder).second)
+      out.push_back(folder.string());
+  };
+  for (const auto& place : log.revoked_places()) look(logged.today(place));
+  if (const auto& keystore = logged.keystore())
+    for (const auto& name : enclaves_of(*keystore).names) look(*keystore / enclave_folder(name));
+  return out;
+}
+
+std::string revoked_folders_text(const std::vector<std::string>& folders) {
+  return lines(
+      "left out: the certificate is revoked, so that other participants refuse this one when they "
+      "have the list; to put the list here too, name the folder",
+      folders);
+}
+
 std::string places_text(const ParticipantPlaces& places, const CaPaths& ca) {
   const auto crl = ca.crl.string();
   auto out =

@@ -73,6 +73,14 @@ Result<ParticipantPlaces> participant_places(const CaPaths& ca, const pki::Issue
 /// needs a revocation list.
 bool are_all_revoked(const pki::IssueLog& log);
 
+/// Returns the folders on this machine whose certificates are revoked. They get no revocation list
+/// unless they are named: peers refuse the participant, whatever list it has. For a keystore's CA,
+/// they may be enclaves that are not in the log.
+std::vector<std::string> revoked_folders(const CaPaths& ca, const pki::IssueLog& log);
+
+/// Returns lines of text about the result of revoked_folders; empty if there are none.
+std::string revoked_folders_text(const std::vector<std::string>& folders);
+
 /// Returns lines of text about all places except `here`, and about copies of folders.
 std::string places_text(const ParticipantPlaces& places, const CaPaths& ca);
 

@@ -174,7 +174,9 @@ std::optional<Ruling> by_revocation(const pki::ParticipantFolder& folder) {
   if (newer && governance::doctor::lists_certificate(newer->list, *certificate)) {
     auto out = answer(newer->list, newer->file);
     out.because += ", which crl.pem here lacks: participants without that list still accept it";
-    out.hint = "give the participants the list, and they refuse it: ddssec crl distribute --ca CA";
+    out.hint =
+        "give the other participants the list, and they refuse it: ddssec crl distribute --ca CA, "
+        "which leaves out this folder";
     return out;
   }
   for (const auto& list : *own)

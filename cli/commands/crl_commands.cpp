@@ -363,6 +363,11 @@ Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
   DDSSEC_ASSIGN_OR_RETURN(auto distributed,
                           distribute(paths, given, now, recipient.here, lock.has_value()));
   auto& [crl, done] = distributed;
+  std::vector<std::string> revoked;
+  if (arguments.all("DIRS").empty()) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto log, read_issue_log(paths));
+    revoked = revoked_folders(paths, log);
+  }
   // Counts the entries of both CAs, because they are distributed together.
   const auto renewals = renewals_of(given, &crl).list;
   Answer<DistributedLists> answer{
@@ -372,8 +377,9 @@ Result<Answer<DistributedLists>> crl_distribute(const Arguments& arguments,
        .elsewhere = recipient.elsewhere,
        .left_behind = recipient.left_behind,
        .of_other_cas = recipient.of_other_cas,
+       .of_revoked = revoked,
        .without_permissions = done.without_permissions},
-      {.text = places_text(recipient, paths)}};
+      {.text = places_text(recipient, paths) + revoked_folders_text(revoked)}};
   std::ranges::copy(recipient.other_copies, std::back_inserter(answer.result.elsewhere));
   auto& report = answer.report;
   if (recipient.is_empty())

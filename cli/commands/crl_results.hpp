@@ -140,7 +140,8 @@ struct RenewalCounts {
 struct DistributedLists {
   ListHead list;
   RenewalCounts renewals;
-  std::vector<std::string> folders, elsewhere, left_behind, of_other_cas, without_permissions = {};
+  std::vector<std::string> folders, elsewhere, left_behind, of_other_cas, of_revoked = {},
+                                                                          without_permissions = {};
 
   static constexpr auto fields() {
     using Self = DistributedLists;
@@ -151,6 +152,7 @@ struct DistributedLists {
             field<&Self::elsewhere>({"folders that the log knows and this machine does not have"}),
             field<&Self::left_behind>({"here, with a certificate from before a rotation"}),
             field<&Self::of_other_cas>({"here, with a certificate of another CA"}),
+            field<&Self::of_revoked>({"here, with a revoked certificate: they get no list"}),
             field<&Self::renewals>({"entries of the renewal list"}),
             field<&Self::without_permissions>(
                 {"folders that get none of its permissions: no permissions CA is in them"})));

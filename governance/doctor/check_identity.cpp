@@ -295,9 +295,10 @@ void report_revoked(const LoadedFolder& folder, const CaList& newer, Diagnosis& 
       .document = newer.file};
   if (counts) {
     finding.hint =
-        "give the participants the list, and they refuse it: ddssec crl distribute --ca CA; if its "
-        "holder is still to be trusted, issue the participant again in its folder, with a new "
-        "key: ddssec identity issue --replace";
+        "the revocation cannot be undone. If its holder is still to be trusted, issue the "
+        "participant again in its folder, with a new key: ddssec identity issue --replace, for ROS "
+        "2 ddssec keystore enclave --replace. If not, let the others refuse it: ddssec crl "
+        "distribute --ca CA gives them the list, and leaves out this folder";
   } else {
     finding.hint =
         "if the overlap has not ended, end it now: ddssec ca rotate CA --role identity --end";

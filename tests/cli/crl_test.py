@@ -82,9 +82,27 @@ class Revocation(Transcript):
         told = self.json("can", "demo/x", "publish", "Square", *NOW, exit=1)
         self.assertIn("which crl.pem here lacks: participants without that list still accept it", told["result"]["because"])
         self.assertIn("ddssec crl distribute", told["diagnostics"][0]["hint"])
-        self.run_program("crl", "distribute", "--ca", "demo", *NOW)
+        out = self.json("crl", "distribute", "--ca", "demo", *NOW)["result"]
+        self.assertEqual(out["of_revoked"], [str(self.at / "demo/x")])
+        self.assertNotIn(str(self.at / "demo/x"), out["folders"])
         for vendor in ("cyclonedds", "fastdds", "ddssec"):
             self.assertFalse(self.meet(vendor, 1)["result"]["talk"])
+
+    def test_Distribute_WithARevokedParticipant_SaysWhyItsFolderIsLeftOutAndDoctorAdvisesNoCircle(self):
+        self.meet("ddssec", 0)
+        self.run_program("identity", "revoke", "demo/x", "--ca", "demo", *NOW)
+        told = self.run_program("crl", "distribute", "--ca", "demo", *NOW).stdout
+        self.assertRegex(told, f"left out: the certificate is revoked, so that other participants refuse .*:\n    {self.at}/demo/x\n")
+        (told,) = [d for d in self.json("doctor", "demo/x", *NOW, exit=1)["diagnostics"] if d["id"] == "DOC024"]
+        self.assertRegex(told["hint"], "cannot be undone.*identity issue --replace.*crl distribute.*leaves out this folder$")
+        out = self.json("crl", "distribute", "demo/x", "--ca", "demo", *NOW)["result"]  # as the text says
+        self.assertEqual((out["folders"], out["of_revoked"]), (["demo/x"], []))
+        (told,) = [d for d in self.json("doctor", "demo/x", *NOW, exit=1)["diagnostics"] if d["id"] == "DOC024"]
+        self.assertIn("was revoked", told["message"])
+        self.run_program("identity", "issue", "x", "--ca", "demo", "-o", "demo/x", "--publish", "Square", "--replace", *NOW)
+        out = self.json("crl", "distribute", "--ca", "demo", *NOW)["result"]
+        self.assertEqual(out["of_revoked"], [])
+        self.assertIn(str(self.at / "demo/x"), out["folders"])
 
     def meet(self, vendor, exit):
         if not (self.at / "demo").exists():

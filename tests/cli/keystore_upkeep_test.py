@@ -111,7 +111,8 @@ class Upkeep(KeystoreTest):
             self.assertEqual(states, {"CN=/a": "revoked", "CN=/b": "ok"})
             told = [(d["id"], d["severity"]) for d in self.json("doctor", "ks/enclaves/b", *NOW)["diagnostics"]]
             self.assertEqual(told, [] if distributed else [("DOC023", "warning")])
-            self.run_program("crl", "distribute", "--ca", "ks", *NOW)
+            out = self.json("crl", "distribute", "--ca", "ks", *NOW)["result"]
+            self.assertEqual(out["of_revoked"], [str(self.at / "ks/enclaves/a")])
 
     def test_a_list_that_the_ca_did_not_sign_counts_for_nothing(self):
         self.create()

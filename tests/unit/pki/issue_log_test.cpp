@@ -122,6 +122,18 @@ TEST(IssueLog, PlacesThatAParticipantHasLeft_AreNotPresent) {
   EXPECT_EQ(log.places().size(), 4u);
 }
 
+TEST(IssueLog, PlacesWithRevokedCertificatesAlone_AreRevokedPlaces) {
+  const auto revoked = [](const std::string& serial) {
+    return IssueLog::revoked_line({serial, WallTime{}, RevocationReason::unspecified});
+  };
+  const auto log =
+      IssueLog::parse(as_bytes(line_of("0A", "1", "k", "/a") + line_of("0B", "2", "k", "/a") +
+                               line_of("0C", "3", "l", "/c") + line_of("0D", "4", "m", "") +
+                               revoked("0A") + revoked("0C") + revoked("0D") + revoked("0E")));
+  EXPECT_EQ(log.revoked_places(), std::vector<std::string>{"/c"});
+  EXPECT_EQ(log.places(), std::vector<std::string>{"/a"});
+}
+
 TEST(IssueLog, ADamagedLine_IsToldAndTheOthersCount) {
   const std::string good =
       R"({"event":"revoked","time":"2026-11-21T00:00:00Z","serial":"0A","reason":"superseded"})"
