@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "base/tool_code.hpp"
+#include "cli/ca/revocation_lists.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/frame/notices.hpp"
 #include "cli/inputs/files.hpp"
@@ -398,6 +399,29 @@ Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
   if (draft.is_empty && !path_exists(files.renewals)) return {};
   if (present && as_text(*present) == draft.text) return {};
   return out.put_public(files.renewals, draft.text);
+}
+
+void refresh_renewals(const fs::path& ca, const pki::ParticipantFolder& files, WallTime now,
+                      Report& report) {
+  if (!path_exists(files.renewals)) return;
+  const auto written = [&]() -> Result<std::vector<WrittenFile>> {
+    const auto paths = ca_paths(ca, "identity");
+    DDSSEC_ASSIGN_OR_RETURN(const auto crl, present_crl(paths));
+    auto renewals = renewals_of(ca, crl ? &*crl : nullptr);
+    // Revoked entries of a CA without a list of its own leave the folder, too.
+    DDSSEC_ASSIGN_OR_RETURN(auto cas, read_certificates(paths.certificate));
+    std::ranges::move(cas, std::back_inserter(renewals.cas));
+    KnownRenewals known;
+    FileTransaction out;
+    DDSSEC_RETURN_IF_ERROR(
+        put_renewals(out, files, {renewals.list, renewals.cas, renewals.revoked, now, known}));
+    return out.commit_each();
+  }();
+  if (!written) return report.errors.push_back(written.error());
+  if (!written->empty())
+    report.text += fmt::format("{}  renewal list, made again without revoked certificates\n",
+                               files.renewals.string());
+  std::ranges::copy(*written, std::back_inserter(report.files_written));
 }
 
 bool takes_permissions(const pki::ParticipantFolder& files) {

@@ -89,6 +89,13 @@ struct RenewalsForFolder {
 Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
                     const RenewalsForFolder& what);
 
+/// Makes the renewal list of a participant again, if it has one, after it got another certificate.
+/// `ca` is the folder of its CA. The list may have only entries that the CA has revoked since, and
+/// the participant would refuse it (1386). Adds the written file and a line of text to the report,
+/// or the error: the certificate stands without the list.
+void refresh_renewals(const std::filesystem::path& ca, const pki::ParticipantFolder& files,
+                      WallTime now, Report& report);
+
 /// True if put_renewals can judge permissions, because a permissions CA is in the folder. Otherwise
 /// it adds none, and the present ones stay.
 bool takes_permissions(const pki::ParticipantFolder& files);

@@ -8,6 +8,7 @@
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/ca/signed_documents.hpp"
 #include "cli/ca/subject_overlap.hpp"
@@ -87,22 +88,6 @@ Result<ParticipantSpec> spec_of(const Arguments& arguments, WallTime now, Findin
   DDSSEC_ASSIGN_OR_RETURN(spec.permissions,
                           read_file(arguments.text("--permissions"), pki::kMaxDocumentOctets));
   return spec;
-}
-
-// Names the files that the participant needs to start and that this command was not given.
-std::string missing_documents(const pki::ParticipantFolder& files) {
-  std::string out;
-  if (!path_exists(files.permissions_ca))
-    out +=
-        "no permissions_ca.pem is in it yet, since --ca has no permissions CA: copy ca.pem of the "
-        "permissions CA there under this name\n";
-  if (!path_exists(files.governance))
-    out += "no governance.p7s is in it yet: --governance FILE copies a signed one\n";
-  if (!path_exists(files.permissions))
-    out +=
-        "no permissions are in it yet: --publish and --subscribe, or --permissions FILE, make "
-        "them\n";
-  return out;
 }
 
 using IssuedParticipants = std::variant<IssuedFacts, IssuedFleet>;
@@ -194,10 +179,9 @@ Result<Issued> issue(IssueRequest& request) {
 Result<IssueAnswer> issue_answer(IssuedFacts issued, Report report, const IssueRequest& request,
                                  Result<std::vector<WrittenFile>> committed) {
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, std::move(committed));
-  const auto missing = missing_documents(request.files);
+  const auto missing = missing_files_text(request.files);
   report.text += missing;
-  if (missing.empty())
-    report.text += configuration_lines(request.spec.name, request.target);
+  if (missing.empty()) report.text += configuration_lines(request.spec.name, request.target);
   if (!request.spec.dropin.empty() || leaves_libraries_open(request.target))
     report.text += drop_in_line(request.spec.dropin);
   warn_of_rights(request.spec, request.arguments.text("--permissions"), report);
@@ -392,8 +376,11 @@ Result<IssueAnswer> write_folder(IssueRequest& request) {
   Report report;
   report.text = former_certificate_text(request.files.certificate, request.arguments.text("--ca"),
                                         request.context.clock.calendar_seconds());
-  return issue_answer(issued_of(request, made.self.certificate), std::move(report), request,
-                      out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(auto answer, issue_answer(issued_of(request, made.self.certificate),
+                                                    std::move(report), request, out.commit()));
+  refresh_renewals(request.arguments.text("--ca"), files, request.context.clock.calendar_seconds(),
+                   answer.report);
+  return answer;
 }
 
 // Fills a folder without a participant. No file of one may be in it.

@@ -10,6 +10,7 @@
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/governance_revision.hpp"
 #include "cli/ca/logged_certificate.hpp"
+#include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/ca/signed_documents.hpp"
 #include "cli/ca/subject_overlap.hpp"
@@ -315,6 +316,7 @@ Result<Answer<MadeEnclave>> keystore_enclave(const Arguments& arguments, const C
                   shell_word(job.target.string()));
   DDSSEC_ASSIGN_OR_RETURN(out.report.files_written,
                           put_enclave(job, folder, made, identity, signer));
+  if (job.is_again) refresh_renewals(job.keystore, job.files, now, out.report);
   return out;
 }
 

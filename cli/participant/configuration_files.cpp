@@ -134,6 +134,21 @@ std::string configuration_lines(std::string_view name, const fs::path& folder) {
       fastdds);
 }
 
+std::string missing_files_text(const pki::ParticipantFolder& files) {
+  std::string out;
+  if (!path_exists(files.permissions_ca))
+    out +=
+        "no permissions_ca.pem is in it yet, since --ca has no permissions CA: copy ca.pem of the "
+        "permissions CA there under this name\n";
+  if (!path_exists(files.governance))
+    out += "no governance.p7s is in it yet: --governance FILE copies a signed one\n";
+  if (!path_exists(files.permissions))
+    out +=
+        "no permissions are in it yet: --publish and --subscribe, or --permissions FILE, make "
+        "them\n";
+  return out;
+}
+
 bool leaves_libraries_open(const fs::path& folder) {
   const auto octets = read_file(folder / kCycloneDdsFile, pki::kMaxDocumentOctets);
   return octets && as_text(*octets).find("<Library path=\"dds_security_") != std::string_view::npos;

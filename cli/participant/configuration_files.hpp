@@ -31,6 +31,9 @@ Result<std::vector<ConfigurationFile>> missing_configuration_files(
 /// Returns lines of text with the environment variables that name these files of `folder`, which
 /// belongs to the participant `name`.
 std::string configuration_lines(std::string_view name, const std::filesystem::path& folder);
+/// Returns a line for each file that the participant needs to start and that `identity issue` has
+/// not made; empty if all are there.
+std::string missing_files_text(const pki::ParticipantFolder& files);
 /// True if the folder's cyclonedds.xml names libraries without a path.
 bool leaves_libraries_open(const std::filesystem::path& folder);
 

@@ -66,6 +66,25 @@ class RenewalList(Transcript):
         self.assertNotIn(certificate, (self.at / "demo/listener/renewed.pem").read_text())
         self.assertIn(certificate, (self.at / "demo/ca/identity/renewed.pem").read_text())
 
+    # Only a revoked certificate was on the participant's list, which it would have refused (1386).
+    def test_Replace_AfterARevocation_MakesTheListOfTheFolderAgainAndSaysSo(self):
+        self.run_program("keystore", "create", "ks", "--no-passphrase")
+        self.run_program("keystore", "enclave", "ks", "/talker", "--allow-all")
+        for ca, folder, words in (("demo", "demo/talker", ("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker")),
+                                  ("ks", "ks/enclaves/talker", ("keystore", "enclave", "ks", "/talker"))):
+            self.run_program("identity", "renew", folder, "--ca", ca, "--days", "700")
+            self.run_program("crl", "distribute", "--ca", ca)
+            self.assertEqual(self.labels(f"{folder}/renewed.pem"), [CERTIFICATE])
+            self.run_program("identity", "revoke", folder, "--ca", ca)
+            done = self.run_program(*words, "--replace", "--days", "400")
+            self.assertIn(f"{folder}/renewed.pem  renewal list, made again without revoked certificates\n", done.stdout)
+            self.assertEqual(self.labels(f"{folder}/renewed.pem"), [])
+            self.assertNotIn("DOC115", [d["id"] for d in self.json("doctor", folder, "--vendor", "ddssec")["diagnostics"]])
+            before = (self.at / folder / "renewed.pem").read_bytes()
+            done = self.run_program(*words, "--replace", "--days", "400")
+            self.assertNotIn("renewal list", done.stdout)
+            self.assertEqual((self.at / folder / "renewed.pem").read_bytes(), before)
+
     # ---- permissions sign
 
     def xml_of(self, path):
