@@ -40,9 +40,9 @@ struct Decision {
   /// The deciding publish, subscribe or relay element of the rule, if there is one.
   const Criteria* criteria = nullptr;
 
-  /// Returns the line that decided; for the default, the line of the grant.
+  /// Returns the line that decided.
   int line(const Grant& grant) const {
-    return criteria ? criteria->line : rule ? rule->line : grant.line;
+    return criteria ? criteria->line : rule ? rule->line : grant.line_of_default();
   }
 };
 

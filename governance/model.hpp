@@ -204,6 +204,10 @@ struct Grant {
   std::vector<GrantRule> rules = {};
   bool default_allow = false;
   int line = 0;
+  int default_line = 0;  ///< the line of <default>; 0 without one
+
+  /// Returns the line of <default>; without one, that of the grant.
+  int line_of_default() const { return default_line != 0 ? default_line : line; }
 };
 
 /// A permissions document (DDS-Security 1.2, clause 10.4.1.5).

@@ -214,6 +214,7 @@ Result<Grant> read_grant(ReadContext& context, XmlElement element) {
     if (children.all().back().first != kDefault)
       context.note(NoteKind::order, element,
                    "has its <default> before other elements: Fast DDS refuses it");
+    grant.default_line = e.line();
     DDSSEC_ASSIGN_OR_RETURN(grant.default_allow, read_default(context, e));
   } else {
     context.note(NoteKind::no_default, element,

@@ -94,6 +94,14 @@ class Check(CheckTest):
                                r'rule of grant "participant" matches, default DENY \(permissions\.p7s:[0-9]+\)\n')
         self.assertNotIn("NO:", self.run_program("check", "talker", "listener", "--topics", "Square").stdout)
 
+    def test_CheckAndCan_OfARefusalByTheDefault_NameItsLine(self):
+        lines = (self.at / "listener/permissions.p7s").read_text().splitlines()
+        (line,) = [number for number, text in enumerate(lines, 1) if "<default>" in text]
+        text = self.run_program("check", "talker", "listener").stdout
+        self.assertIn(f"default DENY (permissions.p7s:{line})\n", text)
+        text = self.run_program("can", "listener", "publish", "Square", exit=1).stdout
+        self.assertIn(f"permissions.p7s:{line})\n", text)
+
     def test_a_file_of_topics_that_is_not_there_is_no_topic(self):
         for name in ("topics.txt", "./topics", "../topics", "lists/topics.lst"):
             told = self.refused("file_not_found", 3, "check", "talker", "listener", "--topics", name)

@@ -18,6 +18,7 @@ TEST(ReadPermissions, EveryValue_IsKept) {
   EXPECT_EQ(ddssec::to_string(grant.validity.not_before), "2026-01-01T00:00:00Z");
   EXPECT_EQ(ddssec::to_string(grant.validity.not_after), "2027-01-01T00:00:00Z");
   EXPECT_TRUE(grant.default_allow);
+  EXPECT_EQ(grant.line_of_default(), 23);
   ASSERT_EQ(grant.rules.size(), 2u);
   const auto& rule = grant.rules[0];
   EXPECT_TRUE(rule.allow);
@@ -38,6 +39,7 @@ TEST(ReadPermissions, MissingDefault_IsDeny) {
   const auto document = permissions_from(replaced(kPermissionsXml, "<default>ALLOW</default>", ""));
   ASSERT_TRUE(document);
   EXPECT_FALSE(document->grants[0].default_allow);
+  EXPECT_EQ(document->grants[0].line_of_default(), 4);
   EXPECT_EQ(document->notes.size(), 1u);
 }
 
