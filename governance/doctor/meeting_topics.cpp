@@ -239,14 +239,18 @@ TopicDirection meet_in_direction(const MeetingScene& scene, const TopicMeeting& 
   return out;
 }
 
-// True if it matters that this direction does not work. If the other one works and neither was
-// requested, the permissions are probably meant that way.
+bool is_permitted(const TopicDirection& direction) {
+  return std::ranges::all_of(direction.steps, &PartyDecision::ok);
+}
+
+// True if it matters that this direction is refused. If the permissions allow the other one and
+// neither was requested, they are probably meant that way: something else separates the two then.
 bool is_missed(const MeetingScene& scene, const TopicMeeting& topic,
                const TopicDirection& direction) {
   const auto& asked = scene.settings.writes;
   if (direction.ok) return false;
   return asked[0] || asked[1] ? asked[direction.writer]
-                              : !topic.directions[0].ok && !topic.directions[1].ok;
+                              : std::ranges::none_of(topic.directions, is_permitted);
 }
 
 void report_refusals(const MeetingScene& scene, const TopicMeeting& topic) {
@@ -342,8 +346,7 @@ void report_differences(const MeetingScene& scene, const TopicMeeting& topic) {
 void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const auto& direction : topic.directions) {
     const auto& obstacle = direction.obstacle;
-    if (obstacle.reason.empty() || !std::ranges::all_of(direction.steps, &PartyDecision::ok))
-      continue;
+    if (obstacle.reason.empty() || !is_permitted(direction)) continue;
     auto message = fmt::format("{}: {}", subject_of(topic), obstacle.reason);
     if (std::ranges::find(scene.out.findings, message, &Finding::message) ==
         scene.out.findings.end())
@@ -477,8 +480,9 @@ void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic) {
       .topic = topic.name, .expression = topic.expression, .directions = {}, .rules = {}};
   for (const int i : kBoth) out.rules[i] = topic_rule(scene, i, topic.name);
   for (const int i : kBoth) out.directions[i] = meet_in_direction(scene, out, i);
-  if (scene.named) report_refusals(scene, out);
+  // Differences come first, because they separate the two in both directions.
   report_differences(scene, out);
+  if (scene.named) report_refusals(scene, out);
   report_obstacles(scene, out);
   note_unguarded(scene, out);
   note_partitions(scene, out);

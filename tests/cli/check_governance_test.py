@@ -118,6 +118,9 @@ class Governance(CheckTest):
                       self.run_program("check", "talker", "listener", exit=1).stdout)
         # The permissions allow it: nothing else is to be done than what DOC084 says.
         self.assertEqual({d["id"] for d in self.check(exit=1)["diagnostics"]}, {"DOC084"})
+        self.listener.sign("permissions", permissions(grant(
+            "CN=listener", allow("Square").replace("<publish><topics><topic>Square</topic></topics></publish>", ""))))
+        self.assertEqual([d["id"] for d in self.check("--topics", "Square", exit=1)["diagnostics"]], ["DOC084"])
 
     def test_one_topic_whose_protection_differs_is_not_hidden_by_one_that_works(self):
         rules = allow("Square") + allow("Circle*")

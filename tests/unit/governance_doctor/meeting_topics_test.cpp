@@ -24,6 +24,22 @@ TEST_F(MeetingTest, EveryElementOfTheTopicRuleThatDiffers_IsSaidOnce) {
   EXPECT_FALSE(out.topics[0].directions[0].ok);
 }
 
+TEST_F(MeetingTest, ADirectionThatIsDeniedOnPurpose_IsNoCauseWhereTheProtectionDiffers) {
+  auto reads = grant_for("CN=listener", "Square");
+  for (auto& rule : reads.rules) rule.publish.clear();
+  sign(listener_.permissions, to_xml(Permissions{.grants = {reads}}));
+  EXPECT_THAT(findings(meeting({"Square"})), IsEmpty());
+  auto governance = strict_governance();
+  governance.domain_rules[0].topic_rules[0].metadata_protection_kind = ProtectionKind::sign;
+  sign(listener_.governance, to_xml(governance));
+  EXPECT_THAT(findings(meeting({"Square"})), ElementsAre(Rule::DOC084));
+  const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
+  const Settings both{.now = kNow, .writes = {true, true}};
+  const auto asked =
+      meet({a, Vendor::ddssec, "talker"}, {b, Vendor::ddssec, "listener"}, both, {"Square"});
+  EXPECT_THAT(findings(asked), ElementsAre(Rule::DOC084, Rule::DOC086));
+}
+
 TEST_F(MeetingTest, TopicsThatAreNamed_AreExplained) {
   EXPECT_THAT(findings(meeting({"Circle"})),
               ElementsAre(Rule::DOC086, Rule::DOC086, Rule::DOC086, Rule::DOC086));
@@ -58,7 +74,7 @@ TEST_F(MeetingTest, ATopicThatCycloneDdsRefuses_LeavesTheOthers) {
   EXPECT_FALSE(old.topics[1].directions[0].ok);
   EXPECT_THAT(old.topics[1].directions[0].obstacle.reason,
               HasSubstr("refuses to create the topic"));
-  EXPECT_THAT(findings(old), ElementsAre(Rule::DOC086, Rule::DOC053));
+  EXPECT_THAT(findings(old), ElementsAre(Rule::DOC053));
   for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ddssec, {})}) {
     EXPECT_TRUE(out.topics[1].directions[0].ok);
     EXPECT_FALSE(out.topics[1].directions[1].ok);
