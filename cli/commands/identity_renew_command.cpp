@@ -301,6 +301,15 @@ Status check_no_broken_link(const fs::path& permissions) {
                        "--permissions only the certificate is renewed"});
 }
 
+// Says with --permissions why nothing was extended.
+std::string unchanged_permissions_text(const std::optional<SignedPermissions>& seen) {
+  if (!seen)
+    return "no permissions are in the folder, so none were extended: ddssec permissions new makes "
+           "them\n";
+  return fmt::format("permissions stay as they are: they end on {}, not before the certificate\n",
+                     date(seen->grant.validity.not_after));
+}
+
 // Renews the permissions with the certificate, if that was requested and is needed.
 Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, CaOpener& opener,
                          FileTransaction& out, Answer<RenewedIdentity>& answer) {
@@ -326,6 +335,8 @@ Status renew_permissions(const Renewal& job, const pki::Certificate& renewed, Ca
         "permissions.p7s is not what this permissions CA signed for {}: "
         "ddssec doctor {}\n",
         renewed.subject(), job.path.parent_path().string());
+  } else if (job.arguments.has("--permissions")) {
+    report.text += unchanged_permissions_text(seen);
   }
   return {};
 }
@@ -393,6 +404,17 @@ Result<IdentityRenewal> renew(Renewal job) {
   return IdentityRenewal{std::move(answer.result), std::move(report)};
 }
 
+// Only the end of the certificate decides whether a renewal is needed.
+std::string unrenewed_permissions_text(const Renewal& job) {
+  const auto seen = permissions_seen(job.files, job.arguments, job.old, job.now());
+  if (!seen) return {};
+  const auto end = seen->grant.validity.not_after;
+  return fmt::format("permissions stay as they are: they end on {}{}\n", date(end),
+                     end < job.old.not_after()
+                         ? ", before the certificate; without --within they are extended"
+                         : "");
+}
+
 Result<IdentityRenewal> identity_renew(const Arguments& arguments, const Context& context) {
   const fs::path given = arguments.text("PATH");
   const auto path = certificate_path(given);
@@ -406,8 +428,10 @@ Result<IdentityRenewal> identity_renew(const Arguments& arguments, const Context
   DDSSEC_ASSIGN_OR_RETURN(const auto old, certificate_of(path));
   const Renewal job{arguments, context, path, pki::participant_folder(folder), old};
   DDSSEC_ASSIGN_OR_RETURN(const auto needed, is_needed(arguments, job.old, job.now()));
-  if (!needed) return IdentityRenewal{NotRenewed{{false, path, CertificateFacts::of(old)}}};
-  return renew(job);
+  if (needed) return renew(job);
+  IdentityRenewal answer{NotRenewed{{false, path, CertificateFacts::of(old)}}};
+  if (arguments.has("--permissions")) answer.report.text = unrenewed_permissions_text(job);
+  return answer;
 }
 
 }  // namespace

@@ -229,6 +229,22 @@ class Identity(Transcript):
         late = self.run_with_secret(self.run_program, *renew[:-2], "--now", "2029-01-01T00:00:00Z")
         self.assertIn("the identity had ended, and with it all connections: start the participant again\n", late.stdout)
 
+    def test_Renew_WithPermissionsThatStay_SaysSo(self):
+        self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
+        renew = ("identity", "renew", "talker", "--ca", "ca", "--permissions", *NOW)
+        told = self.run_with_secret(self.run_program, *renew, "--days", "400").stdout
+        self.assertIn("permissions extended to 2027-12-26\n", told)
+        told = self.run_with_secret(self.run_program, *renew, "--days", "399").stdout
+        self.assertIn("permissions stay as they are: they end on 2027-12-26, not before the certificate\n", told)
+        told = self.run_program(*renew, "--within", "30d").stdout
+        self.assertIn("permissions stay as they are: they end on 2027-12-26\n", told)
+        self.run_with_secret(self.run_program, *(word for word in renew if word != "--permissions"), "--days", "500")
+        told = self.run_program(*renew, "--within", "30d").stdout
+        self.assertIn("they end on 2027-12-26, before the certificate; without --within they are extended\n", told)
+        (self.at / "talker/permissions.p7s").unlink()
+        told = self.run_with_secret(self.run_program, *renew, "--days", "500").stdout
+        self.assertIn("no permissions are in the folder, so none were extended", told)
+
     def test_renew_with_a_new_key_or_only_when_needed(self):
         self.run_with_secret(self.run_program, *self.issue())
         key = (self.at / "talker/key.pem").read_bytes()
