@@ -136,6 +136,20 @@ std::string without_date(const std::string& version) {
   return name == version.npos ? version : version.substr(0, version.find(' ', name + 1));
 }
 
+// Says of which flaws ddssec prevents the use.
+std::string guards_in_words(const std::vector<OpensslFlaw>& flaws) {
+  std::string open;
+  std::size_t count = 0;
+  for (const auto& flaw : flaws) {
+    if (!flaw.guard.empty()) continue;
+    if (count++ > 0) open += ", ";
+    open += flaw.id;
+  }
+  if (count == 0) return "ddssec refuses the input that uses them";
+  const auto only = "only an update helps against " + open;
+  return count == flaws.size() ? only : only + "; ddssec refuses the input that uses the others";
+}
+
 }  // namespace
 
 std::vector<OpensslFlaw> openssl_flaws(std::string_view version) {
@@ -151,12 +165,9 @@ Status check_openssl_flaws(const std::string& version) {
   auto flaws = openssl_flaws(version);
   std::erase_if(flaws, [](const OpensslFlaw& flaw) { return !flaw.is_certain; });
   if (flaws.empty()) return {};
-  const bool all_guarded =
-      std::ranges::none_of(flaws, [](const OpensslFlaw& flaw) { return flaw.guard.empty(); });
   return fail(Code::openssl_known_unsafe,
               {.found = without_date(version),
-               .note = all_guarded ? "ddssec refuses such input itself"
-                                   : "ddssec cannot refuse all such input",
+               .note = guards_in_words(flaws),
                .hint = "update its package; ddssec explain 1624 says more"});
 }
 
