@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/documents_in_use.hpp"
 #include "base/tool_code.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/participant/status_folder.hpp"
@@ -107,11 +108,19 @@ bool has_ended(const ShownDocumentPart& part, const std::string& now) {
   return part.until && *part.until < now;
 }
 
-std::string line_of(const ShownDocumentPart& part, const std::string& now) {
-  auto out = part.until
-                 ? fmt::format("{} {}", has_ended(part, now) ? "ENDED" : "until", *part.until)
-                 : std::string("no end");
-  if (!part.subject.empty()) out += "  " + part.subject;
+// The entries of a renewal list are certificates of participants, with their ends left out.
+bool is_renewal_list(const RunningDocument& document) {
+  return document.kind == to_string(DocumentKind::renewal_list);
+}
+
+std::string end_of(const ShownDocumentPart& part, const std::string& now) {
+  return part.until ? fmt::format("{} {}", has_ended(part, now) ? "ENDED" : "until", *part.until)
+                    : std::string("no end");
+}
+
+std::string line_of(const ShownDocumentPart& part, std::string end) {
+  auto out = std::move(end);
+  if (!part.subject.empty()) out += (out.empty() ? "" : "  ") + part.subject;
   if (!part.number.empty())
     out += "  number " + part.number;
   else if (!part.sha256.empty())
@@ -124,11 +133,20 @@ bool waits(const StatusRefusal& refused) { return refused.stands && refused.wait
 std::string text_of(const RunningDocument& document, const std::string& now) {
   auto out = fmt::format("  {:<21} {}\n    in force since {}\n", document.kind, document.file,
                          document.since);
-  for (const auto& part : document.in_force) out += "      " + line_of(part, now) + '\n';
-  if (document.in_force.empty()) out += "      none\n";
+  if (is_renewal_list(document))
+    out +=
+        "    a session goes on after a certificate ends if its successor is here; permissions in "
+        "the "
+        "list are not shown\n";
+  for (const auto& part : document.in_force)
+    out += "      " + line_of(part, is_renewal_list(document) ? std::string() : end_of(part, now)) +
+           '\n';
+  if (document.in_force.empty())
+    out += is_renewal_list(document) ? "      no certificates\n" : "      none\n";
   if (document.more != 0) out += fmt::format("      and {} more\n", document.more);
   if (document.waiting)
-    out += "    waits for peers, to come into force: " + line_of(*document.waiting, now) + '\n';
+    out += "    waits for peers, to come into force: " +
+           line_of(*document.waiting, end_of(*document.waiting, now)) + '\n';
   const auto& refused = document.refused;
   if (!refused) return out;
   const auto* const word = waits(*refused)   ? "waits until it begins, since"

@@ -60,6 +60,19 @@ class TrustStatus(Transcript):
         with running_participant(self.status, self.folder, answer(later)):
             self.assertIn("REFUSED at", self.run_program(*ASK, "--pid", self.pid, exit=1).stdout)
 
+    def test_RenewalList_IsExplainedAndItsEntriesHaveNoEnd(self):
+        entries = document(self.folder, "renewal list", "renewed.pem", until=None)
+        well = answer(participant(self.folder, certificate(self.folder), document(self.folder), entries))
+        with running_participant(self.status, self.folder, well):
+            told = self.run_program(*ASK).stdout
+            self.assertIn("    a session goes on after a certificate ends if its successor is here; permissions in the list "
+                          "are not shown\n      CN=talker  number 1A\n", told)
+            self.assertNotIn("no end", told)
+        entries["in_force"] = []
+        well = answer(participant(self.folder, certificate(self.folder), document(self.folder), entries))
+        with running_participant(self.status, self.folder, well):
+            self.assertIn("not shown\n      no certificates\n", self.run_program(*ASK).stdout)
+
     def test_exit_is_0_while_all_is_well(self):
         well = answer(participant(self.folder, certificate(self.folder),
                                   document(self.folder, refused=refusal(stands=False))))
