@@ -1,7 +1,12 @@
 #include "rtps/observer/meetings.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -21,6 +26,56 @@ constexpr std::string_view kSubject = "dds.cert.sn", kIdentityCa = "dds.ca.sn";
 const std::string* claim_of(const ObservedParticipant& participant, std::string_view property) {
   if (!participant.is_secured()) return nullptr;
   return spi::find_property(participant.data->identity_token->properties, property);
+}
+
+// An octet of a letter outside of ASCII, as a name has it in hexadecimal.
+struct EscapedOctet {
+  char octet;
+  std::size_t length;  // of the escape
+};
+
+// Reads "\C3" (RFC 2253) or "\xC3" (OpenSSL's one-line form) at the beginning of the text.
+std::optional<EscapedOctet> escaped_octet(std::string_view text) {
+  for (const std::string_view begin : {"\\x", "\\"}) {
+    if (!text.starts_with(begin)) continue;
+    const auto digits = text.substr(begin.size(), 2);
+    unsigned octet = 0;
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), octet, 16);
+    if (error == std::errc() && end == digits.data() + 2 && octet >= 0x80)
+      return EscapedOctet{static_cast<char>(octet), begin.size() + 2};
+  }
+  return std::nullopt;
+}
+
+// True if an escaped character can be shown alone: what follows it does not look like another
+// attribute, as in "CN=a\,O=b".
+bool may_stand_alone(char escaped, std::string_view after) {
+  constexpr std::string_view kSeparators = ",;+/";
+  if (std::string_view("\"<># ").contains(escaped)) return true;
+  return kSeparators.contains(escaped) &&
+         !after.substr(0, after.find_first_of(kSeparators)).contains('=');
+}
+
+// Returns the name with as few escapes as a reader can do with. Control characters and backslashes
+// stay escaped.
+std::string readable(std::string_view name) {
+  std::string out;
+  while (!name.empty()) {
+    std::size_t taken = 1;
+    if (const auto octet = escaped_octet(name)) {
+      out += octet->octet;
+      taken = octet->length;
+    } else if (name.front() == '\\' && name.size() > 1) {
+      taken = 2;
+      if (!may_stand_alone(name[1], name.substr(2))) out += '\\';
+      out += name[1];
+    } else {
+      out += name.front();
+    }
+    name.remove_prefix(taken);
+  }
+  return printable(out);
 }
 
 struct Side {
@@ -185,18 +240,18 @@ std::string_view to_string(MeetingState state) {
 }
 
 std::string name_of(const GuidPrefix& prefix, const ObservedParticipant& participant) {
-  if (participant.certificate) return printable(participant.certificate->subject);
+  if (participant.certificate) return readable(participant.certificate->subject);
   const auto* subject = claim_of(participant, kSubject);
-  if (subject != nullptr && !subject->empty()) return printable(*subject);
+  if (subject != nullptr && !subject->empty()) return readable(*subject);
   if (participant.data && !participant.data->entity_name.empty())
     return printable(participant.data->entity_name);
   return prefix.to_string();
 }
 
 std::string issuer_of(const ObservedParticipant& participant) {
-  if (participant.certificate) return printable(participant.certificate->issuer);
+  if (participant.certificate) return readable(participant.certificate->issuer);
   const auto* ca = claim_of(participant, kIdentityCa);
-  return ca != nullptr ? printable(*ca) : "";
+  return ca != nullptr ? readable(*ca) : "";
 }
 
 std::vector<ObservedMeeting> meetings_of(const Observer& observer) {

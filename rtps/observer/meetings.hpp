@@ -26,11 +26,11 @@ struct ObservedMeeting {
   std::optional<Finding> finding = {};
 };
 
-/// Returns a readable name: the subject of its certificate, its entity name, or else its GUID
-/// prefix.
+/// Returns a readable name: the subject of its certificate, without escapes that a reader does not
+/// need, its entity name, or else its GUID prefix.
 std::string name_of(const GuidPrefix& prefix, const ObservedParticipant& participant);
 
-/// Returns the issuer of its certificate, as it announced it; "" if it did not.
+/// Returns the issuer of its certificate, as it announced it, in the same form; "" if it did not.
 std::string issuer_of(const ObservedParticipant& participant);
 
 /// Returns every pair of participants of one domain that announced themselves, at most

@@ -231,6 +231,23 @@ TEST(Observer, AName_IsOneLine) {
   EXPECT_EQ(name_of(prefix, participant), "CN=a?error[x]: ?[31mforged");
 }
 
+TEST(Observer, NameWithEscapes_IsReadable) {
+  const auto name = [](std::string subject) {
+    ObservedParticipant participant;
+    participant.certificate = CertificateNames{std::move(subject), ""};
+    return name_of({}, participant);
+  };
+  EXPECT_EQ(name(R"(CN=M\C3\BCller,O=a\,b)"), "CN=Müller,O=a,b");
+  EXPECT_EQ(name(R"(/CN=M\xC3\xBCller)"), "/CN=Müller");
+  EXPECT_EQ(name(R"(/CN=\/demo\/talker/O=a\+b)"), "/CN=/demo/talker/O=a+b");
+  EXPECT_EQ(name(R"(CN=a\,O=b\/CN=c\+d=e)"), R"(CN=a\,O=b\/CN=c\+d=e)")
+      << "it would look like another";
+  EXPECT_EQ(name(R"(CN=a\1B[31m\0A\2C)"), R"(CN=a\1B[31m\0A\2C)") << "no letter";
+  EXPECT_EQ(name(R"(CN=\\C3\\BC\)"), R"(CN=\\C3\\BC\)") << "the backslash is escaped";
+  EXPECT_EQ(name(R"(CN=\C3)"), R"(CN=\xc3)") << "no UTF-8";
+  EXPECT_EQ(name(R"(CN=\E2\80\AEa)"), R"(CN=\u202ea)") << "it would change the direction";
+}
+
 // In the message of a relay, what follows INFO_SRC is from another participant (RTPS 8.3.8.9.4).
 TEST(Observer, MessageOfARelay_SpeaksForItsSource) {
   const auto data = claims(1, "CN=CA", "");
