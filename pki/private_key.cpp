@@ -69,6 +69,15 @@ Result<PrivateKey> from_uri(std::string_view uri, const Passphrase* passphrase) 
 
 BytesView self_test_message() { return as_bytes("ddssec: does this key fit this certificate?"); }
 
+// OpenSSL's reason says where the decrypted octets made no sense ("pkcs12 cipherfinal error"),
+// which does not help. Another cause is only an algorithm that OpenSSL does not support.
+std::unexpected<Error> passphrase_error(Code code) {
+  auto failure = openssl_failure(code);
+  const auto& error = failure.error();
+  if (error.code() != code || error.details().note.contains("unsupported")) return failure;
+  return fail(code);
+}
+
 }  // namespace
 
 Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphrase) {
@@ -83,8 +92,8 @@ Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphr
     return finish(std::move(pkey));
   }
   if (request.asked)
-    return openssl_failure(passphrase == nullptr ? Code::passphrase_missing
-                                                 : Code::passphrase_wrong);
+    return passphrase_error(passphrase == nullptr ? Code::passphrase_missing
+                                                  : Code::passphrase_wrong);
   if (!is_der(pem)) return openssl_failure(Code::private_key_malformed);
   take_openssl_reason();
   return fail(Code::private_key_malformed,

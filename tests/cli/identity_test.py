@@ -72,8 +72,10 @@ class Identity(Transcript):
 
     def test_wrong_and_missing_passphrases(self):
         self.refused("passphrase_needed", 4, *self.issue())
-        self.refused("passphrase_wrong", 1, *self.issue("--passphrase-env", "SECRET"),
-                     environment={"SECRET": "y"})
+        told = self.refused("passphrase_wrong", 1, *self.issue("--passphrase-env", "SECRET"),
+                            environment={"SECRET": "y"})
+        self.assertEqual(told["file"], "ca/identity/ca.key.pem")
+        self.assertEqual(told["message"], "the passphrase does not open the private key")
 
     def test_names_cannot_leave_the_folder(self):
         for name in ("../evil", "a/b", "", ".hidden", "a" * 65, "a\nb", "ä"):

@@ -26,6 +26,8 @@ TEST(PrivateKey, WrongAndMissingPassphrase_Differ) {
     const auto pem = data_file(kCyclone + name);
     EXPECT_CODE(PrivateKey::from_pem(pem), passphrase_missing);
     EXPECT_CODE(PrivateKey::from_pem(pem, &wrong), passphrase_wrong);
+    for (const auto& refused : {PrivateKey::from_pem(pem), PrivateKey::from_pem(pem, &wrong)})
+      EXPECT_EQ(refused.error().details().note, "") << "OpenSSL's reason does not help";
   }
 }
 
