@@ -1,12 +1,14 @@
 // governance, permissions: signing and verifying documents.
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/governance_revision.hpp"
+#include "cli/ca/mistyped_subjects.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/signed_documents.hpp"
 #include "cli/commands/groups.hpp"
@@ -87,16 +89,18 @@ void check_own_grant(const governance::Permissions& document, const pki::Partici
 }
 
 // Grants are compared with the certificate and the governance document beside the result, because
-// the participant uses these.
-std::vector<Finding> unfit_for_folder(const governance::Governance&, const fs::path&,
-                                      const fs::path&) {
+// the participant uses these, and with the certificates that the CA has issued.
+std::vector<Finding> unfit_for_participants(const governance::Governance&, const fs::path&,
+                                            const fs::path&, const fs::path&) {
   return {};
 }
-std::vector<Finding> unfit_for_folder(const governance::Permissions& document, const fs::path& to,
-                                      const fs::path& file) {
+std::vector<Finding> unfit_for_participants(const governance::Permissions& document,
+                                            const fs::path& to, const fs::path& file,
+                                            const fs::path& ca) {
   const auto paths = pki::participant_folder(folder_of(to));
   auto out = uncovered_grants(document, paths.governance, file);
   if (to.filename() == paths.permissions.filename()) check_own_grant(document, paths, file, out);
+  std::ranges::move(mistyped_subjects(document, ca, file), std::back_inserter(out));
   return out;
 }
 
@@ -151,7 +155,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
     if (governance::has_errors(findings)) return not_signed(from, std::move(findings));
     add_findings(report, std::move(findings), from);
   }
-  for (auto& finding : unfit_for_folder(document, to, from))
+  for (auto& finding : unfit_for_participants(document, to, from, arguments.text("--ca")))
     report.findings.push_back(std::move(finding));
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(

@@ -10,7 +10,9 @@ using enum Severity;
 
 constexpr OtherSeverity kOthers[] = {
     {"DOC004", error, "in a keystore, or in public/ of one"},
-    {"DOC010", warning, "where permissions sign puts the document into a participant's folder"},
+    {"DOC010", warning,
+     "where permissions sign puts the document into a participant's folder, or the subject may be "
+     "mistyped"},
     {"DOC011", warning, "where the other product would take the grant"},
     {"DOC023", warning, "where the list is missing or the CA has a newer one"},
     {"DOC024", warning, "where the successor of its CA revoked it"},

@@ -77,6 +77,23 @@ class NewPermissions(Transcript):
         for own in ("talker/permissions.p7s", "listener/of-talker.p7s"):
             self.assertEqual(warned(own), [])
 
+    def test_Sign_WithAMistypedSubject_AsksForASimilarOne(self):
+        for name in ("camera", "robot1"):
+            self.run_program("identity", "issue", name, "--ca", "ca", "-o", name, *NOW)
+        for typed, meant in (("CN=camrea", "CN=camera"), ("CN=Camera", "CN=camera"), ("CN=robto1", "CN=robot1"),
+                             ("CN=camera", None), ("CN=robot2", None), ("CN=unlike", None)):
+            self.run_program("permissions", "new", "--cert", "camera", "-o", "p.xml", "--publish", "a", "--replace", *NOW)
+            text = (self.at / "p.xml").read_text().replace("CN=camera", typed)
+            (self.at / "p.xml").write_text(text)
+            told = [d for d in self.json("permissions", "sign", "p.xml", "--ca", "ca", "-o", "p.p7s", "--replace",
+                                         *NOW)["diagnostics"] if d["id"] == "DOC010"]
+            self.assertEqual(len(told), 0 if meant is None else 1, typed)
+            for one in told:
+                self.assertEqual((one["severity"], one["file"]), ("warning", "p.xml"))
+                self.assertIn(f'no certificate for "{typed}", so that no participant can use this grant; is "{meant}" meant?',
+                              one["message"])
+        self.run_program("permissions", "sign", "p.xml", "--ca", "ca/permissions", "-o", "p.p7s", "--replace", *NOW)
+
     def test_signed_permissions_complete_a_folder(self):
         out = self.json("permissions", "new", "--cert", "talker", "-o",
                         "talker/permissions.p7s", "--publish", "rt/a", "--sign", "--ca", "ca", *NOW)
