@@ -36,9 +36,9 @@
 #include "cli/participant/configuration_files.hpp"
 #include "cli/participant/keystore.hpp"
 #include "governance/doctor/domains_of_folder.hpp"
+#include "governance/lint.hpp"
 #include "governance/profile.hpp"
 #include "governance/read.hpp"
-#include "governance/ros_node.hpp"
 #include "governance/write.hpp"
 #include "pki/certificate_source.hpp"
 
@@ -168,15 +168,28 @@ Status read_rights(ParticipantSpec& spec, const Arguments& arguments, Rights rig
   return {};
 }
 
-// The document was just made, so it is valid and can be parsed.
-Status warn_of_missing_rights(std::string_view xml, const fs::path& document, Report& report) {
+// Shows what `permissions lint` warns of in a document that is put into force. It was just made, so
+// it can be parsed. Nothing is shown twice, and nothing as an error.
+Status warn_of_document(std::string_view xml, const fs::path& document,
+                        const governance::PermissionsUse& use, Report& report) {
   if (xml.empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto permissions, governance::read_permissions(as_bytes(xml)));
-  auto finding = missing_node_defaults(permissions);
-  if (!finding) return {};
-  finding->document = document;
-  report.findings.push_back(*std::move(finding));
+  for (auto& finding : lint(permissions, use)) {
+    const bool is_shown = std::ranges::find(report.findings, finding.message, &Finding::message) !=
+                          report.findings.end();
+    if (is_shown || finding.severity < Severity::warning) continue;
+    finding.severity = Severity::warning;
+    finding.document = document;
+    report.findings.push_back(std::move(finding));
+  }
   return {};
+}
+
+// The file in which lines of the document count: the one that was given, or the text beside the
+// signed form.
+fs::path shown_document(const Arguments& arguments, const pki::ParticipantFolder& files) {
+  return arguments.has("--permissions") ? fs::path(arguments.text("--permissions"))
+                                        : fs::path(files.permissions).replace_extension("xml");
 }
 
 // ROS 2 uses such names, so they are only a warning: ddssec's plugins and Fast DDS distinguish
@@ -302,8 +315,9 @@ Result<Answer<MadeEnclave>> keystore_enclave(const Arguments& arguments, const C
                            .serial = certificate.serial(),
                            .not_after = certificate.not_after()}};
   out.report.findings = std::move(report.findings);
-  DDSSEC_RETURN_IF_ERROR(
-      warn_of_missing_rights(made.permissions_xml, job.files.permissions, out.report));
+  DDSSEC_RETURN_IF_ERROR(warn_of_document(made.permissions_xml,
+                                          shown_document(arguments, job.files),
+                                          {.now = now, .certificate = &certificate}, out.report));
   if (signer == nullptr) {
     DDSSEC_ASSIGN_OR_RETURN(const auto kept, kept_permissions_text(job, certificate));
     out.report.text += kept;
@@ -372,7 +386,8 @@ Result<Answer<SignedForEnclave>> keystore_permission(const Arguments& arguments,
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open(ca_paths(keystore, "permissions")));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
                           sign_permissions(ca.authority, xml, now, context.random));
-  DDSSEC_RETURN_IF_ERROR(warn_of_missing_rights(xml, files.permissions, report));
+  DDSSEC_RETURN_IF_ERROR(warn_of_document(xml, shown_document(arguments, files),
+                                          {.now = now, .certificate = &certificate}, report));
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(out.put_public(files.folder / "permissions.xml", xml));
   DDSSEC_RETURN_IF_ERROR(out.put(files.permissions, document, 0644));

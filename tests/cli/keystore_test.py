@@ -116,7 +116,7 @@ class Keystore(KeystoreTest):
         self.create()
         out = self.json("keystore", "enclave", "ks", "/demo/talker", "--policy", "short.xml", *NOW)
         told = out["diagnostics"][0]
-        self.assertEqual((told["id"], told["file"]), ("PERM040", "ks/enclaves/demo/talker/permissions.p7s"))
+        self.assertEqual((told["id"], told["file"]), ("PERM040", "ks/enclaves/demo/talker/permissions.xml"))
         self.assertIn("rosout", told["message"])
         self.assertIn("--node-defaults", told["hint"])
         # Measured with a node of ROS 2 Humble: it aborts with "failed to create topic [rt/rosout]".
@@ -143,6 +143,24 @@ class Keystore(KeystoreTest):
         told = self.refused("usage", 2, "keystore", "permission", "ks", "/demo/talker", "--publish", "rt/x",
                             "--node-defaults")
         self.assertIn("--policy", told["message"])
+
+    def test_Permission_ShowsWhatLintWarnsOfWhateverTheRightsComeFrom(self):
+        (self.at / "short.xml").write_text(SHORT.replace("chatter", "rt/chatter", 1))
+        self.create()
+        self.json("keystore", "enclave", "ks", "/demo/talker", "--allow-all", *NOW)
+        (self.at / "half.xml").write_text((self.at / "ks/enclaves/demo/talker/permissions.xml").read_text().replace(
+            "<topic>*</topic>", "<topic>rq/addRequest</topic>"))
+        written = "ks/enclaves/demo/talker/permissions.xml"
+        for words, file, expected in ((("--policy", "short.xml"), written, {"PERM035", "PERM040"}),
+                                      (("--publish", "rq/addRequest"), written, {"PERM030", "PERM032", "PERM040"}),
+                                      (("--permissions", "half.xml"), "half.xml", {"PERM030", "PERM032", "PERM040"})):
+            for command in (("permission", "ks", "/demo/talker"), ("enclave", "ks", "/demo/talker", "--replace")):
+                told = self.json("keystore", *command, *words, *NOW)["diagnostics"]
+                self.assertLessEqual(expected, {d["id"] for d in told}, (command, words))
+                self.assertEqual({d["severity"] for d in told}, {"warning"})
+                self.assertEqual({d["file"] for d in told if d["id"] != "PERM035"}, {file})
+                linted = self.json("permissions", "lint", written, *NOW, exit=None)["diagnostics"]
+                self.assertLessEqual({d["message"] for d in linted if d["severity"] != "note"}, {d["message"] for d in told})
 
     def test_rights_have_one_source(self):
         self.create()
