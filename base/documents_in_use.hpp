@@ -42,7 +42,7 @@ struct DocumentPart {
   bool operator==(const DocumentPart&) const = default;
 };
 
-/// The state of one document of a participant, as an engine reports it.
+/// The state of one document of a participant, as a plugin reports it.
 struct DocumentState {
   DocumentKind kind;
   std::string file = {};                     ///< its path, or the property that holds it
@@ -52,8 +52,8 @@ struct DocumentState {
   bool begins_later = false;  ///< the refused content is adopted when its validity begins
 };
 
-/// The record of all participants of a library. Engines note the state again and again; the record
-/// finds what has changed. Its size is bounded because engines bound the participants and the
+/// The record of all participants of a library. Plugins note the state again and again; the record
+/// finds what has changed. Its size is bounded because plugins bound the participants and the
 /// certificates of a file. Thread-safe. In the child of a fork() it notes nothing.
 class DocumentsInUse {
  public:

@@ -1,4 +1,4 @@
-// The authentication engine. Its parts: identities (authentication.cpp), handshakes
+// The authentication plugin. Its parts: identities (authentication.cpp), handshakes
 // (pki_dh_handshakes.cpp), and the questions about finished handshakes (pki_dh_sessions.cpp).
 #pragma once
 

@@ -22,10 +22,10 @@ T starting_number(Random& random) {
   return value;
 }
 
-class Engine final : public spi::Cryptography {
+class CryptographyPlugin final : public spi::Cryptography {
  public:
-  Engine(const PluginServices& services, const AeadBackend& aead,
-         const CryptographyOptions& options)
+  CryptographyPlugin(const PluginServices& services, const AeadBackend& aead,
+                     const CryptographyOptions& options)
       : state_(services, aead, options, starting_number<std::uint64_t>(services.random)),
         factory_(state_, starting_number<std::uint32_t>(services.random)),
         exchange_(state_),
@@ -57,7 +57,7 @@ std::unique_ptr<spi::Cryptography> make_cryptography(const PluginServices& servi
     aead = aead_backend(AeadChoice::automatic);
     services.events.raise(Event(Error(Code::aead_backend_unavailable)));
   }
-  return std::make_unique<Engine>(services, *aead, options);
+  return std::make_unique<CryptographyPlugin>(services, *aead, options);
 }
 
 }  // namespace ddssec::cryptography

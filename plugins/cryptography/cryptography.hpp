@@ -20,14 +20,14 @@ struct CryptographyOptions {
   /// word, before it calls decode_rtps_message, as Cyclone DDS does.
   bool header_prefix_is_network_order = true;
   /// False if the host trusts the source that a decrypted message names and never replaces keys
-  /// that it has handed out, as Cyclone DDS does. Then the engine makes these checks in its place:
+  /// that it has handed out, as Cyclone DDS does. Then the plugin makes these checks in its place:
   /// - A protected message ends where it begins to speak for another participant.
   /// - Key tokens name the participant at the other end of the key exchange.
   /// - Discovery and liveliness messages concern only the owner of the key.
   /// - Keys that are set are replaced only by later revisions.
   /// - Key tokens do not come again before the host has used the former ones.
   ///
-  /// After each refusal the engine raises an event that names the peer. Type information of peers
+  /// After each refusal the plugin raises an event that names the peer. Type information of peers
   /// is replaced by padding, unless a property allows it.
   bool host_checks_sources = true;
   /// The number of AES blocks under one session key before the next session begins
@@ -37,7 +37,7 @@ struct CryptographyOptions {
   std::uint64_t max_sessions_per_key = std::uint64_t{1} << 32;
 };
 
-/// Returns the ciphers that an engine made with `choice` can decrypt.
+/// Returns the ciphers that a plugin made with `choice` can decrypt.
 spi::CipherMask supported_ciphers(AeadChoice choice = AeadChoice::automatic);
 
 /// Creates the plugin; never nullptr. `services` must outlive it. Events are raised only for a

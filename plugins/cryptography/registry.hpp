@@ -37,7 +37,7 @@ class Entity : public Retirable {
 
 /// Assigns handles and finds entities by them without a lock. A handle consists of, from the
 /// highest bit: 0, kind (3 bits), generation (36 bits), index (24 bits). Generations start at
-/// random, so that handles of another engine and returned handles are unknown. The chunks that
+/// random, so that handles of another plugin and returned handles are unknown. The chunks that
 /// indices point into never move.
 class Registry {
  public:

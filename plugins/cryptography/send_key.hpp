@@ -16,7 +16,7 @@
 
 namespace ddssec::cryptography {
 
-/// The services that all keys of one engine share. It must outlive them.
+/// The services that all keys of one plugin share. It must outlive them.
 struct KeyServices {
   const AeadBackend& aead;
   RetiredObjects& retired_objects;

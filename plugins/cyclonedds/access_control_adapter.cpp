@@ -38,7 +38,7 @@ spi::PermissionsHandle permissions(CPermissions handle) { return {handle}; }
 Result<bool> is_carrier_topic_of(Adapter& adapter, CPermissions handle, std::string_view name) {
   if (name != kCarrierTopic) return false;
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                          adapter.engine().participant_sec_attributes(permissions(handle)));
+                          adapter.plugin().participant_sec_attributes(permissions(handle)));
   return is_carrier_topic(name, participant);
 }
 
@@ -59,12 +59,12 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
     DDSSEC_ASSIGN_OR_RETURN(const bool trusts_type_information,
                             spi::flag_property(properties, spi::property::kTrustTypeInformation));
     if (trusts_type_information) adapter.trust_type_information();
-    DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.engine().validate_local_permissions(
+    DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.plugin().validate_local_permissions(
                                                    {identity}, domain_id, properties));
-    Rollback give_back([&] { (void)adapter.engine().return_permissions_handle(handle); });
+    Rollback give_back([&] { (void)adapter.plugin().return_permissions_handle(handle); });
     if (allow_shared_memory) adapter.shared_memory().allow(handle);
     DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                            adapter.engine().participant_sec_attributes(handle));
+                            adapter.plugin().participant_sec_attributes(handle));
     adapter.facts().note(handle, {identity}, participant);
     give_back.release();
     return handle;
@@ -83,7 +83,7 @@ CPermissions validate_remote_permissions(Instance* instance, const dds_security_
     DDSSEC_RETURN_IF_ERROR(adapter.facts().check(spi::IdentityHandle{local_identity}));
     DDSSEC_ASSIGN_OR_RETURN(const auto token, token_from(permissions_token));
     DDSSEC_ASSIGN_OR_RETURN(const auto peer, token_from(credential));
-    return adapter.engine().validate_remote_permissions({local_identity}, {remote_identity}, token,
+    return adapter.plugin().validate_remote_permissions({local_identity}, {remote_identity}, token,
                                                         peer);
   });
 }
@@ -92,7 +92,7 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
                                               const CDomain domain_id, const DDS_Security_Qos*,
                                               Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
-    return adapter.engine().check_create_participant(permissions(handle), domain_id);
+    return adapter.plugin().check_create_participant(permissions(handle), domain_id);
   });
 }
 
@@ -119,9 +119,9 @@ Status check_create_endpoint(Adapter& adapter, const LocalEndpoint& endpoint,
                              const spi::EndpointRequest& request) {
   const auto local = endpoint.local;
   DDSSEC_RETURN_IF_ERROR(adapter.facts().check(local));
-  auto& engine = adapter.engine();
-  DDSSEC_RETURN_IF_ERROR((engine.*Calls::kCheck)(local, endpoint.domain_id, request));
-  DDSSEC_ASSIGN_OR_RETURN(const auto attributes, (engine.*Calls::kAttributes)(local, request));
+  auto& plugin = adapter.plugin();
+  DDSSEC_RETURN_IF_ERROR((plugin.*Calls::kCheck)(local, endpoint.domain_id, request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto attributes, (plugin.*Calls::kAttributes)(local, request));
   constexpr bool kIsWriter = Calls::kDirection == EndpointDirection::writes;
   DDSSEC_RETURN_IF_ERROR(check_endpoint_is_guarded(adapter, local, request, attributes, kIsWriter));
   return check_not_exposed_by_shared_memory(adapter, local, request.topic_name, endpoint.qos,
@@ -161,7 +161,7 @@ DDS_Security_boolean check_create_topic(Instance* instance, const CPermissions h
     DDSSEC_ASSIGN_OR_RETURN(const auto carriers, is_carrier_topic_of(adapter, handle, topic_name));
     if (carriers) return {};
     DDSSEC_RETURN_IF_ERROR(adapter.facts().check(permissions(handle)));
-    return adapter.engine().check_create_topic(permissions(handle), domain_id, topic_name);
+    return adapter.plugin().check_create_topic(permissions(handle), domain_id, topic_name);
   });
 }
 
@@ -170,7 +170,7 @@ DDS_Security_boolean check_remote_participant(Instance* instance, const CPermiss
                                               const DDS_Security_ParticipantBuiltinTopicDataSecure*,
                                               Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
-    return adapter.engine().check_remote_participant(permissions(handle), domain_id);
+    return adapter.plugin().check_remote_participant(permissions(handle), domain_id);
   });
 }
 
@@ -182,7 +182,7 @@ DDS_Security_boolean check_remote_datawriter(
     DDSSEC_ASSIGN_OR_RETURN(
         const auto question,
         EndpointQuestion::from(data->topic_name, &data->partition, &data->data_tags));
-    return adapter.engine().check_remote_datawriter(permissions(handle), domain_id,
+    return adapter.plugin().check_remote_datawriter(permissions(handle), domain_id,
                                                     question.request());
   });
 }
@@ -199,7 +199,7 @@ DDS_Security_boolean check_remote_datareader(
         const auto question,
         EndpointQuestion::from(data->topic_name, &data->partition, &data->data_tags));
     DDSSEC_ASSIGN_OR_RETURN(const auto reader,
-                            adapter.engine().check_remote_datareader(permissions(handle), domain_id,
+                            adapter.plugin().check_remote_datareader(permissions(handle), domain_id,
                                                                      question.request()));
     *is_relay_only = reader.is_relay_only;
     return {};
@@ -213,7 +213,7 @@ DDS_Security_boolean check_remote_topic(Instance* instance, const CPermissions h
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_RETURN_IF_ERROR(require(data));
     DDSSEC_RETURN_IF_ERROR(require(data->name));
-    return adapter.engine().check_remote_topic(permissions(handle), domain_id, data->name);
+    return adapter.plugin().check_remote_topic(permissions(handle), domain_id, data->name);
   });
 }
 
@@ -229,14 +229,14 @@ DDS_Security_boolean allow(Instance* instance, Arguments... arguments) noexcept 
 DDS_Security_boolean get_permissions_token(Instance* instance, CToken* token,
                                            const CPermissions handle, Exception* ex) {
   return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
-    return adapter.engine().permissions_token(permissions(handle));
+    return adapter.plugin().permissions_token(permissions(handle));
   });
 }
 
 DDS_Security_boolean get_permissions_credential_token(Instance* instance, CToken* token,
                                                       const CPermissions handle, Exception* ex) {
   return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
-    return adapter.engine().permissions_credential_token(permissions(handle));
+    return adapter.plugin().permissions_credential_token(permissions(handle));
   });
 }
 
@@ -247,7 +247,7 @@ DDS_Security_boolean get_participant_sec_attributes(
     DDSSEC_RETURN_IF_ERROR(require(attributes));
     *attributes = {};
     DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                            adapter.engine().participant_sec_attributes(permissions(handle)));
+                            adapter.plugin().participant_sec_attributes(permissions(handle)));
     *attributes = to_c(participant);
     return {};
   });
@@ -261,7 +261,7 @@ DDS_Security_boolean get_topic_sec_attributes(Instance* instance, const CPermiss
     DDSSEC_RETURN_IF_ERROR(require(topic_name, attributes));
     *attributes = {};
     DDSSEC_ASSIGN_OR_RETURN(const auto topic,
-                            adapter.engine().topic_sec_attributes(permissions(handle), topic_name));
+                            adapter.plugin().topic_sec_attributes(permissions(handle), topic_name));
     *attributes = to_c(topic);
     return {};
   });
@@ -281,7 +281,7 @@ Status tell_attributes(Adapter& adapter, const CPermissions handle,
                        const spi::EndpointRequest& request,
                        DDS_Security_EndpointSecurityAttributes& attributes) {
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
-                          (adapter.engine().*Calls::kAttributes)(permissions(handle), request));
+                          (adapter.plugin().*Calls::kAttributes)(permissions(handle), request));
   constexpr bool kWrites = Calls::kDirection == EndpointDirection::writes;
   auto& endpoints = adapter.endpoints();
   // This step comes first: if there is no memory for it, nothing exists yet that the host would
@@ -328,7 +328,7 @@ DDS_Security_boolean get_datareader_sec_attributes(
     DDS_Security_EndpointSecurityAttributes* attributes, Exception* ex) {
   const auto tell = [&](Adapter& adapter, const spi::EndpointRequest& request) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                            adapter.engine().participant_sec_attributes(permissions(handle)));
+                            adapter.plugin().participant_sec_attributes(permissions(handle)));
     if (is_closed(request, participant, adapter.type_lookup())) {
       *attributes = closed_reader_attributes();
       return {};
@@ -374,7 +374,7 @@ DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions 
     adapter.shared_memory().forget(permissions(handle));
     adapter.facts().forget(permissions(handle));
     adapter.endpoints().forget(permissions(handle));
-    return adapter.engine().return_permissions_handle(permissions(handle));
+    return adapter.plugin().return_permissions_handle(permissions(handle));
   });
 }
 
@@ -421,13 +421,13 @@ std::uint64_t next_id() {
 }  // namespace
 
 AccessControlAdapter::AccessControlAdapter(std::unique_ptr<Host> host,
-                                           const MakeEngine<spi::AccessControl>& make,
+                                           const MakePlugin<spi::AccessControl>& make,
                                            ddsi_domaingv* domain,
                                            SharedMemoryGuard::Probe find_bypass)
     : dds_security_access_control(kTable),
       id_(next_id()),
       host_(std::move(host)),
-      engine_(make(host_->services_with_record(!has_our_authentication()))),
+      plugin_(make(host_->services_with_record(!has_our_authentication()))),
       shared_memory_(std::move(find_bypass)),
       timer_(host_->clock()) {
   gv = domain;
@@ -451,19 +451,19 @@ void AccessControlAdapter::listen(const dds_security_access_control_listener* li
                       report_clock_steps(*host_, PluginKind::access_control);
                       revoke_ended(stop, revoke);
                     },
-                .next_expiry = [this] { return engine_->next_expiry(); }});
+                .next_expiry = [this] { return plugin_->next_expiry(); }});
 }
 
 void AccessControlAdapter::judge_endpoints() {
   for (const auto local : facts_.locals())
-    if (const auto lost = endpoints_.judge(local, *engine_)) host_->notice(Event(*lost));
+    if (const auto lost = endpoints_.judge(local, *plugin_)) host_->notice(Event(*lost));
 }
 
 // All local participants are cut off before the host is informed of one, so that none of them
 // counts as another one that is still valid.
 void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
   std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
-  const auto expired = engine_->poll();
+  const auto expired = plugin_->poll();
   judge_endpoints();
   for (const auto handle : expired) ended.emplace_back(handle, facts_.identity_of(handle));
   for (const auto& [handle, own] : ended) {

@@ -19,7 +19,7 @@ namespace ddssec::cyclonedds {
 class AccessControlAdapter final : public dds_security_access_control {
  public:
   AccessControlAdapter(
-      std::unique_ptr<Host> host, const MakeEngine<spi::AccessControl>& make, ddsi_domaingv* domain,
+      std::unique_ptr<Host> host, const MakePlugin<spi::AccessControl>& make, ddsi_domaingv* domain,
       SharedMemoryGuard::Probe find_bypass = [] { return cyclonedds::find_bypass(); });
   ~AccessControlAdapter();
   AccessControlAdapter(const AccessControlAdapter&) = delete;
@@ -53,7 +53,7 @@ class AccessControlAdapter final : public dds_security_access_control {
     return static_cast<AccessControlAdapter&>(instance);
   }
   Host& host() { return *host_; }
-  spi::AccessControl& engine() { return *engine_; }
+  spi::AccessControl& plugin() { return *plugin_; }
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
   GovernanceFacts& facts() { return facts_; }
   OwnEndpoints& endpoints() { return endpoints_; }
@@ -80,7 +80,7 @@ class AccessControlAdapter final : public dds_security_access_control {
 
   const std::uint64_t id_;
   std::unique_ptr<Host> host_;
-  std::unique_ptr<spi::AccessControl> engine_;
+  std::unique_ptr<spi::AccessControl> plugin_;
   SharedMemoryGuard shared_memory_;
   GovernanceFacts facts_;
   OwnEndpoints endpoints_;

@@ -32,7 +32,7 @@ MatchVerdict judge_in(AccessControlAdapter& adapter, const EndpointScope& scope,
                                     .remote_hides = question.peer_hides_endpoints != 0};
     if (question.peer_prefix != nullptr)
       match.remote = GuidPrefix::from({question.peer_prefix, GuidPrefix::size});
-    return adapter.engine().check_remote_match({question.remote_permissions}, match);
+    return adapter.plugin().check_remote_match({question.remote_permissions}, match);
   });
   std::free(why.message);
   if (why.code == static_cast<DDS_Security_long>(Code::out_of_memory))
@@ -81,9 +81,9 @@ std::optional<AccessControlAdapter::Renewed> AccessControlAdapter::renewed_permi
     for (const auto& [id, adapter] : adapters().by_id) {
       const auto permissions = adapter->facts_.permissions_of(local);
       if (!permissions) continue;
-      const auto times = adapter->engine().renewals(*permissions);
+      const auto times = adapter->plugin().renewals(*permissions);
       if (times <= known) return std::nullopt;
-      const auto token = adapter->engine().permissions_credential_token(*permissions);
+      const auto token = adapter->plugin().permissions_credential_token(*permissions);
       if (!token) return std::nullopt;
       return Renewed{times, std::string(spi::property_value(token->properties, "dds.perm.cert"))};
     }

@@ -10,9 +10,9 @@
 
 namespace ddssec::cyclonedds {
 
-/// Creates an engine with the services of its host.
-template <class Engine>
-using MakeEngine = std::function<std::unique_ptr<Engine>(const PluginServices&)>;
+/// Creates a plugin with the services of its host.
+template <class Plugin>
+using MakePlugin = std::function<std::unique_ptr<Plugin>(const PluginServices&)>;
 
 /// Calls `f(context) -> Result` inside the C boundary. A null instance is refused.
 template <class Context, class Instance, class F>

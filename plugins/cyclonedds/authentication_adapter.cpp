@@ -80,7 +80,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
     DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
     adapter.host().calendar().set_grace(grace);
     DDSSEC_ASSIGN_OR_RETURN(const auto local,
-                            adapter.engine().validate_local_identity(domain_id, properties,
+                            adapter.plugin().validate_local_identity(domain_id, properties,
                                                                      guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
     adapter.farewells().add_local(local.handle, local.adjusted_guid.prefix);
@@ -93,14 +93,14 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
 DDS_Security_boolean get_identity_token(Instance* instance, CToken* token, const CIdentity handle,
                                         Exception* ex) {
   return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
-    return adapter.engine().identity_token(identity(handle), ciphers_of_process());
+    return adapter.plugin().identity_token(identity(handle), ciphers_of_process());
   });
 }
 
 DDS_Security_boolean get_identity_status_token(Instance* instance, CToken* token,
                                                const CIdentity handle, Exception* ex) {
   return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) {
-    return adapter.engine().identity_status_token(identity(handle));
+    return adapter.plugin().identity_status_token(identity(handle));
   });
 }
 
@@ -112,7 +112,7 @@ DDS_Security_boolean set_permissions_credential_and_token(Instance* instance,
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto credential_copy, token_from(credential));
     DDSSEC_ASSIGN_OR_RETURN(const auto token_copy, token_from(permissions_token));
-    return adapter.engine().set_permissions_credential_and_token(identity(handle), credential_copy,
+    return adapter.plugin().set_permissions_credential_and_token(identity(handle), credential_copy,
                                                                  token_copy);
   });
 }
@@ -169,7 +169,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const DiscoveredPeer met{guid_from(*remote_guid),
                              adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
     DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), met.guid));
-    // The peer's own auth_request is not used, because it can be forged. The engine would compare a
+    // The peer's own auth_request is not used, because it can be forged. The plugin would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
     // of the handshake are sufficient proof. The core asks once, so the local auth_request is
     // always sent.
@@ -178,7 +178,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       adapter.host().refused(token.error(), info(token.error().code()).severity);
       return not_admitted(adapter, local_handle, met, token.error(), *remote_handle);
     }
-    const auto admitted = adapter.engine().validate_remote_identity(identity(local_handle),
+    const auto admitted = adapter.plugin().validate_remote_identity(identity(local_handle),
                                                                     std::nullopt, *token, met.guid);
     if (!admitted)
       return not_admitted(adapter, local_handle, met, admitted.error(), *remote_handle);
@@ -217,7 +217,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     *message = {};
     DDSSEC_ASSIGN_OR_RETURN(const auto data, octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
-    auto begun = adapter.engine().begin_handshake_request(identity(initiator), remote, data);
+    auto begun = adapter.plugin().begin_handshake_request(identity(initiator), remote, data);
     // The core gives up this peer. No attacker can cause that, so there is nothing to begin again.
     if (!begun) adapter.watch().forget(identity(replier));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
@@ -240,7 +240,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     DDSSEC_ASSIGN_OR_RETURN(const auto request, token_from(message_in));
     DDSSEC_ASSIGN_OR_RETURN(const auto data, octets_from(participant_data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
-    auto begun = adapter.engine().begin_handshake_reply(request, remote, identity(replier), data);
+    auto begun = adapter.plugin().begin_handshake_reply(request, remote, identity(replier), data);
     if (!begun) note_refused(adapter, identity(replier), identity(initiator));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
@@ -257,7 +257,7 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
     DDSSEC_RETURN_IF_ERROR(require(message_out, message_in));
     *message_out = {};
     DDSSEC_ASSIGN_OR_RETURN(const auto message, token_from(message_in));
-    auto processed = adapter.engine().process_handshake(handshake(handle), message);
+    auto processed = adapter.plugin().process_handshake(handshake(handle), message);
     if (!processed) note_refused(adapter, handshake(handle));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(processed));
     DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message_out));
@@ -292,7 +292,7 @@ DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHan
                                                   Exception* ex) {
   DDS_Security_SharedSecretHandle secret_handle = DDS_SECURITY_HANDLE_NIL;
   const bool done = ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(const auto secret, adapter.engine().shared_secret(handshake(handle)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto secret, adapter.plugin().shared_secret(handshake(handle)));
     DDSSEC_ASSIGN_OR_RETURN(secret_handle, adapter.secrets().hand_out(handshake(handle), *secret));
     note_session(adapter, handshake(handle), *secret);
     return {};
@@ -305,7 +305,7 @@ DDS_Security_boolean get_authenticated_peer_credential_token(Instance* instance,
                                                              Exception* ex) {
   return ask_token<Adapter>(instance, token, ex, [&](Adapter& adapter) -> Result<spi::Token> {
     DDSSEC_ASSIGN_OR_RETURN(
-        auto credential, adapter.engine().authenticated_peer_credential_token(handshake(handle)));
+        auto credential, adapter.plugin().authenticated_peer_credential_token(handshake(handle)));
     return with_text_properties(std::move(credential));
   });
 }
@@ -315,7 +315,7 @@ DDS_Security_boolean return_handshake_handle(Instance* instance, const CHandshak
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     adapter.watch().forget(handshake(handle));
-    return adapter.engine().return_handshake_handle(handshake(handle));
+    return adapter.plugin().return_handshake_handle(handshake(handle));
   });
 }
 
@@ -334,7 +334,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
     adapter.watch().forget(identity(handle));
     Status status;
     for (const auto one : adapter.remotes().take(identity(handle)))
-      if (auto returned = adapter.engine().return_identity_handle(one); !returned)
+      if (auto returned = adapter.plugin().return_identity_handle(one); !returned)
         status = std::move(returned);
     return status;
   });
@@ -371,11 +371,11 @@ constexpr dds_security_authentication kTable = {
 }  // namespace
 
 AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
-                                             const MakeEngine<spi::Authentication>& make,
+                                             const MakePlugin<spi::Authentication>& make,
                                              ddsi_domaingv* domain)
     : dds_security_authentication(kTable),
       host_(std::move(host)),
-      engine_(make(host_->services_with_record(true))),
+      plugin_(make(host_->services_with_record(true))),
       core_timer_(CoreTimer::of_host(host_->code())),
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),
@@ -403,7 +403,7 @@ void AuthenticationAdapter::present_renewed_permissions() {
     const spi::Token credential{.class_id = std::string(spi::class_id::kPermissionsCredential),
                                 .properties = {{"dds.perm.cert", *std::move(text), false}}};
     // A refusal has its own event; the same document is not tried again.
-    static_cast<void>(engine_->set_permissions_credential_and_token(local.handle, credential, {}));
+    static_cast<void>(plugin_->set_permissions_credential_and_token(local.handle, credential, {}));
     renewals_[local.handle] = times;
     note_lost_rights(local.handle, losses);
   }
@@ -423,7 +423,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                     [this, revoke](const std::stop_token& stop) {
                       report_clock_steps(*host_, PluginKind::authentication);
                       present_renewed_permissions();
-                      const auto ended = remotes_.to_revoke(engine_->poll());
+                      const auto ended = remotes_.to_revoke(plugin_->poll());
                       for (const auto local : ended.locals) {
                         cut_off_access_control(local);
                         cut_off_cryptography(local);
@@ -439,7 +439,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                       send_resets();
                       report_ended_by_peer();
                     },
-                .next_expiry = [this] { return engine_->next_expiry(); }});
+                .next_expiry = [this] { return plugin_->next_expiry(); }});
 }
 
 }  // namespace ddssec::cyclonedds

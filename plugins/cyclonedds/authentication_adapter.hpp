@@ -19,14 +19,14 @@ namespace ddssec::cyclonedds {
 /// The adapter of one domain. The C struct is the base class; the host sees only that.
 class AuthenticationAdapter final : public dds_security_authentication {
  public:
-  AuthenticationAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Authentication>& make,
+  AuthenticationAdapter(std::unique_ptr<Host> host, const MakePlugin<spi::Authentication>& make,
                         ddsi_domaingv* domain);
 
   static AuthenticationAdapter& of(dds_security_authentication& instance) {
     return static_cast<AuthenticationAdapter&>(instance);
   }
   Host& host() { return *host_; }
-  spi::Authentication& engine() { return *engine_; }
+  spi::Authentication& plugin() { return *plugin_; }
   SharedSecrets& secrets() { return secrets_; }
   RemoteIdentities& remotes() { return remotes_; }
   HandshakeWatch& watch() { return watch_; }
@@ -72,7 +72,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   void report_ended_by_peer();
 
   std::unique_ptr<Host> host_;
-  std::unique_ptr<spi::Authentication> engine_;
+  std::unique_ptr<spi::Authentication> plugin_;
   SharedSecrets secrets_;  ///< identified by the host's handles
   RemoteIdentities remotes_;
   const CoreTimer core_timer_;

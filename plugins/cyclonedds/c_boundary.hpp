@@ -65,7 +65,7 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
   if (!outcome) [[unlikely]] {
     const FailureReport report = tell(outcome.error());
     fill_exception_of_logged(ex, outcome.error(), report.host_code);
-    // If the engine raised its own event, with subject and GUID, that one is better.
+    // If the plugin raised its own event, with subject and GUID, that one is better.
     if (report.raises_event && Host::raised_by_this_thread() == raised_before)
       host.refused(outcome.error(), report.severity);
   }

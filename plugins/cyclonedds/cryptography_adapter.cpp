@@ -19,14 +19,14 @@ Adapters& adapters() {
 }  // namespace
 
 CryptographyAdapter::CryptographyAdapter(std::unique_ptr<Host> host,
-                                         const MakeEngine<spi::Cryptography>& make,
+                                         const MakePlugin<spi::Cryptography>& make,
                                          ddsi_domaingv* domain)
     : dds_security_cryptography{},
       host_(std::move(host)),
-      engine_(make(host_->services())),
-      key_factory_engine_(engine_->key_factory()),
-      key_exchange_engine_(engine_->key_exchange()),
-      transform_engine_(engine_->transform()),
+      plugin_(make(host_->services())),
+      key_factory_(plugin_->key_factory()),
+      key_exchange_(plugin_->key_exchange()),
+      transform_(plugin_->transform()),
       transform_table_(kTransformFunctions, this),
       key_factory_table_(kKeyFactoryFunctions, this),
       key_exchange_table_(kKeyExchangeFunctions, this),

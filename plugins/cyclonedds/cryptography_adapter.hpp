@@ -14,7 +14,7 @@ namespace ddssec::cyclonedds {
 /// on that message.
 class CryptographyAdapter final : public dds_security_cryptography {
  public:
-  CryptographyAdapter(std::unique_ptr<Host> host, const MakeEngine<spi::Cryptography>& make,
+  CryptographyAdapter(std::unique_ptr<Host> host, const MakePlugin<spi::Cryptography>& make,
                       ddsi_domaingv* domain);
   ~CryptographyAdapter();
   CryptographyAdapter(const CryptographyAdapter&) = delete;
@@ -40,9 +40,9 @@ class CryptographyAdapter final : public dds_security_cryptography {
   static void look_for_ended_readers() noexcept;
 
   Host& host() { return *host_; }
-  spi::CryptoKeyFactory& key_factory() { return key_factory_engine_; }
-  spi::CryptoKeyExchange& key_exchange() { return key_exchange_engine_; }
-  spi::CryptoTransform& transform() { return transform_engine_; }
+  spi::CryptoKeyFactory& key_factory() { return key_factory_; }
+  spi::CryptoKeyExchange& key_exchange() { return key_exchange_; }
+  spi::CryptoTransform& transform() { return transform_; }
   /// Remembers the identity of a local participant until the host unregisters it.
   void note_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity);
   void forget_local(spi::ParticipantCryptoHandle local);
@@ -62,10 +62,10 @@ class CryptographyAdapter final : public dds_security_cryptography {
   };
 
   std::unique_ptr<Host> host_;
-  std::unique_ptr<spi::Cryptography> engine_;
-  spi::CryptoKeyFactory& key_factory_engine_;
-  spi::CryptoKeyExchange& key_exchange_engine_;
-  spi::CryptoTransform& transform_engine_;
+  std::unique_ptr<spi::Cryptography> plugin_;
+  spi::CryptoKeyFactory& key_factory_;
+  spi::CryptoKeyExchange& key_exchange_;
+  spi::CryptoTransform& transform_;
   Table<dds_security_crypto_transform> transform_table_;
   Table<dds_security_crypto_key_factory> key_factory_table_;
   Table<dds_security_crypto_key_exchange> key_exchange_table_;

@@ -13,20 +13,20 @@
 
 namespace ddssec::cyclonedds {
 
-/// The services of one plugin context. It must outlive the engine. Thread-safe.
+/// The services of one plugin context. It must outlive the plugin. Thread-safe.
 class Host {
  public:
   /// `log` receives the events that pass the rate limit. `code` is an address in the host's code,
   /// or null.
   explicit Host(std::unique_ptr<EventSink> log, const void* code = nullptr)
       : code_(code), log_(std::move(log)), limited_(*log_, clock_), counted_(limited_) {}
-  /// Returns the services with the record of DDSSEC_STATUS_DIR; call it before the engine is made.
+  /// Returns the services with the record of DDSSEC_STATUS_DIR; call it before the plugin is made.
   /// If `reports`, an event gives the reason if there is none although the variable requests it.
   const PluginServices& services_with_record(bool reports);
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// Returns the services for the engine, which this object owns.
+  /// Returns the services for the plugin, which this object owns.
   const PluginServices& services() const { return services_; }
   const Clock& clock() const { return calendar_; }
   SteadyCalendar& calendar() { return calendar_; }

@@ -47,23 +47,23 @@ void OwnEndpoints::forget(spi::PermissionsHandle local) {
   std::erase_if(endpoints_, [&](const auto& entry) { return entry.second.local == local; });
 }
 
-Status OwnEndpoints::ask(const Endpoint& endpoint, spi::AccessControl& engine) {
+Status OwnEndpoints::ask(const Endpoint& endpoint, spi::AccessControl& plugin) {
   const std::vector<std::string_view> partitions(endpoint.partitions.begin(),
                                                  endpoint.partitions.end());
-  return engine.check_own_endpoint(
+  return plugin.check_own_endpoint(
       endpoint.local, endpoint.writes,
       {.topic_name = endpoint.topic, .partitions = partitions, .data_tags = endpoint.data_tags});
 }
 
-std::optional<Error> OwnEndpoints::judge(spi::PermissionsHandle local, spi::AccessControl& engine) {
-  const auto renewals = engine.renewals(local);
+std::optional<Error> OwnEndpoints::judge(spi::PermissionsHandle local, spi::AccessControl& plugin) {
+  const auto renewals = plugin.renewals(local);
   const std::lock_guard lock(mutex_);
   auto& losses = losses_[local];
   std::optional<Error> first;
   std::size_t lost = 0;
   for (auto& [place, endpoint] : endpoints_) {
     if (endpoint.local != local || endpoint.judged == renewals) continue;
-    const auto status = ask(endpoint, engine);
+    const auto status = ask(endpoint, plugin);
     endpoint.judged = renewals;
     const bool was_allowed = std::exchange(endpoint.is_allowed, !is_denial(status));
     if (!was_allowed || endpoint.is_allowed) continue;

@@ -30,7 +30,7 @@ class OwnEndpoints {
   /// Judges the endpoints of a local participant by its permissions, if those were renewed since
   /// the last call. Returns own_rights_lost if they no longer allow an endpoint that was allowed
   /// before.
-  std::optional<Error> judge(spi::PermissionsHandle local, spi::AccessControl& engine);
+  std::optional<Error> judge(spi::PermissionsHandle local, spi::AccessControl& plugin);
   /// Returns the number of times that `judge` has returned an error for that participant.
   std::uint64_t losses(spi::PermissionsHandle local) const;
 
@@ -44,7 +44,7 @@ class OwnEndpoints {
     std::uint64_t judged = 0;  ///< the number of renewals of the permissions by which it was judged
     bool is_allowed = true;
   };
-  static Status ask(const Endpoint& endpoint, spi::AccessControl& engine);
+  static Status ask(const Endpoint& endpoint, spi::AccessControl& plugin);
 
   mutable std::mutex mutex_;
   std::map<Place, Endpoint> endpoints_;

@@ -29,7 +29,7 @@ IdentityHandle RemoteIdentities::note_refused(const Guid& guid) {
   const std::lock_guard lock(mutex_);
   if (const auto known = remotes_.find(guid); known != remotes_.end()) return known->second.of_host;
   static std::atomic<std::int64_t> last = 0;
-  const IdentityHandle own{--last};  // negative, because engines use no such handles
+  const IdentityHandle own{--last};  // negative, because plugins use no such handles
   const auto named = guid_of_.try_emplace(own, guid).first;
   Rollback forget([&] { guid_of_.erase(named); });
   remotes_.try_emplace(guid, Remote{own});

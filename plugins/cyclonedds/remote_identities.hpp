@@ -1,4 +1,4 @@
-// Maps the host's single handle of a remote participant to the engine's handles, one for each pair.
+// Maps the host's single handle of a remote participant to the plugin's handles, one for each pair.
 #pragma once
 
 #include <map>
@@ -16,20 +16,20 @@ namespace ddssec::cyclonedds {
 
 /// Cyclone's core has one identity handle for a remote participant, however many local participants
 /// met it. It keeps the last handle that it got, asserts that all are the same and returns it once.
-/// The engine has one handle for each pair of a local and a remote participant. All calls in
+/// The plugin has one handle for each pair of a local and a remote participant. All calls in
 /// between also name the local participant or a handshake. Thread-safe.
 class RemoteIdentities {
  public:
-  /// Remembers the engine's handle of a pair and returns the host's handle for the remote
+  /// Remembers the plugin's handle of a pair and returns the host's handle for the remote
   /// participant: that of the first pair, as long as the host keeps it.
   spi::IdentityHandle note(spi::IdentityHandle local, const Guid& remote, spi::IdentityHandle pair);
 
-  /// Returns the host's handle for a remote participant that the engine did not admit. It is the
+  /// Returns the host's handle for a remote participant that the plugin did not admit. It is the
   /// one that the host has, or a new one that is unique in the process and has no identity yet.
   spi::IdentityHandle note_refused(const Guid& remote);
 
-  /// Returns the engine's handle for the host's. An unknown handle is returned unchanged; the
-  /// engine decides whether there is such an identity.
+  /// Returns the plugin's handle for the host's. An unknown handle is returned unchanged; the
+  /// plugin decides whether there is such an identity.
   spi::IdentityHandle pair(spi::IdentityHandle local, spi::IdentityHandle remote) const;
 
   /// Returns the GUID for the host's handle of a remote participant; empty for any other handle.
@@ -40,7 +40,7 @@ class RemoteIdentities {
   std::vector<std::pair<spi::IdentityHandle, Guid>> all() const;
 
   /// Removes a remote or a local identity that the host returns. Returns the handles to return to
-  /// the engine.
+  /// the plugin.
   std::vector<spi::IdentityHandle> take(spi::IdentityHandle identity);
 
   /// True if `poll` has reported this local participant.
@@ -50,7 +50,7 @@ class RemoteIdentities {
     std::vector<spi::IdentityHandle> remotes = {};  ///< the host's handles
     std::vector<spi::IdentityHandle> locals = {};
   };
-  /// Converts the result of the engine's `poll` to the host's handles. The host can remove a
+  /// Converts the result of the plugin's `poll` to the host's handles. The host can remove a
   /// remote participant only for all local ones. So a remote participant that is reported only
   /// because a local participant ended stays for the others that have met it.
   ToRevoke to_revoke(std::span<const spi::IdentityHandle> ended);

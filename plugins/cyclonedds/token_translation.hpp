@@ -36,7 +36,7 @@ class CryptoTokens {
  public:
   /// Copies the host's tokens. Errors: null_argument, length_out_of_range (kMaxTokensPerMessage).
   static Result<CryptoTokens> from(const DDS_Security_DataHolderSeq* tokens);
-  /// Takes ownership of an engine's tokens.
+  /// Takes ownership of a plugin's tokens.
   explicit CryptoTokens(std::vector<spi::Token> tokens) : tokens_(std::move(tokens)) {}
   ~CryptoTokens();
   CryptoTokens(CryptoTokens&&) = default;

@@ -11,7 +11,7 @@ Status check_endpoint_is_guarded(AccessControlAdapter& adapter, spi::Permissions
       is_writer ? endpoint.topic.is_read_protected : endpoint.topic.is_write_protected;
   if (endpoint.is_submessage_protected() || endpoint.is_payload_protected()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                          adapter.engine().participant_sec_attributes(handle));
+                          adapter.plugin().participant_sec_attributes(handle));
   const bool relies_on_messages = participant.is_rtps_protected() && !is_writer;
   if (participant.allow_unauthenticated_participants && (is_controlled || relies_on_messages))
     return fail(Code::unauthenticated_peers_unstoppable,
@@ -36,7 +36,7 @@ Status check_not_exposed_by_shared_memory(AccessControlAdapter& adapter,
   auto& guard = adapter.shared_memory();
   if (guard.is_allowed(handle)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                          adapter.engine().participant_sec_attributes(handle));
+                          adapter.plugin().participant_sec_attributes(handle));
   const auto promise = promise_for_samples(participant, endpoint, direction);
   if (promise.empty()) return {};
   if (qos != nullptr) {

@@ -210,7 +210,7 @@ class Authentication {
   /// (Cyclone DDS does), and no peer may remain that receives from them.
   ///
   /// If `local` is not nil, only that identity and its remote ones are checked, for a host that
-  /// must not touch other users of the engine.
+  /// must not touch other users of the plugin.
   virtual std::vector<IdentityHandle> poll(IdentityHandle local = {}) = 0;
   /// The number of times that the same documents are offered to a peer that does not answer.
   static constexpr int kMaxOffers = 3;

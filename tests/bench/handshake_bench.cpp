@@ -115,7 +115,7 @@ using CostOctets = std::array<std::uint8_t, sizeof(Cost)>;
 // The word that a side sends after its datagrams.
 enum Word : std::uint8_t { go_on, matched };
 
-// A participant with a writer and a reader, on engines of its own.
+// A participant with a writer and a reader, on plugins of its own.
 class Side {
  public:
   Side(std::uint8_t n, const spi::PropertyList& properties)

@@ -100,7 +100,7 @@ Status create(DomainParticipant& participant, const peer_options& options, Embed
   return {};
 }
 
-// The three engines of one process.
+// The three plugins of one process.
 struct Plugins {
   explicit Plugins(const PluginServices& services)
       : authentication(authentication::make_authentication(services)),

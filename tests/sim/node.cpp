@@ -91,25 +91,25 @@ Node::Node(const Surroundings& around, const Subject& subject, std::size_t numbe
       dice_(dice),
       random_(dice_.next()) {}
 
-void Node::make_engines(const GuidPrefix& name) {
+void Node::make_plugins(const GuidPrefix& name) {
   const PluginServices services{clock_, random_, *this};
-  engines_ = {authentication::make_authentication(services),
+  plugins_ = {authentication::make_authentication(services),
               access_control::make_access_control(services, {.host_revises_keys = true,
                                                              .host_has_pre_shared_keys = true,
                                                              .host_changes_protection = true}),
               cryptography::make_cryptography(services)};
   if (subject_.is_honest()) {
-    engines_.authentication =
-        std::make_unique<CountedAuthentication>(std::move(engines_.authentication), handshakes_);
+    plugins_.authentication =
+        std::make_unique<CountedAuthentication>(std::move(plugins_.authentication), handshakes_);
     return;
   }
   const bool borrows = subject_.role == Role::borrower;
-  engines_.access_control =
-      permissive(std::move(engines_.access_control),
+  plugins_.access_control =
+      permissive(std::move(plugins_.access_control),
                  borrows ? honest_permissions(around_.protection) : std::string());
-  engines_.cryptography = tampering(std::move(engines_.cryptography), around_.malice);
+  plugins_.cryptography = tampering(std::move(plugins_.cryptography), around_.malice);
   if (subject_.role == Role::impostor)
-    engines_.authentication = under_false_name(std::move(engines_.authentication), name);
+    plugins_.authentication = under_false_name(std::move(plugins_.authentication), name);
 }
 
 ParticipantConfig Node::config(const GuidPrefix& prefix) {
@@ -128,10 +128,10 @@ ParticipantConfig Node::config(const GuidPrefix& prefix) {
 
 void Node::start(const GuidPrefix& name) {
   const Charge charge(cost_);
-  make_engines(name);
+  make_plugins(name);
   const auto candidate = GuidPrefix::from(dice_.octets(12));
   auto own = OwnSecurity::create(
-      {{*engines_.authentication, *engines_.access_control, *engines_.cryptography},
+      {{*plugins_.authentication, *plugins_.access_control, *plugins_.cryptography},
        properties_of(subject_, around_.protection)},
       0, candidate, subject_.domain_tag());
   if (!own) return around_.invariants.fail("a participant starts", own.error().to_sentence());
@@ -155,7 +155,7 @@ void Node::stop(bool says_so) {
   if (subject_.role != Role::impostor) around_.ledger.leave(prefix(), around_.now);
   participant_.reset();
   endpoints_.clear();
-  engines_ = {};
+  plugins_ = {};
   in_socket_.clear();
   asleep_until_ = {};
 }

@@ -89,7 +89,7 @@ class Node final : private Transport, private EventSink {
 
  private:
   /// The plugins, which end after their participant.
-  struct Engines {
+  struct Plugins {
     std::unique_ptr<spi::Authentication> authentication;
     std::unique_ptr<spi::AccessControl> access_control;
     std::unique_ptr<spi::Cryptography> cryptography;
@@ -98,7 +98,7 @@ class Node final : private Transport, private EventSink {
 
   void send(BytesView message, std::span<const Locator> to) override;
   void raise(const Event& event) override;
-  void make_engines(const GuidPrefix& name);
+  void make_plugins(const GuidPrefix& name);
   ParticipantConfig config(const GuidPrefix& prefix);
   void call(std::size_t octets, const std::function<void()>& what);
   Bytes payload_of(const Guid& writer, SequenceNumber number);
@@ -110,7 +110,7 @@ class Node final : private Transport, private EventSink {
   Dice dice_;
   ManualClock clock_{pki::kNow};
   SeededRandom random_;
-  Engines engines_;
+  Plugins plugins_;
   std::vector<std::unique_ptr<Endpoint>> endpoints_;
   std::unique_ptr<RtpsParticipant> participant_;
   Cost cost_;

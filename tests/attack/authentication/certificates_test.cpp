@@ -11,7 +11,7 @@ namespace {
 
 // A participant of ours that waits for a request.
 struct Victim {
-  Victim() : us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1) {}
+  Victim() : us(plugin, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1) {}
 
   // Returns the result for a request whose c.id is `pem` and whose GUID fits `certificate`, if any.
   Result<spi::Authentication::HandshakeStep> receive(Bytes pem,
@@ -23,15 +23,15 @@ struct Victim {
     else
       guid.prefix.octets[0] = 0x80;
     const auto remote =
-        engine->validate_remote_identity(us.handle, {}, {"DDS:Auth:PKI-DH:1.0"}, guid);
+        plugin->validate_remote_identity(us.handle, {}, {"DDS:Auth:PKI-DH:1.0"}, guid);
     if (!remote) return std::unexpected(remote.error());
     Token request = shape.request(pki::KeyAgreementKind::ecdh_p256, {});
     request = with(with(request, "c.id", std::move(pem)), "c.pdata", participant_data(guid));
-    return engine->begin_handshake_reply(without(request, "hash_c1"), remote->handle, us.handle,
+    return plugin->begin_handshake_reply(without(request, "hash_c1"), remote->handle, us.handle,
                                          us.data);
   }
 
-  Engine engine;
+  TestPlugin plugin;
   Participant us;
 };
 

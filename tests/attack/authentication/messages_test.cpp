@@ -71,8 +71,8 @@ TEST(Downgrade, ChangedParticipantData_IsNoticed) {
 // ---- T12: the GUID of another participant
 
 TEST(ForeignGuid, AMember_CannotTakeAnothersGuid) {
-  Engine engine;
-  Participant us(engine, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1);
+  TestPlugin plugin;
+  Participant us(plugin, make_identity(test_ca(), "CN=ours", {}, kYear, 1), 1);
   const auto mallory = make_identity(test_ca(), "CN=mallory");
   const auto victim = make_identity(test_ca(), "CN=victim", {}, kYear, 2);
   // The GUID is as low as possible, so that the attacker begins.
@@ -80,17 +80,17 @@ TEST(ForeignGuid, AMember_CannotTakeAnothersGuid) {
   guid.prefix.octets[0] = 0x80;
   guid.prefix.octets[1] = 0;
   const auto remote =
-      engine->validate_remote_identity(us.handle, {}, {"DDS:Auth:PKI-DH:1.0"}, guid);
+      plugin->validate_remote_identity(us.handle, {}, {"DDS:Auth:PKI-DH:1.0"}, guid);
   ASSERT_OK(remote);
   HandMadePeer peer(mallory, 3);
   Token request = peer.request(pki::KeyAgreementKind::ecdh_p256, {});
-  EXPECT_CODE(engine->begin_handshake_reply(request, remote->handle, us.handle, us.data),
+  EXPECT_CODE(plugin->begin_handshake_reply(request, remote->handle, us.handle, us.data),
               participant_guid_differs);
   request = without(with(request, "c.pdata", participant_data(guid)), "hash_c1");
-  EXPECT_CODE(engine->begin_handshake_reply(request, remote->handle, us.handle, us.data),
+  EXPECT_CODE(plugin->begin_handshake_reply(request, remote->handle, us.handle, us.data),
               guid_not_bound_to_subject);
   request = with(request, "c.id", bytes(victim.certificate.pem()));
-  EXPECT_CODE(engine->begin_handshake_reply(request, remote->handle, us.handle, us.data),
+  EXPECT_CODE(plugin->begin_handshake_reply(request, remote->handle, us.handle, us.data),
               guid_not_bound_to_subject);
 }
 
@@ -118,7 +118,7 @@ TEST(HandshakeLengths, Lies_AreRefusedBeforeAnythingIsAllocatedOrStored) {
       // Only the fields that a request may choose or leave out may differ.
       for (const auto* name : {"c.id", "c.perm", "c.pdata", "c.dsign_algo", "c.kagree_algo", "dh1"})
         EXPECT_EQ(field(*token, name), field(*request->message, name)) << at;
-      two.high.engine->clock.advance(kPendingAge);
+      two.high.plugin->clock.advance(kPendingAge);
     }
   }
   const auto reply = two.reply(*request->message);

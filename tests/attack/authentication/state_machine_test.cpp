@@ -14,11 +14,11 @@ namespace {
 // last message again until the handshake ends, and tries a message on every handshake of the pair.
 class Node {
  public:
-  Node(const Identity& identity, std::uint8_t number) : engine_(number) {
-    self_ = std::make_unique<Participant>(engine_, identity, number);
+  Node(const Identity& identity, std::uint8_t number) : plugin_(number) {
+    self_ = std::make_unique<Participant>(plugin_, identity, number);
   }
   const Guid& guid() const { return self_->guid; }
-  Engine& engine() { return engine_; }
+  TestPlugin& plugin() { return plugin_; }
 
   void meet(Node& other) {
     const auto remote = self_->discover(*other.self_);
@@ -28,14 +28,14 @@ class Node {
     peer.begins = remote->result == ValidationResult::pending_handshake_request;
   }
   void forget(const Guid& guid) {
-    ASSERT_OK(engine_->return_identity_handle(peers_.at(guid).handle));
+    ASSERT_OK(plugin_->return_identity_handle(peers_.at(guid).handle));
     peers_.erase(guid);
   }
   // Returns the messages that must be sent (again) to that peer.
   std::vector<Token> due(const Guid& guid) {
     auto& peer = peers_.at(guid);
     if (peer.begins && !peer.done) {
-      const auto step = engine_->begin_handshake_request(self_->handle, peer.handle, self_->data);
+      const auto step = plugin_->begin_handshake_request(self_->handle, peer.handle, self_->data);
       if (step) remember(peer, *step);
     }
     return peer.begins && peer.done ? std::vector<Token>{} : peer.last;
@@ -45,16 +45,16 @@ class Node {
     auto& peer = peers_.at(guid);
     if (!peer.begins && message.class_id.ends_with("+Req")) {
       const auto step =
-          engine_->begin_handshake_reply(message, peer.handle, self_->handle, self_->data);
+          plugin_->begin_handshake_reply(message, peer.handle, self_->handle, self_->data);
       if (!step) return {};
       remember(peer, *step);
       return {*step->message};
     }
     for (const auto handle : peer.handshakes) {
-      const auto step = engine_->process_handshake(handle, message);
+      const auto step = plugin_->process_handshake(handle, message);
       if (!step) continue;
       if (step->result != ValidationResult::pending_handshake_message && !peer.done)
-        peer.done = *engine_->shared_secret(handle);
+        peer.done = *plugin_->shared_secret(handle);
       return step->message ? std::vector<Token>{*step->message} : std::vector<Token>{};
     }
     return {};
@@ -76,7 +76,7 @@ class Node {
     peer.last = {*step.message};
   }
 
-  Engine engine_;
+  TestPlugin plugin_;
   std::unique_ptr<Participant> self_;
   std::map<Guid, Peer> peers_;
 };
@@ -114,7 +114,7 @@ class Network {
       for (auto& answer : datagram.to->take(datagram.from->guid(), datagram.token))
         send(*datagram.to, *datagram.from, std::move(answer));
     }
-    for (auto* node : nodes_) node->engine().clock.advance(1s);
+    for (auto* node : nodes_) node->plugin().clock.advance(1s);
   }
   bool all_done() const {
     for (auto* a : nodes_)
@@ -240,7 +240,7 @@ TEST(SpoofLockOut, AForgedRequestFirst_DoesNotKeepTheHonestOneOut) {
   ASSERT_OK(final_message);
   EXPECT_CODE(two.process_at_higher_guid(trap->handle, *final_message->message),
               token_field_differs);
-  EXPECT_CODE((*two.high.engine)->shared_secret(trap->handle), handshake_not_finished);
+  EXPECT_CODE((*two.high.plugin)->shared_secret(trap->handle), handshake_not_finished);
   ASSERT_OK(two.process_at_higher_guid(reply->handle, *final_message->message));
 }
 
@@ -272,8 +272,8 @@ TEST(Replay, RecordedHandshake_LeadsNowhere) {
   ASSERT_OK(fin1);
   ASSERT_OK(two.process_at_higher_guid(rep1->handle, *fin1->message));
   // All nodes begin again.
-  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
-  ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
+  ASSERT_OK((*two.low.plugin)->return_identity_handle(two.high_at_low));
+  ASSERT_OK((*two.high.plugin)->return_identity_handle(two.low_at_high));
   Two again(two.low, two.high);
   const auto rep2 = again.reply(*req1->message);
   ASSERT_OK(rep2);

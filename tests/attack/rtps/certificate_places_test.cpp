@@ -36,7 +36,7 @@ class Insiders {
 
   std::unique_ptr<Insider> make(std::uint32_t number) {
     auto own = OwnSecurity::create(
-        {{*engines_.authentication, *engines_.access_control, *engines_.cryptography}, properties_},
+        {{*plugins_.authentication, *plugins_.access_control, *plugins_.cryptography}, properties_},
         0, fake_prefix(number));
     EXPECT_TRUE(own) << own.error().to_sentence();
     auto out = std::make_unique<Insider>();
@@ -48,14 +48,14 @@ class Insiders {
                           .lease_duration = kDurationInfinite,
                           .metatraffic_unicast = {at(port_of(number))},
                           .announce_to = {at(victim_.port)}},
-        out->post, engines_.events);
+        out->post, plugins_.events);
     EXPECT_TRUE(out->participant->enable_security(std::move(*own)));
     return out;
   }
 
   Node& victim_;
   const spi::PropertyList properties_ = properties_of("CN=mallory,O=Example", {}, {"Other"});
-  Node engines_{200, properties_};
+  Node plugins_{200, properties_};
   std::uint32_t count_ = 0;
 };
 

@@ -158,10 +158,10 @@ class Talker final : public KeyThief {
     int times = 0;
     Stolen stolen = {};
   };
-  Talker(std::unique_ptr<spi::Cryptography> engine, Told& told)
-      : KeyThief(std::move(engine), told.stolen), told_(told) {}
+  Talker(std::unique_ptr<spi::Cryptography> plugin, Told& told)
+      : KeyThief(std::move(plugin), told.stolen), told_(told) {}
   static Node::Wrap into(Told& told) {
-    return [&told](auto engine) { return std::make_unique<Talker>(std::move(engine), told); };
+    return [&told](auto plugin) { return std::make_unique<Talker>(std::move(plugin), told); };
   }
 
  private:

@@ -174,15 +174,15 @@ struct Requests {
 // fragment of each message of the volatile writer.
 class Requester final : public spi::Cryptography, spi::CryptoTransform {
  public:
-  Requester(std::unique_ptr<spi::Cryptography> engine, Requests& requests)
-      : engine_(std::move(engine)), requests_(requests) {}
+  Requester(std::unique_ptr<spi::Cryptography> plugin, Requests& requests)
+      : plugin_(std::move(plugin)), requests_(requests) {}
   static Node::Wrap into(Requests& requests) {
-    return [&requests](std::unique_ptr<spi::Cryptography> engine) {
-      return std::make_unique<Requester>(std::move(engine), requests);
+    return [&requests](std::unique_ptr<spi::Cryptography> plugin) {
+      return std::make_unique<Requester>(std::move(plugin), requests);
     };
   }
-  spi::CryptoKeyFactory& key_factory() override { return engine_->key_factory(); }
-  spi::CryptoKeyExchange& key_exchange() override { return engine_->key_exchange(); }
+  spi::CryptoKeyFactory& key_factory() override { return plugin_->key_factory(); }
+  spi::CryptoKeyExchange& key_exchange() override { return plugin_->key_exchange(); }
   spi::CryptoTransform& transform() override { return *this; }
 
  private:
@@ -192,49 +192,49 @@ class Requester final : public spi::Cryptography, spi::CryptoTransform {
   using Size = Result<std::size_t>;
 
   Size encode_serialized_payload(DataWriter sender, BytesView plain, MutableBytes out) override {
-    return engine().encode_serialized_payload(sender, plain, out);
+    return plugin().encode_serialized_payload(sender, plain, out);
   }
   Size encode_datawriter_submessage(DataWriter sender, std::span<const DataReader> receivers,
                                     BytesView plain, MutableBytes out) override {
-    return engine().encode_datawriter_submessage(sender, receivers, plain, out);
+    return plugin().encode_datawriter_submessage(sender, receivers, plain, out);
   }
   Size encode_datareader_submessage(DataReader sender, std::span<const DataWriter> receivers,
                                     BytesView plain, MutableBytes out) override {
     constexpr std::uint8_t kAckNack = 0x06;
     const bool acknowledges =
         plain[0] == kAckNack && EntityId::from(plain.subspan(4)) == kVolatileMessageReader;
-    return engine().encode_datareader_submessage(sender, receivers,
+    return plugin().encode_datareader_submessage(sender, receivers,
                                                  acknowledges ? request() : plain, out);
   }
   Size encode_rtps_message(Participant sender, std::span<const Participant> receivers,
                            BytesView plain, MutableBytes out) override {
-    return engine().encode_rtps_message(sender, receivers, plain, out);
+    return plugin().encode_rtps_message(sender, receivers, plain, out);
   }
   Size decode_rtps_message(Participant receiver, Participant sender, BytesView encoded,
                            MutableBytes out) override {
-    return engine().decode_rtps_message(receiver, sender, encoded, out);
+    return plugin().decode_rtps_message(receiver, sender, encoded, out);
   }
   Result<spi::SecureSubmessage> preprocess_secure_submessage(Participant receiver,
                                                              Participant sender,
                                                              BytesView encoded) override {
-    return engine().preprocess_secure_submessage(receiver, sender, encoded);
+    return plugin().preprocess_secure_submessage(receiver, sender, encoded);
   }
   Size decode_datawriter_submessage(DataReader receiver, DataWriter sender, BytesView encoded,
                                     MutableBytes out) override {
-    const auto size = engine().decode_datawriter_submessage(receiver, sender, encoded, out);
+    const auto size = plugin().decode_datawriter_submessage(receiver, sender, encoded, out);
     if (size) note(out.first(*size));
     return size;
   }
   Size decode_datareader_submessage(DataWriter receiver, DataReader sender, BytesView encoded,
                                     MutableBytes out) override {
-    return engine().decode_datareader_submessage(receiver, sender, encoded, out);
+    return plugin().decode_datareader_submessage(receiver, sender, encoded, out);
   }
   Size decode_serialized_payload(DataReader receiver, DataWriter sender, BytesView encoded,
                                  MutableBytes out) override {
-    return engine().decode_serialized_payload(receiver, sender, encoded, out);
+    return plugin().decode_serialized_payload(receiver, sender, encoded, out);
   }
 
-  spi::CryptoTransform& engine() { return engine_->transform(); }
+  spi::CryptoTransform& plugin() { return plugin_->transform(); }
 
   // Returns a NACK_FRAG of the volatile reader, for another message each time.
   BytesView request() {
@@ -260,7 +260,7 @@ class Requester final : public spi::Cryptography, spi::CryptoTransform {
     requests_.own = requests_.own.value_or(to);  // the first one comes before any request
   }
 
-  std::unique_ptr<spi::Cryptography> engine_;
+  std::unique_ptr<spi::Cryptography> plugin_;
   Requests& requests_;
   Bytes request_;
 };

@@ -1,4 +1,4 @@
-// What the authentication tests share: identities, engines, pairs of participants that shake hands,
+// What the authentication tests share: identities, plugins, pairs of participants that shake hands,
 // and a peer whose tokens the test builds in the style of another vendor.
 #pragma once
 
@@ -94,9 +94,9 @@ inline Identity make_identity(const pki::Authority& ca, std::string subject, Key
   return identity_of(std::move(certificate), key, ca.certificate().pem());
 }
 
-/// One process: an engine with its clock.
-struct Engine {
-  explicit Engine(std::uint64_t seed = 1, AuthenticationOptions options = {})
+/// One process: a plugin with its clock.
+struct TestPlugin {
+  explicit TestPlugin(std::uint64_t seed = 1, AuthenticationOptions options = {})
       : random(seed), plugin(make_authentication({clock, random, events, &documents}, options)) {}
   spi::Authentication* operator->() { return plugin.get(); }
   /// As a host does every few seconds. Returns which identities have ended.
@@ -190,11 +190,11 @@ inline Bytes flipped(Bytes octets, std::size_t at) {
 }
 inline Bytes bytes(std::string_view text) { return to_bytes(as_bytes(text)); }
 
-/// A participant in an engine of its own or a shared one.
+/// A participant in a plugin of its own or a shared one.
 struct Participant {
-  Participant(Engine& where, const Identity& identity, std::uint8_t number = 1,
+  Participant(TestPlugin& where, const Identity& identity, std::uint8_t number = 1,
               spi::CipherMask ciphers = spi::kStandardCiphers)
-      : engine(&where) {
+      : plugin(&where) {
     const auto local = where->validate_local_identity(0, identity.properties, candidate(number));
     EXPECT_TRUE(local) << local.error().to_sentence();
     if (!local) return;
@@ -205,10 +205,10 @@ struct Participant {
   }
   Result<spi::Authentication::RemoteIdentity> discover(const Participant& other,
                                                        std::optional<Token> auth_request = {}) {
-    return (*engine)->validate_remote_identity(handle, auth_request, other.token, other.guid);
+    return (*plugin)->validate_remote_identity(handle, auth_request, other.token, other.guid);
   }
 
-  Engine* engine;
+  TestPlugin* plugin;
   IdentityHandle handle;
   Guid guid;
   Token token;
@@ -230,16 +230,16 @@ struct Two {
   }
   using Step = Result<spi::Authentication::HandshakeStep>;
   Step request() {
-    return (*low.engine)->begin_handshake_request(low.handle, high_at_low, low.data);
+    return (*low.plugin)->begin_handshake_request(low.handle, high_at_low, low.data);
   }
   Step reply(const Token& request) {
-    return (*high.engine)->begin_handshake_reply(request, low_at_high, high.handle, high.data);
+    return (*high.plugin)->begin_handshake_reply(request, low_at_high, high.handle, high.data);
   }
   Step process_at_lower_guid(HandshakeHandle handle, const Token& message) {
-    return (*low.engine)->process_handshake(handle, message);
+    return (*low.plugin)->process_handshake(handle, message);
   }
   Step process_at_higher_guid(HandshakeHandle handle, const Token& message) {
-    return (*high.engine)->process_handshake(handle, message);
+    return (*high.plugin)->process_handshake(handle, message);
   }
 
   Participant& low;
@@ -248,12 +248,12 @@ struct Two {
   IdentityHandle low_at_high;
 };
 
-/// Two participants in two engines under one CA, and the messages of an honest handshake.
+/// Two participants in two plugins under one CA, and the messages of an honest handshake.
 struct Pairing {
   explicit Pairing(const Identity& first = make_identity(test_ca(), "CN=alice,O=Example"),
                    const Identity& second = make_identity(test_ca(), "CN=bob,O=Example", {}, kYear,
                                                           1))
-      : a(first_engine, first, 1), b(second_engine, second, 2), two(a, b) {}
+      : a(first_plugin, first, 1), b(second_plugin, second, 2), two(a, b) {}
 
   void expect_success() {
     const auto request = two.request();
@@ -277,8 +277,8 @@ struct Pairing {
     ASSERT_OK(end);
     EXPECT_EQ(end->result, ValidationResult::ok);
     EXPECT_FALSE(end->message);
-    const auto of_low = (*two.low.engine)->shared_secret(request.handle);
-    const auto of_high = (*two.high.engine)->shared_secret(reply.handle);
+    const auto of_low = (*two.low.plugin)->shared_secret(request.handle);
+    const auto of_high = (*two.high.plugin)->shared_secret(reply.handle);
     ASSERT_OK(of_low);
     ASSERT_OK(of_high);
     EXPECT_EQ((*of_low)->secret, (*of_high)->secret);
@@ -287,8 +287,8 @@ struct Pairing {
     EXPECT_EQ((*of_low)->challenge2, (*of_high)->challenge2);
   }
 
-  Engine first_engine{1};
-  Engine second_engine{2};
+  TestPlugin first_plugin{1};
+  TestPlugin second_plugin{2};
   Participant a;
   Participant b;
   Two two;

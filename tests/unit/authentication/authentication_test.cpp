@@ -10,37 +10,37 @@ namespace {
 TEST(RemoteIdentity, InvalidTokensAndGuids_AreRefusedWithTheirCodes) {
   Pairing pairing;
   auto& a = pairing.a;
-  auto& engine = *a.engine;
+  auto& plugin = *a.plugin;
   Token wrong = pairing.b.token;
   wrong.class_id = "DDS:Auth:PKI-DH:2.0";
-  EXPECT_CODE(engine->validate_remote_identity(a.handle, {}, wrong, candidate(0x85)),
+  EXPECT_CODE(plugin->validate_remote_identity(a.handle, {}, wrong, candidate(0x85)),
               token_class_wrong);
-  EXPECT_CODE(engine->validate_remote_identity(a.handle, {}, pairing.b.token, candidate(0x05)),
+  EXPECT_CODE(plugin->validate_remote_identity(a.handle, {}, pairing.b.token, candidate(0x05)),
               guid_not_adjusted);
-  EXPECT_CODE(engine->validate_remote_identity(a.handle, {}, pairing.b.token, a.guid),
+  EXPECT_CODE(plugin->validate_remote_identity(a.handle, {}, pairing.b.token, a.guid),
               remote_guid_is_local);
-  EXPECT_CODE(engine->validate_remote_identity({99}, {}, pairing.b.token, pairing.b.guid),
+  EXPECT_CODE(plugin->validate_remote_identity({99}, {}, pairing.b.token, pairing.b.guid),
               unknown_identity);
 }
 
 TEST(RemoteIdentity, AnotherToken_IsRefusedOnlyAfterAuthentication) {
   Pairing pairing;
   auto& two = pairing.two;
-  auto& engine = *two.low.engine;
+  auto& plugin = *two.low.plugin;
   Token other = two.high.token;
   other.properties[0].value = "/CN=forged";
-  const auto replaced = engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid);
+  const auto replaced = plugin->validate_remote_identity(two.low.handle, {}, other, two.high.guid);
   ASSERT_OK(replaced);
   EXPECT_EQ(replaced->handle, two.high_at_low);
   ASSERT_OK(two.low.discover(two.high));
   pairing.expect_success();
-  EXPECT_CODE(engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid),
+  EXPECT_CODE(plugin->validate_remote_identity(two.low.handle, {}, other, two.high.guid),
               identity_token_changed);
   // The identity with the same token is still the same one. After it left, a restarted peer may
   // come with another token.
   ASSERT_OK(two.low.discover(two.high));
-  ASSERT_OK(engine->return_identity_handle(two.high_at_low));
-  const auto fresh = engine->validate_remote_identity(two.low.handle, {}, other, two.high.guid);
+  ASSERT_OK(plugin->return_identity_handle(two.high_at_low));
+  const auto fresh = plugin->validate_remote_identity(two.low.handle, {}, other, two.high.guid);
   ASSERT_OK(fresh);
   EXPECT_NE(fresh->handle, two.high_at_low);
 }
@@ -59,7 +59,7 @@ TEST(RemoteIdentity, RefusalAfterProof_NamesThePeerInItsEvent) {
   pairing.expect_success();
   auto& two = pairing.two;
   EXPECT_CODE(two.reply(Token{"DDS:Auth:PKI-DH:1.0+Req"}), token_field_missing);
-  const auto& event = two.high.engine->events.all.back();
+  const auto& event = two.high.plugin->events.all.back();
   EXPECT_EQ(event.peer_subject, &two.low == &pairing.a ? "CN=alice,O=Example" : "CN=bob,O=Example");
   EXPECT_EQ(event.guid, two.low.guid.to_string());
 }

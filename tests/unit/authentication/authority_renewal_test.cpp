@@ -68,8 +68,8 @@ class IdentityCaRenewal : public testing::Test {
   void put(std::initializer_list<const pki::Authority*> cas) {
     folder_.replace("identity_ca.pem", bundle(cas));
   }
-  std::vector<IdentityHandle> poll() { return engine().poll(); }
-  std::vector<Code> codes_after_looking() { return engine().codes_after_looking(); }
+  std::vector<IdentityHandle> poll() { return plugin().poll(); }
+  std::vector<Code> codes_after_looking() { return plugin().codes_after_looking(); }
   void expect_refused(std::string_view why) {
     EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewal_refused));
     ASSERT_FALSE(events().empty());
@@ -80,7 +80,7 @@ class IdentityCaRenewal : public testing::Test {
   }
   // True if a participant that has not met Alice authenticates with her.
   bool meets(const pki::Authority& ca) {
-    Engine other{7};
+    TestPlugin other{7};
     Participant carol(other, trusting_all(make_identity(ca, "CN=carol,O=Example", {}, kYear, 2)),
                       ++carols_);
     Two two(pairing_.a, carol);
@@ -93,8 +93,8 @@ class IdentityCaRenewal : public testing::Test {
                          : final_message;
     return end && end->result == ValidationResult::ok;
   }
-  Engine& engine() { return pairing_.first_engine; }
-  std::vector<Event>& events() { return engine().events.all; }
+  TestPlugin& plugin() { return pairing_.first_plugin; }
+  std::vector<Event>& events() { return plugin().events.all; }
   IdentityHandle bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }
@@ -133,7 +133,7 @@ TEST_F(IdentityCaRenewal, SecondCa_LeavesSessionsAlone) {
   pairing_.expect_success();
   put({&new_ca(), &old_ca()});
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
-  EXPECT_THAT(engine().ended, IsEmpty());
+  EXPECT_THAT(plugin().ended, IsEmpty());
 }
 
 TEST_F(IdentityCaRenewal, CertificateOfTheSecondCa_IsTakenWithIt) {
@@ -155,7 +155,7 @@ struct RelativeIdentityPaths : testing::Test {
     set(alice.properties, property::kIdentityCertificate, "file:cert.pem");
     set(alice.properties, property::kPrivateKey, "file:key.pem");
     const test::WorkingFolder at(folder.path());
-    EXPECT_TRUE(engine->validate_local_identity(0, alice.properties, candidate(1)));
+    EXPECT_TRUE(plugin->validate_local_identity(0, alice.properties, candidate(1)));
   }
   void write_all(const test::TemporaryFolder& where,
                  std::initializer_list<const pki::Authority*> cas,
@@ -166,20 +166,20 @@ struct RelativeIdentityPaths : testing::Test {
   }
   // Returns the events after several looks, each with the place of the file that it is about.
   std::vector<std::pair<Code, std::string>> told() {
-    engine.events.all.clear();
+    plugin.events.all.clear();
     for (int i = 0; i < 3; ++i) {
-      engine.clock.advance(5s);
-      EXPECT_THAT(engine->poll(), IsEmpty());
+      plugin.clock.advance(5s);
+      EXPECT_THAT(plugin->poll(), IsEmpty());
     }
     std::vector<std::pair<Code, std::string>> out;
-    for (const auto& event : engine.events.all)
+    for (const auto& event : plugin.events.all)
       out.emplace_back(event.error.code(), event.error.details().document);
     return out;
   }
   const test::TemporaryFolder folder, elsewhere;
   const pki::Certificate renewed = alice_of(old_ca(), {kNow, kYear.not_after}).certificate;
   Identity alice = alice_of(old_ca());
-  Engine engine;
+  TestPlugin plugin;
   const test::WorkingFolder there{elsewhere.path()};
 };
 
@@ -226,7 +226,7 @@ TEST_F(IdentityCaRenewal, CaThatLeaves_EndsItsPeers) {
 }
 
 TEST_F(IdentityCaRenewal, CaThatLeaves_LeavesPeersOfTheOtherAlone) {
-  Engine other{7};
+  TestPlugin other{7};
   Participant carol(other,
                     trusting_all(make_identity(new_ca(), "CN=carol,O=Example", {}, kYear, 2)), 30);
   put({&new_ca(), &old_ca()});
@@ -241,7 +241,7 @@ TEST_F(IdentityCaRenewal, CaThatLeaves_LeavesPeersOfTheOtherAlone) {
   put({&new_ca()});
   EXPECT_THAT(codes_after_looking(),
               ElementsAre(Code::identity_renewed, Code::identity_ca_renewed));
-  EXPECT_THAT(engine().ended, IsEmpty());
+  EXPECT_THAT(plugin().ended, IsEmpty());
 }
 
 TEST_F(IdentityCaRenewal, HandshakeThatBeganUnderTheOldCa_DoesNotEndUnderTheNew) {
@@ -288,7 +288,7 @@ TEST_F(IdentityCaRenewal, CertificateThatComesOneLookLater_IsNoRefusal) {
 TEST_F(IdentityCaRenewal, RevocationList_IsTakenTogetherWithItsCa) {
   auto identity = alice();
   folder_.write("crl.pem", pem({.number = 4}, old_ca()));
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, identity, 9);
   const auto next = alice_of(new_ca(), {kNow, kYear.not_after});
   folder_.replace("crl.pem", pem({.number = 1}, new_ca()));
@@ -310,7 +310,7 @@ TEST_F(IdentityCaRenewal, RevocationList_IsTakenTogetherWithItsCa) {
 TEST_F(IdentityCaRenewal, ListsOfBothCas_CountDuringTheOverlap) {
   auto identity = alice();
   folder_.write("crl.pem", pem({.number = 4}, old_ca()));
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, identity, 9);
   folder_.replace("crl.pem", pem({.number = 4}, old_ca()) + pem({.number = 1}, new_ca()));
   put({&old_ca(), &new_ca()});
@@ -402,8 +402,8 @@ TEST_F(IdentityCaRenewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
   events().clear();
   for (int i = 0; i < 50; ++i) {
     folder_.replace("identity_ca.pem", "nonsense " + std::to_string(i));
-    engine().clock.advance(100ms);
-    engine()->poll();
+    plugin().clock.advance(100ms);
+    plugin()->poll();
   }
   EXPECT_THAT(events(), testing::SizeIs(testing::AllOf(testing::Ge(2u), testing::Le(5u))));
 }
@@ -433,9 +433,9 @@ TEST_F(IdentityCaRenewal, CaThatIsNotValidYet_DoesNotDisturbOurs) {
 TEST_F(IdentityCaRenewal, ClockThatGoesBackAndForth_ChangesNothing) {
   put({&old_ca(), &new_ca()});
   codes_after_looking();
-  engine().clock.advance(days(-300));
+  plugin().clock.advance(days(-300));
   codes_after_looking();
-  engine().clock.advance(days(300));
+  plugin().clock.advance(days(300));
   codes_after_looking();
   EXPECT_TRUE(meets(new_ca()));
 }
@@ -443,7 +443,7 @@ TEST_F(IdentityCaRenewal, ClockThatGoesBackAndForth_ChangesNothing) {
 TEST_F(IdentityCaRenewal, IntervalOfZero_MeansNever) {
   auto identity = alice();
   set(identity.properties, property::kFilesPollInterval, "0");
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, identity, 9);
   other.events.all.clear();
   put({&old_ca(), &new_ca()});
@@ -457,7 +457,7 @@ TEST_F(IdentityCaRenewal, FolderOfTrustedCas_MustHaveEveryCa) {
   const test::TemporaryFolder trusted;
   trusted.write("old.pem", bundle({&old_ca()}));
   set(identity.properties, property::kTrustedCaDir, "file:" + trusted.path());
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, identity, 9);
   other.events.all.clear();
   put({&old_ca(), &new_ca()});
@@ -482,13 +482,13 @@ TEST(AuthorityRenewalOfOneKey, CaThatLivesLonger_MovesTheEndOfSessions) {
       "file:" + folder.write("identity_ca.pem", ca.certificate().pem()));
   Pairing pairing(alice, make_identity(ca, "CN=bob,O=Example", {}, kYear, 1));
   pairing.expect_success();
-  auto& engine = pairing.first_engine;
-  EXPECT_EQ(engine->next_expiry(), kNow + days(30));
+  auto& plugin = pairing.first_plugin;
+  EXPECT_EQ(plugin->next_expiry(), kNow + days(30));
   folder.replace("identity_ca.pem", longer.pem());
-  EXPECT_THAT(engine.codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
-  EXPECT_EQ(engine->next_expiry(), kYear.not_after);
-  engine.clock.advance(days(31));
-  EXPECT_THAT(engine->poll(), IsEmpty());
+  EXPECT_THAT(plugin.codes_after_looking(), ElementsAre(Code::identity_ca_renewed));
+  EXPECT_EQ(plugin->next_expiry(), kYear.not_after);
+  plugin.clock.advance(days(31));
+  EXPECT_THAT(plugin->poll(), IsEmpty());
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ class BadDocuments : public testing::TestWithParam<std::tuple<std::string_view, 
     in("renewed.pem", listed::list_of({listed::renewed_bob()}));
     return identity;
   }
-  Engine& engine() { return pairing_.first_engine; }
+  TestPlugin& plugin() { return pairing_.first_plugin; }
 
   const test::TemporaryFolder folder_;
   Pairing pairing_{with_files(), listed::bob_with({kNow - 24h, kNow + 100 * 24h})};
@@ -42,13 +42,13 @@ class BadDocuments : public testing::TestWithParam<std::tuple<std::string_view, 
 
 TEST_P(BadDocuments, InItsPlace_IsOneEventAndChangesNothing) {
   pairing_.expect_success();
-  engine().codes_after_looking();
+  plugin().codes_after_looking();
   {
     const test::BadFile bad(std::get<1>(GetParam()), folder_.path() + "/" + document());
-    engine().events.all.clear();
-    for (int i = 0; i < 6; ++i) EXPECT_THAT(engine().poll(), IsEmpty()) << "a session ended";
-    EXPECT_THAT(engine().events.all, SizeIs(1));
-    for (const auto& event : engine().events.all)
+    plugin().events.all.clear();
+    for (int i = 0; i < 6; ++i) EXPECT_THAT(plugin().poll(), IsEmpty()) << "a session ended";
+    EXPECT_THAT(plugin().events.all, SizeIs(1));
+    for (const auto& event : plugin().events.all)
       EXPECT_EQ(event.error.details().document, folder_.path() + "/" + document())
           << event.error.to_sentence();
   }

@@ -9,28 +9,28 @@ namespace {
 
 using std::chrono::days;
 
-// Alice alone, and what her engine reports while days go by.
+// Alice alone, and what her plugin reports while days go by.
 class Alone {
  public:
   explicit Alone(const Identity& identity) {
-    const auto local = engine_->validate_local_identity(0, identity.properties, candidate(1));
+    const auto local = plugin_->validate_local_identity(0, identity.properties, candidate(1));
     EXPECT_TRUE(local);
     handle_ = local->handle;
   }
   // Returns the codes of the events of the next `count` days.
   std::vector<Code> live(int count) {
-    engine_.events.all.clear();
+    plugin_.events.all.clear();
     for (int i = 0; i < count; ++i) {
-      engine_.clock.advance(days(1));
-      engine_->poll();
-      engine_->poll();
+      plugin_.clock.advance(days(1));
+      plugin_->poll();
+      plugin_->poll();
     }
-    return engine_.events.codes();
+    return plugin_.events.codes();
   }
-  const std::vector<Event>& events() { return engine_.events.all; }
+  const std::vector<Event>& events() { return plugin_.events.all; }
 
  private:
-  Engine engine_;
+  TestPlugin plugin_;
   IdentityHandle handle_;
 };
 
@@ -81,8 +81,8 @@ TEST(EndsSoon, Property_SaysWhen) {
   EXPECT_TRUE(Alone(identity).live(99).empty());
 
   set(identity.properties, spi::property::kWarnBeforeEnd, "soon");
-  Engine engine;
-  EXPECT_CODE(engine->validate_local_identity(0, identity.properties, candidate(1)),
+  TestPlugin plugin;
+  EXPECT_CODE(plugin->validate_local_identity(0, identity.properties, candidate(1)),
               invalid_property);
 }
 
@@ -108,9 +108,9 @@ TEST(EndsSoon, PeersCertificate_IsNotOurs) {
   Pairing pairing(make_identity(test_ca(), "CN=alice,O=Example"),
                   make_identity(test_ca(), "CN=bob,O=Example", {}, {kNow, kNow + days(8)}, 1));
   pairing.expect_success();
-  pairing.first_engine.clock.advance(days(7) + 1h);
-  EXPECT_TRUE(pairing.first_engine->poll().empty());
-  EXPECT_TRUE(pairing.first_engine.events.all.empty());
+  pairing.first_plugin.clock.advance(days(7) + 1h);
+  EXPECT_TRUE(pairing.first_plugin->poll().empty());
+  EXPECT_TRUE(pairing.first_plugin.events.all.empty());
 }
 
 }  // namespace

@@ -40,8 +40,8 @@ TEST_P(ForgedFinal, ForgedFinal_IsRefusedAndTheHonestOneSucceeds) {
   const auto refused =
       pairing.two.process_at_higher_guid(reply->handle, GetParam().change(*final_message->message));
   EXPECT_EQ(test::code_of(refused), GetParam().code);
-  EXPECT_CODE((*pairing.two.high.engine)->shared_secret(reply->handle), handshake_not_finished);
-  EXPECT_CODE((*pairing.two.high.engine)->authenticated_peer_credential_token(reply->handle),
+  EXPECT_CODE((*pairing.two.high.plugin)->shared_secret(reply->handle), handshake_not_finished);
+  EXPECT_CODE((*pairing.two.high.plugin)->authenticated_peer_credential_token(reply->handle),
               handshake_not_finished);
   ASSERT_OK(pairing.two.process_at_higher_guid(reply->handle, *final_message->message));
 }

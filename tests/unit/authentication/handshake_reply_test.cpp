@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Each, ForgedReply, testing::ValuesIn(of_reply()), kName
 
 TEST_P(ForgedReply, ForgedReply_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
-  auto& events = pairing.two.low.engine->events.all;
+  auto& events = pairing.two.low.plugin->events.all;
   const auto request = pairing.two.request();
   const auto reply = pairing.two.reply(*request->message);
   ASSERT_OK(reply);
@@ -49,7 +49,7 @@ TEST_P(ForgedReply, ForgedReply_IsRefusedAndTheHonestOneSucceeds) {
   EXPECT_EQ(refused.error().code(), GetParam().code) << refused.error().to_sentence();
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].error.code(), GetParam().code);
-  EXPECT_CODE((*pairing.two.low.engine)->shared_secret(request->handle), handshake_not_finished);
+  EXPECT_CODE((*pairing.two.low.plugin)->shared_secret(request->handle), handshake_not_finished);
   pairing.expect_finish(*request, *reply);
 }
 

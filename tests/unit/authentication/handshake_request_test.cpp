@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Each, ForgedRequest, testing::ValuesIn(of_request()), k
 
 TEST_P(ForgedRequest, ForgedRequest_IsRefusedAndTheHonestOneSucceeds) {
   Pairing pairing;
-  auto& events = pairing.two.high.engine->events.all;
+  auto& events = pairing.two.high.plugin->events.all;
   const auto request = pairing.two.request();
   ASSERT_OK(request);
   const auto refused = pairing.two.reply(GetParam().change(*request->message));

@@ -29,8 +29,8 @@ TEST_P(KeysOfBoth, EachPairOfKeys_Authenticates) {
   Pairing pairing(make_identity(test_ca(), "CN=alice", first),
                   make_identity(test_ca(), "CN=bob", second, kYear, 1));
   pairing.expect_success();
-  EXPECT_TRUE(pairing.first_engine.events.all.empty());
-  EXPECT_TRUE(pairing.second_engine.events.all.empty());
+  EXPECT_TRUE(pairing.first_plugin.events.all.empty());
+  EXPECT_TRUE(pairing.second_plugin.events.all.empty());
 }
 
 TEST(HandshakeTokens, Request_HasTheStandardsFieldsInOrderWithoutNuls) {
@@ -51,7 +51,7 @@ TEST(HandshakeTokens, Request_HasTheStandardsFieldsInOrderWithoutNuls) {
 
 // ---- a peer that the test plays
 
-// The engine's participant has the higher GUID.
+// The plugin's participant has the higher GUID.
 Identity ours(std::string_view = {}) { return make_identity(test_ca(), "CN=ours", {}, kYear, 1); }
 
 // Returns an identity whose adjusted GUID is lower or higher than that of `ours`.
@@ -106,15 +106,15 @@ INSTANTIATE_TEST_SUITE_P(Styles, InitiatorStyle, testing::ValuesIn(kInitiators),
 
 TEST_P(InitiatorStyle, RequestInEachStyle_GetsItsReply) {
   const auto& param = GetParam();
-  Engine engine;
-  Participant us(engine, ours(), 1);
+  TestPlugin plugin;
+  Participant us(plugin, ours(), 1);
   HandMadePeer peer(theirs(true, param.spec), 9, param.style);
   const auto remote =
-      engine->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
+      plugin->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
   ASSERT_OK(remote);
   EXPECT_EQ(remote->result, ValidationResult::pending_handshake_message);
   const auto request = peer.request(param.kind, param.encoding);
-  const auto reply = engine->begin_handshake_reply(request, remote->handle, us.handle, us.data);
+  const auto reply = plugin->begin_handshake_reply(request, remote->handle, us.handle, us.data);
   ASSERT_OK(reply);
   // Fast DDS compares the name octet for octet.
   EXPECT_EQ(as_text(field(*reply->message, "c.kagree_algo")), param.style.key_agreement_name);
@@ -125,13 +125,13 @@ TEST_P(InitiatorStyle, RequestInEachStyle_GetsItsReply) {
     EXPECT_LE(dh2.size(), 256u);
   }
   const auto final = peer.final(*reply->message, ours().certificate);
-  const auto end = engine->process_handshake(reply->handle, final);
+  const auto end = plugin->process_handshake(reply->handle, final);
   ASSERT_OK(end);
   EXPECT_EQ(end->result, ValidationResult::ok);
-  const auto secret = engine->shared_secret(reply->handle);
+  const auto secret = plugin->shared_secret(reply->handle);
   ASSERT_OK(secret);
   peer.expect_same_secret(**secret);
-  const auto credential = engine->authenticated_peer_credential_token(reply->handle);
+  const auto credential = plugin->authenticated_peer_credential_token(reply->handle);
   ASSERT_OK(credential);
   EXPECT_EQ(as_text(field(*credential, "c.perm")),
             param.style.permissions ? "signed document" : "");
@@ -159,20 +159,20 @@ INSTANTIATE_TEST_SUITE_P(Styles, ReplierStyle, testing::ValuesIn(kRepliers),
 
 TEST_P(ReplierStyle, ReplyInEachStyle_GetsItsFinal) {
   const auto& param = GetParam();
-  Engine engine;
-  Participant us(engine, ours(), 1);
+  TestPlugin plugin;
+  Participant us(plugin, ours(), 1);
   HandMadePeer peer(theirs(false, param.spec), 9, param.style);
   const auto remote =
-      engine->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
+      plugin->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
   ASSERT_OK(remote);
   EXPECT_EQ(remote->result, ValidationResult::pending_handshake_request);
-  const auto request = engine->begin_handshake_request(us.handle, remote->handle, us.data);
+  const auto request = plugin->begin_handshake_request(us.handle, remote->handle, us.data);
   ASSERT_OK(request);
-  const auto final = engine->process_handshake(request->handle, peer.reply(*request->message));
+  const auto final = plugin->process_handshake(request->handle, peer.reply(*request->message));
   ASSERT_OK(final);
   EXPECT_EQ(final->result, ValidationResult::ok_final_message);
   peer.check_final(*final->message, ours().certificate);
-  const auto secret = engine->shared_secret(request->handle);
+  const auto secret = plugin->shared_secret(request->handle);
   ASSERT_OK(secret);
   peer.expect_same_secret(**secret);
 }
@@ -180,21 +180,21 @@ TEST_P(ReplierStyle, ReplyInEachStyle_GetsItsFinal) {
 // In one of 256 handshakes the result of Diffie-Hellman begins with a zero octet. Both sides must
 // get the same secret from it.
 TEST(HandshakeTokens, ModpSecrets_AgreeManyTimes) {
-  Engine engine;
-  Participant us(engine, ours(), 1);
+  TestPlugin plugin;
+  Participant us(plugin, ours(), 1);
   const Identity identity = theirs(true);
   for (std::uint8_t i = 0; i < 40; ++i) {
     HandMadePeer peer(identity, i, {.key_agreement_name = kModp});
     const auto remote =
-        engine->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
+        plugin->validate_remote_identity(us.handle, {}, peer.identity_token(), peer.guid());
     ASSERT_OK(remote);
-    const auto reply = engine->begin_handshake_reply(
+    const auto reply = plugin->begin_handshake_reply(
         peer.request(KeyAgreementKind::dh_modp_2048_256, PublicKeyEncoding::plain_integer),
         remote->handle, us.handle, us.data);
     ASSERT_OK(reply);
     ASSERT_OK(
-        engine->process_handshake(reply->handle, peer.final(*reply->message, ours().certificate)));
-    peer.expect_same_secret(**engine->shared_secret(reply->handle));
+        plugin->process_handshake(reply->handle, peer.final(*reply->message, ours().certificate)));
+    peer.expect_same_secret(**plugin->shared_secret(reply->handle));
   }
 }
 

@@ -33,8 +33,8 @@ std::string sentence_about_files(const TemporaryFolder& folder, Change&& change)
     set(properties, name, "file:" + folder.replace(file, text));
   }
   change();
-  Engine engine;
-  const auto result = create(properties, engine);
+  TestPlugin plugin;
+  const auto result = create(properties, plugin);
   return result ? "" : result.error().to_sentence();
 }
 
@@ -61,8 +61,8 @@ TEST(IdentityFileErrors, Refused_NamesPropertyAndPath) {
 
 TEST(IdentityFileErrors, PastedDocuments_AreNotRepeated) {
   auto properties = alice_with(property::kPrivateKey, "data:,-----BEGIN SECRET");
-  Engine engine;
-  const auto result = create(properties, engine);
+  TestPlugin plugin;
+  const auto result = create(properties, plugin);
   ASSERT_FALSE(result);
   EXPECT_THAT(result.error().to_sentence(), testing::Not(testing::HasSubstr("SECRET")));
 }
@@ -233,14 +233,14 @@ TEST(RevocationList, ListThatDoesNotHelp_FailsHard) {
 }
 
 TEST(RevocationList, SoftFail_IsAnOption) {
-  Engine engine(1, {.crl_policy = pki::CrlPolicy::soft_fail});
+  TestPlugin plugin(1, {.crl_policy = pki::CrlPolicy::soft_fail});
   EXPECT_TRUE(
       create(alice_with(property::kCrl, "data:," + crl_of(test_ca(), {}, {kNow - 48h, kNow - 1h})),
-             engine));
+             plugin));
   const auto identity = alice();
   auto revoked = identity.properties;
   set(revoked, property::kCrl, "data:," + crl_of(test_ca(), {identity.certificate}));
-  EXPECT_CODE(create(revoked, engine), certificate_revoked);
+  EXPECT_CODE(create(revoked, plugin), certificate_revoked);
 }
 
 TEST(RevocationList, SeveralLists_CountTogether) {

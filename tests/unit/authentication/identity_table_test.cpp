@@ -7,51 +7,51 @@ namespace {
 TEST(IdentityHandles, UnknownOrReturnedHandles_AreRefused) {
   Pairing pairing;
   auto& two = pairing.two;
-  auto& engine = *two.low.engine;
+  auto& plugin = *two.low.plugin;
   const HandshakeHandle nobody{99};
-  EXPECT_CODE(engine->process_handshake(nobody, {}), unknown_handshake);
-  EXPECT_CODE(engine->shared_secret(nobody), unknown_handshake);
-  EXPECT_CODE(engine->authenticated_peer_credential_token(nobody), unknown_handshake);
-  EXPECT_CODE(engine->return_handshake_handle(nobody), unknown_handshake);
-  EXPECT_CODE(engine->return_identity_handle({99}), unknown_identity);
-  EXPECT_CODE(engine->identity_token({99}), unknown_identity);
-  EXPECT_CODE(engine->identity_status_token({}), unknown_identity);
-  EXPECT_CODE(engine->begin_handshake_request(two.low.handle, {99}, two.low.data),
+  EXPECT_CODE(plugin->process_handshake(nobody, {}), unknown_handshake);
+  EXPECT_CODE(plugin->shared_secret(nobody), unknown_handshake);
+  EXPECT_CODE(plugin->authenticated_peer_credential_token(nobody), unknown_handshake);
+  EXPECT_CODE(plugin->return_handshake_handle(nobody), unknown_handshake);
+  EXPECT_CODE(plugin->return_identity_handle({99}), unknown_identity);
+  EXPECT_CODE(plugin->identity_token({99}), unknown_identity);
+  EXPECT_CODE(plugin->identity_status_token({}), unknown_identity);
+  EXPECT_CODE(plugin->begin_handshake_request(two.low.handle, {99}, two.low.data),
               unknown_identity);
-  EXPECT_CODE(engine->begin_handshake_request({99}, two.high_at_low, two.low.data),
+  EXPECT_CODE(plugin->begin_handshake_request({99}, two.high_at_low, two.low.data),
               unknown_identity);
   // The handle of a local identity is not accepted as that of a remote one.
-  EXPECT_CODE(engine->begin_handshake_request(two.low.handle, two.low.handle, two.low.data),
+  EXPECT_CODE(plugin->begin_handshake_request(two.low.handle, two.low.handle, two.low.data),
               unknown_identity);
 }
 
 TEST(IdentityHandles, ReturningTheRemote_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
-  auto& engine = *two.low.engine;
+  auto& plugin = *two.low.plugin;
   const auto request = two.request();
   ASSERT_OK(request);
-  ASSERT_OK(engine->return_identity_handle(two.high_at_low));
+  ASSERT_OK(plugin->return_identity_handle(two.high_at_low));
   EXPECT_CODE(two.process_at_lower_guid(request->handle, {}), unknown_handshake);
-  EXPECT_CODE(engine->return_identity_handle(two.high_at_low), unknown_identity);
+  EXPECT_CODE(plugin->return_identity_handle(two.high_at_low), unknown_identity);
   EXPECT_CODE(two.request(), unknown_identity);
 }
 
 TEST(IdentityHandles, ReturningTheLocal_DropsItsHandshakes) {
   Pairing pairing;
   auto& two = pairing.two;
-  auto& engine = *two.low.engine;
+  auto& plugin = *two.low.plugin;
   const auto request = two.request();
   ASSERT_OK(request);
-  ASSERT_OK(engine->return_identity_handle(two.low.handle));
+  ASSERT_OK(plugin->return_identity_handle(two.low.handle));
   EXPECT_CODE(two.process_at_lower_guid(request->handle, {}), unknown_handshake);
-  EXPECT_FALSE(engine->next_expiry());
+  EXPECT_FALSE(plugin->next_expiry());
 }
 
 TEST(IdentityHandles, ARemoteThatWasNotValidatedForThisLocal_IsUnknown) {
   Pairing pairing;
-  Participant second(*pairing.two.low.engine, make_identity(test_ca(), "CN=second"), 5);
-  EXPECT_CODE((*pairing.two.low.engine)
+  Participant second(*pairing.two.low.plugin, make_identity(test_ca(), "CN=second"), 5);
+  EXPECT_CODE((*pairing.two.low.plugin)
                   ->begin_handshake_request(second.handle, pairing.two.high_at_low, second.data),
               unknown_identity);
 }
@@ -59,10 +59,10 @@ TEST(IdentityHandles, ARemoteThatWasNotValidatedForThisLocal_IsUnknown) {
 // ---- bounds
 
 TEST(IdentityTableBounds, TooManyLocalIdentities_AreRefused) {
-  Engine engine(1, {.max_local_identities = 1});
+  TestPlugin plugin(1, {.max_local_identities = 1});
   const auto identity = make_identity(test_ca(), "CN=ours");
-  Participant us(engine, identity, 1);
-  EXPECT_CODE(engine->validate_local_identity(0, identity.properties, candidate(2)),
+  Participant us(plugin, identity, 1);
+  EXPECT_CODE(plugin->validate_local_identity(0, identity.properties, candidate(2)),
               too_many_local_identities);
 }
 
@@ -73,7 +73,7 @@ TEST(IdentityTableBounds, PendingReplies_GiveWayToTheHonestOneInTime) {
   for (std::uint8_t i = 0; i < kMaxPendingPerPair; ++i)
     ASSERT_OK(two.reply(forged(*request->message, i)));
   EXPECT_CODE(two.reply(*request->message), too_many_handshakes);
-  two.high.engine->clock.advance(kPendingAge);
+  two.high.plugin->clock.advance(kPendingAge);
   const auto reply = two.reply(*request->message);
   ASSERT_OK(reply);
   pairing.expect_finish(*request, *reply);
@@ -91,9 +91,9 @@ TEST(IdentityTableBounds, FinishedHandshakesOfAPair_AreFew) {
   }
   std::size_t known = 0;
   for (const auto handle : handles)
-    known += (*pairing.two.low.engine)->shared_secret(handle).has_value();
+    known += (*pairing.two.low.plugin)->shared_secret(handle).has_value();
   EXPECT_LE(known, 5u);
-  EXPECT_TRUE((*pairing.two.low.engine)->shared_secret(handles.back()));
+  EXPECT_TRUE((*pairing.two.low.plugin)->shared_secret(handles.back()));
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ TEST_F(Renewal, SecondRenewal_IsTakenToo) {
 TEST_F(Renewal, KeyInTheProperties_StaysAndTheCertificateMustBeForIt) {
   auto identity = first_of_alice();
   set(identity.properties, property::kIdentityCertificate, "file:" + certificate_path_);
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, identity, 9);
   other.events.all.clear();
   const auto look_there = [&] {
@@ -103,7 +103,7 @@ TEST_F(Renewal, KeyInTheProperties_StaysAndTheCertificateMustBeForIt) {
 TEST_F(Renewal, IntervalOfZero_MeansNever) {
   auto identity = with_files(first_of_alice());
   set(identity.properties, property::kFilesPollInterval, "0");
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, identity, 9);
   other.events.all.clear();
   put(renewed());
@@ -138,8 +138,8 @@ TEST_F(Renewal, FileThatKeepsChanging_CostsOneLookForEachInterval) {
   events().clear();
   for (int i = 0; i < 50; ++i) {
     folder_.replace("cert.pem", "nonsense " + std::to_string(i));
-    engine().clock.advance(100ms);
-    engine()->poll();
+    plugin().clock.advance(100ms);
+    plugin()->poll();
   }
   EXPECT_THAT(events(), testing::SizeIs(testing::AllOf(testing::Ge(2u), testing::Le(5u))));
 }

@@ -11,7 +11,7 @@ TEST(JudgedPeer, Permissions_TravelBothWays) {
   const Token credential{"DDS:Access:PermissionsCredential",
                          {{"dds.perm.cert", std::string("MIME text\0", 10)}}};
   for (auto* p : {&pairing.a, &pairing.b})
-    ASSERT_OK((*p->engine)->set_permissions_credential_and_token(p->handle, credential, {}));
+    ASSERT_OK((*p->plugin)->set_permissions_credential_and_token(p->handle, credential, {}));
   const auto request = pairing.two.request();
   ASSERT_OK(request);
   EXPECT_EQ(as_text(field(*request->message, "c.perm")), "MIME text");
@@ -19,13 +19,13 @@ TEST(JudgedPeer, Permissions_TravelBothWays) {
   ASSERT_OK(reply);
   pairing.expect_finish(*request, *reply);
   const auto process_at_lower_guid =
-      (*pairing.two.low.engine)->authenticated_peer_credential_token(request->handle);
+      (*pairing.two.low.plugin)->authenticated_peer_credential_token(request->handle);
   const auto process_at_higher_guid =
-      (*pairing.two.high.engine)->authenticated_peer_credential_token(reply->handle);
+      (*pairing.two.high.plugin)->authenticated_peer_credential_token(reply->handle);
   ASSERT_OK(process_at_lower_guid);
   ASSERT_OK(process_at_higher_guid);
   EXPECT_EQ(process_at_lower_guid->class_id, "DDS:Auth:PKI-DH:1.0");
-  EXPECT_TRUE((*pairing.two.low.engine)->authenticated_subject(request->handle).starts_with("CN="));
+  EXPECT_TRUE((*pairing.two.low.plugin)->authenticated_subject(request->handle).starts_with("CN="));
   for (const auto& token : {*process_at_lower_guid, *process_at_higher_guid})
     EXPECT_EQ(as_text(field(token, "c.perm")), "MIME text");
   EXPECT_EQ(field(*process_at_higher_guid, "c.id"), field(*request->message, "c.id"));
@@ -35,7 +35,7 @@ TEST(JudgedPeer, Permissions_TravelBothWays) {
 // Returns the ciphers that each side believes the other one can decrypt, after a handshake in which
 // discovery's tokens were replaced by `announced`, if there is one.
 std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced) {
-  Engine first{1}, second{2};
+  TestPlugin first{1}, second{2};
   Participant able(first, make_identity(test_ca(), "CN=alice,O=Example"), 1, spi::kAllCiphers);
   Participant plain(second, make_identity(test_ca(), "CN=bob,O=Example", {}, kYear, 1), 2);
   if (announced != nullptr) able.token = *announced;
@@ -46,7 +46,7 @@ std::pair<spi::CipherMask, spi::CipherMask> ciphers_after(const Token* announced
   EXPECT_TRUE(two.process_at_higher_guid(reply->handle, *final_message->message));
   const auto at = [&](Participant& one) {
     const auto handle = &one == &two.low ? request->handle : reply->handle;
-    return (*one.engine)->shared_secret(handle).value()->peer_ciphers;
+    return (*one.plugin)->shared_secret(handle).value()->peer_ciphers;
   };
   return {at(plain), at(able)};
 }

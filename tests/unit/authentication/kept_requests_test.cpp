@@ -10,7 +10,7 @@ namespace {
 struct KeptRequest : ::testing::Test {
   // The host of the participant that begins drops the other one, and meets it again.
   void meet_again() {
-    ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
+    ASSERT_OK((*two.low.plugin)->return_identity_handle(two.high_at_low));
     const auto again = two.low.discover(two.high);
     ASSERT_OK(again);
     two.high_at_low = again->handle;
@@ -43,7 +43,7 @@ TEST_F(KeptRequest, RequestAfterAnHour_IsForgotten) {
   const auto first = request();
   meet_again();
   EXPECT_EQ(request(), first);
-  two.low.engine->clock.advance(KeptRequests::kLife + 1s);
+  two.low.plugin->clock.advance(KeptRequests::kLife + 1s);
   meet_again();
   EXPECT_NE(request(), first);
 }
@@ -65,18 +65,18 @@ void KeptRequest::invent(std::size_t count) {
     guid.prefix.octets[10] = static_cast<std::uint8_t>(i + 1);
     guid.prefix.octets[11] = static_cast<std::uint8_t>(i >> 8);
     const auto other =
-        (*two.low.engine)->validate_remote_identity(two.low.handle, {}, two.high.token, guid);
+        (*two.low.plugin)->validate_remote_identity(two.low.handle, {}, two.high.token, guid);
     ASSERT_OK(other);
     ASSERT_OK(
-        (*two.low.engine)->begin_handshake_request(two.low.handle, other->handle, two.low.data));
-    ASSERT_OK((*two.low.engine)->return_identity_handle(other->handle));
+        (*two.low.plugin)->begin_handshake_request(two.low.handle, other->handle, two.low.data));
+    ASSERT_OK((*two.low.plugin)->return_identity_handle(other->handle));
   }
 }
 
 TEST_F(KeptRequest, StrangersInventingOthers_DoNotDisplaceIt) {
   const auto first = request();
-  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
-  two.low.engine->clock.advance(1s);
+  ASSERT_OK((*two.low.plugin)->return_identity_handle(two.high_at_low));
+  two.low.plugin->clock.advance(1s);
   invent(KeptRequests::kMax);  // the oldest request is not the first to go
   const auto again = two.low.discover(two.high);
   ASSERT_OK(again);
@@ -86,7 +86,7 @@ TEST_F(KeptRequest, StrangersInventingOthers_DoNotDisplaceIt) {
 
 TEST_F(KeptRequest, TooManyRequests_TheFirstIsForgotten) {
   const auto first = request();
-  ASSERT_OK((*two.low.engine)->return_identity_handle(two.high_at_low));
+  ASSERT_OK((*two.low.plugin)->return_identity_handle(two.high_at_low));
   invent(10 * KeptRequests::kMax);
   const auto again = two.low.discover(two.high);
   ASSERT_OK(again);
@@ -102,7 +102,7 @@ TEST_F(KeptRequest, ReplierMeetingAgain_KeepsItsChallengeAndKey) {
   ASSERT_OK(request);
   const auto first = two.reply(*request->message);
   ASSERT_OK(first);
-  ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
+  ASSERT_OK((*two.high.plugin)->return_identity_handle(two.low_at_high));
   const auto again = two.high.discover(two.low);
   ASSERT_OK(again);
   two.low_at_high = again->handle;
@@ -122,8 +122,8 @@ TEST_F(KeptRequest, AnotherRequest_GetsAnotherKey) {
   ASSERT_OK(request);
   const auto first = two.reply(*request->message);
   ASSERT_OK(first);
-  ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
-  two.low.engine->clock.advance(KeptRequests::kLife + 1s);
+  ASSERT_OK((*two.high.plugin)->return_identity_handle(two.low_at_high));
+  two.low.plugin->clock.advance(KeptRequests::kLife + 1s);
   meet_again();
   const auto again = two.high.discover(two.low);
   ASSERT_OK(again);
@@ -143,7 +143,7 @@ TEST_F(KeptRequest, OneChallenge_NeverServesTwoSessions) {
   const auto first = two.reply(*request->message);
   ASSERT_OK(first);
   pairing.expect_finish(*request, *first);
-  ASSERT_OK((*two.high.engine)->return_identity_handle(two.low_at_high));
+  ASSERT_OK((*two.high.plugin)->return_identity_handle(two.low_at_high));
   const auto again = two.high.discover(two.low);
   ASSERT_OK(again);
   two.low_at_high = again->handle;

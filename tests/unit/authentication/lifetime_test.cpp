@@ -9,8 +9,8 @@ struct Ending {
       : pairing(make_identity(test_ca(), "CN=alice,O=Example"),
                 make_identity(test_ca(), "CN=bob,O=Example", {}, of_bob, 1)) {}
   void advance(std::chrono::seconds by) {
-    pairing.first_engine.clock.advance(by);
-    pairing.second_engine.clock.advance(by);
+    pairing.first_plugin.clock.advance(by);
+    pairing.second_plugin.clock.advance(by);
   }
   IdentityHandle bob_at_alice() const {
     return &pairing.two.low == &pairing.a ? pairing.two.high_at_low : pairing.two.low_at_high;
@@ -24,22 +24,22 @@ struct Ending {
 TEST(IdentityExpiry, EndedIdentities_AreRevokedOnce) {
   Ending ending;
   auto& pairing = ending.pairing;
-  EXPECT_EQ(pairing.first_engine->next_expiry(), kYear.not_after);
+  EXPECT_EQ(pairing.first_plugin->next_expiry(), kYear.not_after);
   pairing.expect_success();
-  EXPECT_EQ(pairing.first_engine->next_expiry(), kNow + 10s);
-  EXPECT_EQ(pairing.second_engine->next_expiry(), kNow + 10s);
+  EXPECT_EQ(pairing.first_plugin->next_expiry(), kNow + 10s);
+  EXPECT_EQ(pairing.second_plugin->next_expiry(), kNow + 10s);
   ending.advance(9s);
-  EXPECT_TRUE(pairing.first_engine->poll().empty());
-  EXPECT_TRUE(pairing.second_engine->poll().empty());
+  EXPECT_TRUE(pairing.first_plugin->poll().empty());
+  EXPECT_TRUE(pairing.second_plugin->poll().empty());
   ending.advance(1s);
-  EXPECT_EQ(pairing.first_engine->poll(), std::vector{ending.bob_at_alice()});
-  EXPECT_EQ(pairing.second_engine->poll(), (std::vector{pairing.b.handle, ending.alice_at_bob()}));
-  EXPECT_TRUE(pairing.first_engine->poll().empty());
-  EXPECT_TRUE(pairing.second_engine->poll().empty());
-  EXPECT_EQ(pairing.first_engine->next_expiry(), kYear.not_after);
+  EXPECT_EQ(pairing.first_plugin->poll(), std::vector{ending.bob_at_alice()});
+  EXPECT_EQ(pairing.second_plugin->poll(), (std::vector{pairing.b.handle, ending.alice_at_bob()}));
+  EXPECT_TRUE(pairing.first_plugin->poll().empty());
+  EXPECT_TRUE(pairing.second_plugin->poll().empty());
+  EXPECT_EQ(pairing.first_plugin->next_expiry(), kYear.not_after);
 
-  ASSERT_EQ(pairing.first_engine.events.all.size(), 1u);
-  const auto& event = pairing.first_engine.events.all[0];
+  ASSERT_EQ(pairing.first_plugin.events.all.size(), 1u);
+  const auto& event = pairing.first_plugin.events.all[0];
   EXPECT_EQ(event.error.code(), Code::identity_ended);
   EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
   EXPECT_EQ(event.guid, pairing.b.guid.to_string());
@@ -52,16 +52,16 @@ TEST(IdentityExpiry, AnEndedIdentity_IsRefusedEverywhere) {
   auto& pairing = ending.pairing;
   pairing.expect_success();
   ending.advance(10s);
-  pairing.first_engine->poll();
-  pairing.second_engine->poll();
+  pairing.first_plugin->poll();
+  pairing.second_plugin->poll();
   EXPECT_CODE(pairing.a.discover(pairing.b), identity_ended);
   EXPECT_CODE(pairing.b.discover(pairing.a), identity_ended);
   EXPECT_CODE(pairing.two.request(), identity_ended);
-  EXPECT_CODE(pairing.second_engine->identity_token(pairing.b.handle), identity_ended);
+  EXPECT_CODE(pairing.second_plugin->identity_token(pairing.b.handle), identity_ended);
   // Setting the clock back does not bring the identity back, because the host has cut it off.
-  pairing.first_engine.clock.set(kNow);
+  pairing.first_plugin.clock.set(kNow);
   EXPECT_CODE(pairing.a.discover(pairing.b), identity_ended);
-  ASSERT_OK(pairing.first_engine->return_identity_handle(ending.bob_at_alice()));
+  ASSERT_OK(pairing.first_plugin->return_identity_handle(ending.bob_at_alice()));
   EXPECT_TRUE(pairing.a.discover(pairing.b));
 }
 
@@ -70,10 +70,10 @@ TEST(IdentityExpiry, CalendarThatIsSet_IsFollowed) {
   Ending ending({kNow - 24h, kNow + 1000h});
   auto& pairing = ending.pairing;
   pairing.expect_success();
-  pairing.first_engine.clock.set(kNow - 12h);
-  EXPECT_TRUE(pairing.first_engine->poll().empty());
-  pairing.first_engine.clock.set(kNow + 1001h);
-  EXPECT_EQ(pairing.first_engine->poll(), std::vector{ending.bob_at_alice()});
+  pairing.first_plugin.clock.set(kNow - 12h);
+  EXPECT_TRUE(pairing.first_plugin->poll().empty());
+  pairing.first_plugin.clock.set(kNow + 1001h);
+  EXPECT_EQ(pairing.first_plugin->poll(), std::vector{ending.bob_at_alice()});
 }
 
 TEST(IdentityExpiry, EveryStep_JudgesAgain) {
@@ -102,12 +102,12 @@ TEST(IdentityExpiry, EveryStep_JudgesAgain) {
 
 TEST(IdentityExpiry, EndOfTheCa_Counts) {
   const auto ca = make_ca("CN=Short CA", {}, {kNow - 24h, kNow + 5s});
-  Engine engine;
-  Participant alice(engine, make_identity(ca, "CN=alice"), 1);
-  EXPECT_EQ(engine->next_expiry(), kNow + 5s);
-  engine.clock.advance(5s);
-  EXPECT_EQ(engine->poll(), std::vector{alice.handle});
-  EXPECT_EQ(engine.events.all.at(0).error.details().document, "CN=Short CA");
+  TestPlugin plugin;
+  Participant alice(plugin, make_identity(ca, "CN=alice"), 1);
+  EXPECT_EQ(plugin->next_expiry(), kNow + 5s);
+  plugin.clock.advance(5s);
+  EXPECT_EQ(plugin->poll(), std::vector{alice.handle});
+  EXPECT_EQ(plugin.events.all.at(0).error.details().document, "CN=Short CA");
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ class Listed : public testing::Test {
     return identity;
   }
   void put(const std::string& text) { folder_.replace("renewed.pem", text); }
-  std::vector<IdentityHandle> poll(std::chrono::seconds after = 5s) { return engine().poll(after); }
+  std::vector<IdentityHandle> poll(std::chrono::seconds after = 5s) { return plugin().poll(after); }
   /// Polls until a minute after the end of Bob's certificate. Returns the identities that ended.
   std::vector<IdentityHandle> pass_the_end() {
     std::vector<IdentityHandle> ended;
@@ -58,7 +58,7 @@ class Listed : public testing::Test {
     return ended;
   }
   std::vector<Code> codes() {
-    const auto out = engine().events.codes();
+    const auto out = plugin().events.codes();
     events().clear();
     return out;
   }
@@ -70,8 +70,8 @@ class Listed : public testing::Test {
     EXPECT_EQ(events().back().peer_subject, kBob);
     EXPECT_THAT(error.details().note, HasSubstr(note));
   }
-  Engine& engine() { return pairing_.first_engine; }
-  std::vector<Event>& events() { return engine().events.all; }
+  TestPlugin& plugin() { return pairing_.first_plugin; }
+  std::vector<Event>& events() { return plugin().events.all; }
   IdentityHandle bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }

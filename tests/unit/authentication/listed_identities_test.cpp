@@ -19,7 +19,7 @@ TEST_F(Listed, CertificateOfTheSameKey_KeepsThePeer) {
   put(list_of({renewed_bob()}));
   EXPECT_THAT(poll(), IsEmpty());
   ASSERT_THAT(codes(), ElementsAre(Code::renewal_list_taken));
-  EXPECT_EQ(engine()->next_expiry(), kShort.not_after);
+  EXPECT_EQ(plugin()->next_expiry(), kShort.not_after);
   EXPECT_THAT(pass_the_end(), IsEmpty());
   ASSERT_EQ(events().size(), 1u);
   const auto& event = events().front();
@@ -28,7 +28,7 @@ TEST_F(Listed, CertificateOfTheSameKey_KeepsThePeer) {
   EXPECT_EQ(event.peer_subject, kBob);
   EXPECT_EQ(event.guid, pairing_.b.guid.to_string());
   EXPECT_EQ(event.error.details().found, to_string(kNext.not_after));
-  EXPECT_EQ(engine()->next_expiry(), kNext.not_after);
+  EXPECT_EQ(plugin()->next_expiry(), kNext.not_after);
 }
 
 TEST_F(Listed, ThePeerThatIsKept_EndsWithItsLaterCertificate) {
@@ -46,7 +46,7 @@ TEST_F(Listed, ASecondRenewal_KeepsThePeerAgain) {
   poll(21s);
   put(list_of({renewed_bob(1, {kNow + 30s, kNow + 24h})}));
   EXPECT_THAT(pass_the_end(), IsEmpty());
-  EXPECT_EQ(engine()->next_expiry(), kNow + 24h);
+  EXPECT_EQ(plugin()->next_expiry(), kNow + 24h);
 }
 
 TEST_F(Listed, ListThatArrivesInTheLastSecond_KeepsThePeer) {
@@ -108,7 +108,7 @@ class OwnListed : public testing::Test {
   }
 
   const test::TemporaryFolder folder_;
-  Engine first_{1}, second_{2};
+  TestPlugin first_{1}, second_{2};
   Participant alice_, bob_;
   Two two_;
   std::vector<IdentityHandle> ended_;
@@ -156,7 +156,7 @@ TEST(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) {
   set(identity.properties, property::kIdentityCertificate, "file:" + folder.path() + "/cert.pem");
   set(identity.properties, property::kIdentityCa, "file:" + folder.path() + "/identity_ca.pem");
   auto bob = bob_with(kYear, 1, old_ca);
-  Engine first(1), second(2);
+  TestPlugin first(1), second(2);
   Participant alice(first, identity, 1), peer(second, bob, 2, spi::kAllCiphers);
   Two two(alice, peer);
   const auto request = two.request();

@@ -26,7 +26,7 @@ TEST_F(Listed, TheOneThatEndsLast_Counts) {
   put(list_of({renewed_bob(1, {kNow + 5s, kNow + 40s}), renewed_bob(),
                renewed_bob(1, {kNow + 6s, kNow + 41s})}));
   EXPECT_THAT(pass_the_end(), IsEmpty());
-  EXPECT_EQ(engine()->next_expiry(), kNext.not_after);
+  EXPECT_EQ(plugin()->next_expiry(), kNext.not_after);
 }
 
 TEST_F(Listed, AnotherKey_IsNotProven) {
@@ -211,13 +211,13 @@ TEST_F(Listed, EntriesOfAnotherCa_AreCountedAndPassedOver) {
 TEST_F(Listed, TheRecord_HasTheListAndWhatWasRefused) {
   put(list_of({renewed_bob()}));
   poll();
-  const auto taken = engine().documents.to_json();
+  const auto taken = plugin().documents.to_json();
   EXPECT_THAT(taken, HasSubstr("renewal list"));
   EXPECT_THAT(taken, HasSubstr(path()));
   put("garbage");
   poll();
   poll();
-  EXPECT_THAT(engine().documents.to_json(), HasSubstr("renewal_list_refused"));
+  EXPECT_THAT(plugin().documents.to_json(), HasSubstr("renewal_list_refused"));
 }
 
 TEST(ListedPlace, PlaceInTheProperty_IsReadInsteadOfTheUsualOne) {
@@ -227,15 +227,15 @@ TEST(ListedPlace, PlaceInTheProperty_IsReadInsteadOfTheUsualOne) {
       "file:" + folder.write("list.pem", list_of({renewed_bob()})));
   Pairing pairing(identity, bob_with(kShort));
   pairing.expect_success();
-  pairing.first_engine.clock.advance(20s);
-  EXPECT_THAT(pairing.first_engine->poll(), IsEmpty());
+  pairing.first_plugin.clock.advance(20s);
+  EXPECT_THAT(pairing.first_plugin->poll(), IsEmpty());
 }
 
 TEST(ListedPlace, UriThatNamesNoFile_IsRefused) {
   auto identity = make_identity(test_ca(), kAlice);
   set(identity.properties, property::kRenewalList, "data:,x");
-  Engine engine;
-  EXPECT_CODE(engine->validate_local_identity(0, identity.properties, candidate(1)),
+  TestPlugin plugin;
+  EXPECT_CODE(plugin->validate_local_identity(0, identity.properties, candidate(1)),
               invalid_property);
 }
 

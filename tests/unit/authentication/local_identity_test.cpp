@@ -13,16 +13,16 @@ namespace {
 Identity alice() { return make_identity(test_ca(), "CN=alice,O=Example"); }
 
 TEST(LocalIdentity, Guid_IsBoundToTheSubject) {
-  Engine engine;
+  TestPlugin plugin;
   const auto identity = alice();
-  const auto local = create(identity.properties, engine);
+  const auto local = create(identity.properties, plugin);
   ASSERT_OK(local);
   EXPECT_EQ(local->adjusted_guid,
             adjusted_guid(identity.certificate.subject_digest(), candidate(1)));
   EXPECT_EQ(local->adjusted_guid.entity, kEntityIdParticipant);
-  EXPECT_EQ(engine->identity_token(local->handle)->properties[0].value, "/O=Example/CN=alice");
-  EXPECT_EQ(engine->identity_status_token(local->handle)->class_id, "DDS:Auth:PKI-DH:1.0");
-  EXPECT_EQ(engine->next_expiry(), kYear.not_after);
+  EXPECT_EQ(plugin->identity_token(local->handle)->properties[0].value, "/O=Example/CN=alice");
+  EXPECT_EQ(plugin->identity_status_token(local->handle)->class_id, "DDS:Auth:PKI-DH:1.0");
+  EXPECT_EQ(plugin->next_expiry(), kYear.not_after);
 }
 
 // ---- certificate authorities
@@ -34,10 +34,10 @@ TEST(LocalIdentity, SubordinateCa_IsTakenAloneAndInABundle) {
   EXPECT_TRUE(create(identity.properties));
   auto bundle = identity.properties;
   set(bundle, property::kIdentityCa, "data:," + root.certificate().pem() + sub.certificate().pem());
-  Engine engine;
-  const auto local = create(bundle, engine);
+  TestPlugin plugin;
+  const auto local = create(bundle, plugin);
   ASSERT_OK(local);
-  EXPECT_EQ(engine->identity_token(local->handle)->properties[2].value, "/CN=Sub");
+  EXPECT_EQ(plugin->identity_token(local->handle)->properties[2].value, "/CN=Sub");
   auto root_only = identity.properties;
   set(root_only, property::kIdentityCa, "data:," + root.certificate().pem());
   expect_refused(root_only, Code::issuer_unknown, property::kIdentityCertificate);
@@ -54,10 +54,10 @@ TEST(LocalIdentity, PeersUnderDifferentCasOfOneBundle_Meet) {
 // ---- permissions
 
 TEST(Permissions, InvalidPermissionsTokens_AreRefusedWithTheirCodes) {
-  Engine engine;
-  const auto local = create(alice().properties, engine);
+  TestPlugin plugin;
+  const auto local = create(alice().properties, plugin);
   const auto give = [&](const Token& token) {
-    return engine->set_permissions_credential_and_token(local->handle, token, {});
+    return plugin->set_permissions_credential_and_token(local->handle, token, {});
   };
   const Token good{"DDS:Access:PermissionsCredential", {{"dds.perm.cert", "x"}}};
   EXPECT_TRUE(give(good));
@@ -65,7 +65,7 @@ TEST(Permissions, InvalidPermissionsTokens_AreRefusedWithTheirCodes) {
   EXPECT_CODE(give({"DDS:Access:Permissions:1.0", good.properties}), permissions_credential_wrong);
   EXPECT_CODE(give({good.class_id, {{"dds.perm.cert", std::string(1024 * 1024 + 1, 'x')}}}),
               token_field_length);
-  EXPECT_CODE(engine->set_permissions_credential_and_token({99}, good, {}), unknown_identity);
+  EXPECT_CODE(plugin->set_permissions_credential_and_token({99}, good, {}), unknown_identity);
 }
 
 // ---- Cyclone DDS's own test identities
@@ -90,7 +90,7 @@ TEST(CycloneData, GoodIdentities_AreTaken) {
   EXPECT_TRUE(
       create(cyclone_identity("ec_identity_ca", "ec_identity_certificate", "ec_private_key")));
   // The certificate of this key ended in 2019.
-  Engine then;
+  TestPlugin then;
   then.clock.set(std::chrono::sys_days(std::chrono::year(2019) / 1 / 1));
   EXPECT_TRUE(create(cyclone_identity("old/identity_ca", "old/identity_certificate",
                                       "private_key_w_password", "CHAM569"),
@@ -147,7 +147,7 @@ TEST(CycloneData, ARevokedPeer_IsRefusedInTheHandshake) {
     if (with_crl) set(properties, property::kCrl, cyclone(folder + "crl"));
     return properties;
   };
-  Engine first(1), second(2);
+  TestPlugin first(1), second(2);
   const Identity shape = alice();  // only the properties count
   // Both have the same subject, so the candidate GUIDs decide which side begins. Both orders are
   // tried.

@@ -38,9 +38,9 @@ struct Scene {
   }
   // Polls after five seconds, as a host does.
   std::size_t poll() {
-    pairing.first_engine.clock.advance(5s);
+    pairing.first_plugin.clock.advance(5s);
     try {
-      return pairing.first_engine->poll().size();
+      return pairing.first_plugin->poll().size();
     } catch (const std::bad_alloc&) {
       return 0;
     }

@@ -39,14 +39,14 @@ using Kind = spi::Authentication::Outline::Kind;
 
 TEST(Outline, EachMessage_SaysWhatItIsAndAnswers) {
   Pairing pairing;
-  auto& engine = *pairing.two.low.engine;
+  auto& plugin = *pairing.two.low.plugin;
   const auto request = pairing.two.request();
   const auto reply = pairing.two.reply(*request->message);
   const auto final = pairing.two.process_at_lower_guid(request->handle, *reply->message);
   ASSERT_OK(final);
-  const auto first = engine->outline(*request->message);
-  const auto second = engine->outline(*reply->message);
-  const auto third = engine->outline(*final->message);
+  const auto first = plugin->outline(*request->message);
+  const auto second = plugin->outline(*reply->message);
+  const auto third = plugin->outline(*final->message);
   EXPECT_EQ(first.kind, Kind::request);
   EXPECT_EQ(second.kind, Kind::reply);
   EXPECT_EQ(third.kind, Kind::final);
@@ -61,10 +61,10 @@ TEST(Outline, EachMessage_SaysWhatItIsAndAnswers) {
 // The host still passes such messages on, so that the plugin says why it refuses them.
 TEST(Outline, AnotherPluginsMessage_GoesByTheEndOfItsClass) {
   Pairing pairing;
-  auto& engine = *pairing.two.low.engine;
-  EXPECT_EQ(engine->outline({"com.example:9.9+Req"}).kind, Kind::request);
+  auto& plugin = *pairing.two.low.plugin;
+  EXPECT_EQ(plugin->outline({"com.example:9.9+Req"}).kind, Kind::request);
   for (const auto* other : {"", "DDS:Auth:PKI-DH:1.0", "DDS:Auth:PKI-DH:1.0+AuthReq", "+Requ"})
-    EXPECT_EQ(engine->outline({other}).kind, Kind::other) << other;
+    EXPECT_EQ(plugin->outline({other}).kind, Kind::other) << other;
 }
 
 }  // namespace

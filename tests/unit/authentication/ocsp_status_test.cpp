@@ -33,8 +33,8 @@ struct Meeting {
     return meet(replace(response(low.certificate)), replace(response(high.certificate)));
   }
   int events_of(Code code) const {
-    return count_of(pairing.first_engine.events, code) +
-           count_of(pairing.second_engine.events, code);
+    return count_of(pairing.first_plugin.events, code) +
+           count_of(pairing.second_plugin.events, code);
   }
   Pairing pairing;
 };
@@ -109,9 +109,9 @@ TEST(OcspPolicy, MissingPolicy_IsSoftAndUnknownWordsAreRefused) {
   Meeting meeting(alice(), bob());
   EXPECT_CODE(meeting.meet_with(revoked), ocsp_revoked);
   for (const auto* value : {"", "Hard", "true", "none"}) {
-    Engine engine;
+    TestPlugin plugin;
     EXPECT_CODE(
-        engine->validate_local_identity(0, with_policy(alice(), value).properties, candidate(1)),
+        plugin->validate_local_identity(0, with_policy(alice(), value).properties, candidate(1)),
         invalid_property);
   }
 }
@@ -194,8 +194,8 @@ TEST(RenewalListUnderOcsp, ListWithoutTheDemandedResponse_KeepsNoPeer) {
     const auto& low = alice_is_low ? alice().certificate : short_lived.certificate;
     const auto& high = alice_is_low ? short_lived.certificate : alice().certificate;
     ASSERT_OK(meeting.meet(Meeting::replace(good(low)), Meeting::replace(good(high))));
-    pairing.first_engine.clock.advance(20s);
-    EXPECT_EQ(pairing.first_engine->poll().size(), policy == std::string_view("hard") ? 1u : 0u);
+    pairing.first_plugin.clock.advance(20s);
+    EXPECT_EQ(pairing.first_plugin->poll().size(), policy == std::string_view("hard") ? 1u : 0u);
   }
 }
 

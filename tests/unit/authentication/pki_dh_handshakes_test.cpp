@@ -64,11 +64,11 @@ TEST(WrongState, Roles_AreDecidedByTheGuids) {
   Pairing pairing;
   auto& two = pairing.two;
   EXPECT_CODE(
-      (*two.high.engine)->begin_handshake_request(two.high.handle, two.low_at_high, two.high.data),
+      (*two.high.plugin)->begin_handshake_request(two.high.handle, two.low_at_high, two.high.data),
       handshake_role_wrong);
   const auto request = two.request();
   EXPECT_CODE(
-      (*two.low.engine)
+      (*two.low.plugin)
           ->begin_handshake_reply(*request->message, two.high_at_low, two.low.handle, two.low.data),
       handshake_role_wrong);
 }
@@ -78,9 +78,9 @@ TEST(WrongState, OwnParticipantData_MustFit) {
   auto& two = pairing.two;
   for (const std::size_t size : {0u, 64u * 1024 + 1})
     EXPECT_CODE(
-        (*two.low.engine)->begin_handshake_request(two.low.handle, two.high_at_low, Bytes(size)),
+        (*two.low.plugin)->begin_handshake_request(two.low.handle, two.high_at_low, Bytes(size)),
         token_field_length);
-  EXPECT_CODE((*two.high.engine)->begin_handshake_reply({}, two.low_at_high, two.high.handle, {}),
+  EXPECT_CODE((*two.high.plugin)->begin_handshake_reply({}, two.low_at_high, two.high.handle, {}),
               token_field_length);
 }
 

@@ -11,7 +11,7 @@ TEST(PkiDhSessions, TheCredential_IsDroppedOnceItWasGivenOut) {
   const auto reply = pairing.two.reply(*request->message);
   ASSERT_OK(reply);
   pairing.expect_finish(*request, *reply);
-  auto& low = *pairing.two.low.engine;
+  auto& low = *pairing.two.low.plugin;
   low->poll();  // must not expire the credential before it was given out
   EXPECT_TRUE(low->authenticated_peer_credential_token(request->handle));
   EXPECT_TRUE(low->authenticated_peer_credential_token(request->handle));
@@ -31,12 +31,12 @@ TEST(PkiDhSessions, Secret_OutlivesTheHandle) {
   const auto reply = pairing.two.reply(*request->message);
   const auto final_message = pairing.two.process_at_lower_guid(request->handle, *reply->message);
   ASSERT_OK(final_message);
-  auto& engine = *pairing.two.low.engine;
-  const auto secret = engine->shared_secret(request->handle);
+  auto& plugin = *pairing.two.low.plugin;
+  const auto secret = plugin->shared_secret(request->handle);
   ASSERT_OK(secret);
-  ASSERT_OK(engine->return_handshake_handle(request->handle));
-  EXPECT_CODE(engine->shared_secret(request->handle), unknown_handshake);
-  ASSERT_OK(engine->return_identity_handle(pairing.two.high_at_low));
+  ASSERT_OK(plugin->return_handshake_handle(request->handle));
+  EXPECT_CODE(plugin->shared_secret(request->handle), unknown_handshake);
+  ASSERT_OK(plugin->return_identity_handle(pairing.two.high_at_low));
   EXPECT_EQ((*secret)->secret.size(), 32u);
 }
 

@@ -56,8 +56,8 @@ class Renewal : public testing::Test {
     folder_.replace("cert.pem", identity.certificate.pem());
     folder_.replace("key.pem", pem_text(identity.key));
   }
-  std::vector<IdentityHandle> poll() { return engine().poll(); }
-  std::vector<Code> codes_after_looking() { return engine().codes_after_looking(); }
+  std::vector<IdentityHandle> poll() { return plugin().poll(); }
+  std::vector<Code> codes_after_looking() { return plugin().codes_after_looking(); }
   /// It is not taken, and that is said once.
   void expect_refused(const Identity& identity, std::string_view field, std::string_view expected,
                       std::string_view found) {
@@ -74,8 +74,8 @@ class Renewal : public testing::Test {
   }
   /// Returns c.id of a handshake that begins now, with a new peer.
   std::string presented() {
-    Engine engine_of_carol{7};
-    Participant carol(engine_of_carol,
+    TestPlugin plugin_of_carol{7};
+    Participant carol(plugin_of_carol,
                       make_identity(long_lived_ca(), "CN=carol,O=Example", {}, kYear, 2),
                       ++carols_);
     Two two(pairing_.a, carol);
@@ -86,8 +86,8 @@ class Renewal : public testing::Test {
     EXPECT_TRUE(reply);
     return std::string(as_text(field(*reply->message, "c.id")));
   }
-  Engine& engine() { return pairing_.first_engine; }
-  std::vector<Event>& events() { return engine().events.all; }
+  TestPlugin& plugin() { return pairing_.first_plugin; }
+  std::vector<Event>& events() { return plugin().events.all; }
   IdentityHandle bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }

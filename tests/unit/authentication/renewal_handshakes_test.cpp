@@ -19,7 +19,7 @@ TEST_F(Renewal, HandshakeUnderWay_GoesOnWithWhatItBeganWith) {
 // Alice with a peer whose GUID is higher or lower than hers.
 struct Chosen {
   Chosen(Participant& alice, bool alice_begins)
-      : peer(engine, choose(alice, alice_begins), 20), two(alice, peer) {}
+      : peer(plugin, choose(alice, alice_begins), 20), two(alice, peer) {}
   static Identity choose(const Participant& alice, bool alice_begins) {
     for (int i = 0;; ++i) {
       auto identity = make_identity(long_lived_ca(), "CN=peer" + std::to_string(i), {}, kYear, 1);
@@ -27,7 +27,7 @@ struct Chosen {
       if ((alice.guid < guid) == alice_begins) return identity;
     }
   }
-  Engine engine{7};
+  TestPlugin plugin{7};
   Participant peer;
   Two two;
 };
@@ -38,11 +38,11 @@ TEST_F(Renewal, RequestThatWasSent_IsRepeatedForAWhileAndThenMadeAnew) {
   ASSERT_OK(first);
   const auto next = renewed(3);
   put(next);
-  engine().clock.advance(1s);
-  engine()->poll();
+  plugin().clock.advance(1s);
+  plugin()->poll();
   EXPECT_EQ(events().back().error.code(), Code::identity_renewed);
   EXPECT_EQ(with.two.request()->handle, first->handle);
-  engine().clock.advance(kPendingAge);
+  plugin().clock.advance(kPendingAge);
   const auto second = with.two.request();
   ASSERT_OK(second);
   EXPECT_NE(second->handle, first->handle);
@@ -59,10 +59,10 @@ TEST_F(Renewal, RequestThatComesAgain_IsAnsweredAnewAfterAWhile) {
   ASSERT_OK(first);
   const auto next = renewed(3);
   put(next);
-  engine().clock.advance(1s);
-  engine()->poll();
+  plugin().clock.advance(1s);
+  plugin()->poll();
   EXPECT_EQ(with.two.reply(*request->message)->handle, first->handle);
-  engine().clock.advance(kPendingAge);
+  plugin().clock.advance(kPendingAge);
   const auto second = with.two.reply(*request->message);
   ASSERT_OK(second);
   EXPECT_NE(second->handle, first->handle);
@@ -74,7 +74,7 @@ TEST_F(Renewal, PermissionsAndCertificate_AreNeverMixed) {
   const auto request = pairing_.two.request();
   const auto reply = pairing_.two.reply(*request->message);
   ASSERT_OK(reply);
-  ASSERT_OK(engine()->set_permissions_credential_and_token(
+  ASSERT_OK(plugin()->set_permissions_credential_and_token(
       pairing_.a.handle,
       {std::string(spi::class_id::kPermissionsCredential), {{"dds.perm.cert", "<new/>"}}, {}}, {}));
   put(renewed(3));
@@ -85,7 +85,7 @@ TEST_F(Renewal, PermissionsAndCertificate_AreNeverMixed) {
 TEST_F(Renewal, Credential_NamesWhatEachPeerWasPresented) {
   for (const auto& [vendor, keeps] : {std::pair(kCycloneDds, false), {kFastDds, true}}) {
     Pairing pairing;
-    ASSERT_OK((*pairing.two.low.engine)
+    ASSERT_OK((*pairing.two.low.plugin)
                   ->set_permissions_credential_and_token(
                       pairing.two.low.handle,
                       {.class_id = std::string(spi::class_id::kPermissionsCredential),
@@ -99,7 +99,7 @@ TEST_F(Renewal, Credential_NamesWhatEachPeerWasPresented) {
     ASSERT_OK(reply);
     pairing.expect_finish(*request, *reply);
     const auto credential =
-        (*pairing.two.low.engine)->authenticated_peer_credential_token(request->handle);
+        (*pairing.two.low.plugin)->authenticated_peer_credential_token(request->handle);
     ASSERT_OK(credential);
     const auto facts = spi::session_facts_in(*credential);
     EXPECT_EQ(facts.presented_permissions, sha256(as_bytes("a document")));

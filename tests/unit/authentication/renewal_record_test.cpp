@@ -7,7 +7,7 @@ namespace {
 
 TEST_F(Renewal, Record_FollowsTheCertificateInForceAndWhatIsRefused) {
   const auto recorded = [&] {
-    return test::recorded_document(engine().documents, "identity certificate");
+    return test::recorded_document(plugin().documents, "identity certificate");
   };
   EXPECT_EQ(recorded()["file"], certificate_path_);
   EXPECT_EQ(recorded()["since"], to_string(kNow));
@@ -33,7 +33,7 @@ TEST_F(Renewal, Record_FollowsTheCertificateInForceAndWhatIsRefused) {
 
 TEST_F(Renewal, CertificateThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {
   const auto refused = [&] {
-    return test::recorded_document(engine().documents, "identity certificate")["refused"];
+    return test::recorded_document(plugin().documents, "identity certificate")["refused"];
   };
   put(renewed(3, {kNow + 1h, kLater.not_after}));
   codes_after_looking();
@@ -44,7 +44,7 @@ TEST_F(Renewal, CertificateThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {
   EXPECT_EQ(refused()["waits"], false) << "another subject never will be taken";
   put(renewed(3, {kNow + 1h, kLater.not_after}));
   codes_after_looking();
-  engine().clock.advance(1h);
+  plugin().clock.advance(1h);
   codes_after_looking();
   EXPECT_EQ(refused()["stands"], false);
   EXPECT_EQ(refused()["waits"], false);
@@ -55,22 +55,22 @@ TEST_F(Renewal, RefusedCertificateThatIsTakenAway_NoLongerStands) {
   codes_after_looking();
   put(first_of_alice());
   codes_after_looking();
-  const auto recorded = test::recorded_document(engine().documents, "identity certificate");
+  const auto recorded = test::recorded_document(plugin().documents, "identity certificate");
   EXPECT_EQ(recorded["refused"]["stands"], false);
   EXPECT_EQ(recorded["since"], to_string(kNow));
 }
 
 TEST_F(Renewal, Record_HasTheCaAndForgetsAParticipantThatLeaves) {
-  const auto recorded = test::recorded_document(engine().documents, "identity CA");
+  const auto recorded = test::recorded_document(plugin().documents, "identity CA");
   EXPECT_EQ(recorded["in_force"][0]["subject"], long_lived_ca().certificate().subject());
   EXPECT_EQ(recorded["in_force"][0]["until"], to_string(long_lived_ca().certificate().not_after()));
-  ASSERT_OK(engine()->return_identity_handle(pairing_.a.handle));
-  EXPECT_TRUE(test::recorded_document(engine().documents, "identity CA").is_null());
+  ASSERT_OK(plugin()->return_identity_handle(pairing_.a.handle));
+  EXPECT_TRUE(test::recorded_document(plugin().documents, "identity CA").is_null());
 }
 
 TEST_F(Renewal, Record_HasNoKey) {
-  EXPECT_EQ(engine().documents.to_json().find("PRIVATE"), std::string::npos);
-  EXPECT_EQ(engine().documents.to_json().find(key_path_), std::string::npos);
+  EXPECT_EQ(plugin().documents.to_json().find("PRIVATE"), std::string::npos);
+  EXPECT_EQ(plugin().documents.to_json().find(key_path_), std::string::npos);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST_F(Renewal, CertificateThatIsNotValidYet_IsTakenWhenItIs) {
   put(next);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewal_refused));
   EXPECT_THAT(codes_after_looking(), IsEmpty());
-  engine().clock.advance(60s);
+  plugin().clock.advance(60s);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
   EXPECT_EQ(presented(), next.certificate.pem());
 }
@@ -53,7 +53,7 @@ TEST_F(Renewal, CertificateThatIsNotValidYet_IsTakenWhenItIs) {
 TEST_F(Renewal, RevokedCertificate_IsRefused) {
   const auto next = renewed();
   const auto list = folder_.write("crl.pem", pem({2, {next.certificate}}, long_lived_ca()));
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, with_list(with_files(first_of_alice()), "file:" + list), 9);
   put(next);
   for (int i = 0; i < 3; ++i) {
@@ -68,7 +68,7 @@ TEST_F(Renewal, RevokedCertificate_IsRefused) {
 // A list that names the former certificate does not affect a participant that has a new one.
 TEST_F(Renewal, ListWithTheFormerCertificate_DoesNotEndUs) {
   const auto list = folder_.write("crl.pem", pem({}, long_lived_ca()));
-  Engine other{3};
+  TestPlugin other{3};
   Participant alone(other, with_list(with_files(first_of_alice()), "file:" + list), 9);
   put(renewed());
   folder_.replace("crl.pem", pem({2, {first_of_alice().certificate}}, long_lived_ca()));
@@ -81,41 +81,41 @@ TEST_F(Renewal, ListWithTheFormerCertificate_DoesNotEndUs) {
 // ---- ends
 
 TEST_F(Renewal, OwnEnd_Moves) {
-  const auto first = engine()->next_expiry();
+  const auto first = plugin()->next_expiry();
   put(renewed());
   poll();
   ASSERT_TRUE(first);
-  EXPECT_EQ(engine()->next_expiry(), kLater.not_after);
-  engine().clock.advance(kYear.not_after - kNow);
+  EXPECT_EQ(plugin()->next_expiry(), kLater.not_after);
+  plugin().clock.advance(kYear.not_after - kNow);
   EXPECT_THAT(poll(), IsEmpty());
-  engine().clock.advance(days(200));
+  plugin().clock.advance(days(200));
   EXPECT_THAT(poll(), Contains(pairing_.a.handle));
 }
 
 TEST_F(Renewal, CertificateThatComesTooLate_IsNotTaken) {
-  engine().clock.advance(kYear.not_after - kNow);
+  plugin().clock.advance(kYear.not_after - kNow);
   EXPECT_THAT(poll(), Contains(pairing_.a.handle));
   put(renewed(0, {kNow, kNow + days(900)}));
   EXPECT_THAT(codes_after_looking(), IsEmpty());
-  EXPECT_CODE(engine()->identity_token(pairing_.a.handle), identity_ended);
+  EXPECT_CODE(plugin()->identity_token(pairing_.a.handle), identity_ended);
 }
 
 TEST_F(Renewal, CertificateOfTheLastSecond_IsTaken) {
   put(renewed(0, {kNow, kNow + days(900)}));
-  engine().clock.advance(kYear.not_after - kNow + 10s);
-  EXPECT_THAT(engine()->poll(), IsEmpty());
+  plugin().clock.advance(kYear.not_after - kNow + 10s);
+  EXPECT_THAT(plugin()->poll(), IsEmpty());
   EXPECT_EQ(events().back().error.code(), Code::identity_renewed);
 }
 
 TEST_F(Renewal, Warnings_FollowTheNewEnd) {
-  engine().clock.advance(days(340));
-  engine()->poll();
+  plugin().clock.advance(days(340));
+  plugin()->poll();
   EXPECT_EQ(events().back().error.code(), Code::identity_ends_soon);
   put(renewed(0, {kNow + days(340), kNow + days(440)}));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
-  engine().clock.advance(days(60));
+  plugin().clock.advance(days(60));
   EXPECT_THAT(codes_after_looking(), IsEmpty());
-  engine().clock.advance(days(15));
+  plugin().clock.advance(days(15));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_ends_soon));
 }
 
@@ -130,9 +130,9 @@ class RenewalWithBob : public Renewal {
 TEST_F(RenewalWithBob, Session_EndsWithTheCertificateThatThePeerHasSeen) {
   put(renewed());
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
-  engine().clock.advance(days(29));
+  plugin().clock.advance(days(29));
   EXPECT_THAT(poll(), IsEmpty());
-  engine().clock.advance(days(1));
+  plugin().clock.advance(days(1));
   events().clear();
   EXPECT_THAT(poll(), ElementsAre(bob_at_alice()));
   ASSERT_EQ(events().size(), 1u);
@@ -143,7 +143,7 @@ TEST_F(RenewalWithBob, Session_EndsWithTheCertificateThatThePeerHasSeen) {
 }
 
 TEST_F(RenewalWithBob, OwnCertificateWithoutRenewal_EndsItsSessions) {
-  engine().clock.advance(days(31));
+  plugin().clock.advance(days(31));
   events().clear();
   EXPECT_THAT(poll(), ElementsAre(pairing_.a.handle, bob_at_alice()));
   ASSERT_EQ(events().size(), 1u);
@@ -153,7 +153,7 @@ TEST_F(RenewalWithBob, OwnCertificateWithoutRenewal_EndsItsSessions) {
 TEST_F(RenewalWithBob, PeerOnTheOtherSide_EndsUsAtTheSameTime) {
   put(renewed());
   poll();
-  auto& bobs = pairing_.second_engine;
+  auto& bobs = pairing_.second_plugin;
   bobs.clock.advance(days(30) + 1s);
   const auto alice_at_bob =
       &pairing_.two.low == &pairing_.a ? pairing_.two.low_at_high : pairing_.two.high_at_low;
@@ -167,7 +167,7 @@ TEST_F(Renewal, SessionWithFastDds_GoesOnAfterTheFormerEnd) {
   pairing_.expect_success();
   put(renewed(0, {kNow, kNow + days(900)}));
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::identity_renewed));
-  engine().clock.advance(kYear.not_after - kNow + 1s);
+  plugin().clock.advance(kYear.not_after - kNow + 1s);
   EXPECT_THAT(poll(), testing::Not(Contains(pairing_.a.handle)));
 }
 

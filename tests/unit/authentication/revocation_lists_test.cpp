@@ -19,7 +19,7 @@ struct Watcher {
   }
   // Returns how long after Alice's list appeared her identity ended, if it ended within a minute.
   std::optional<std::chrono::seconds> ends_after(const test::TemporaryFolder& folder) {
-    Participant us(engine, identity);
+    Participant us(plugin, identity);
     for (int i = 0; i < 30; ++i) poll();
     folder.replace("crl.pem", pem({9, {alice().certificate}}));
     for (int i = 1; i < 60; ++i)
@@ -27,11 +27,11 @@ struct Watcher {
     return std::nullopt;
   }
   bool poll() {
-    engine.clock.advance(1s);
-    return !engine->poll().empty();
+    plugin.clock.advance(1s);
+    return !plugin->poll().empty();
   }
   Identity identity;
-  Engine engine;
+  TestPlugin plugin;
 };
 
 TEST(PollInterval, Property_SaysHowOftenToLook) {
@@ -50,8 +50,8 @@ TEST(PollInterval, Property_SaysHowOftenToLook) {
 TEST(PollInterval, OtherThanSeconds_IsRefused) {
   auto identity = alice();
   set(identity.properties, property::kFilesPollInterval, "5s");
-  Engine engine;
-  const auto result = engine->validate_local_identity(0, identity.properties, candidate(1));
+  TestPlugin plugin;
+  const auto result = plugin->validate_local_identity(0, identity.properties, candidate(1));
   EXPECT_CODE(result, invalid_property);
 }
 
@@ -59,7 +59,7 @@ TEST(LaterCrl, ListThatComesLater_IsTaken) {
   const test::TemporaryFolder folder;
   Watcher watcher(folder, property::kLaterCrl, "1");
   EXPECT_EQ(watcher.ends_after(folder), 1s);
-  const auto& events = watcher.engine.events.all;
+  const auto& events = watcher.plugin.events.all;
   ASSERT_GE(events.size(), 2u);
   EXPECT_EQ(events[0].error.code(), Code::no_revocation_list);
   EXPECT_EQ(events[1].error.code(), Code::crl_renewed);
@@ -68,11 +68,11 @@ TEST(LaterCrl, ListThatComesLater_IsTaken) {
 TEST(LaterCrl, Record_FollowsTheListInForceAndWhatIsRefused) {
   const test::TemporaryFolder folder;
   Watcher watcher(folder, property::kLaterCrl, "1");
-  Participant us(watcher.engine, watcher.identity);
+  Participant us(watcher.plugin, watcher.identity);
   const auto recorded = [&] {
     watcher.poll();
     watcher.poll();
-    return test::recorded_document(watcher.engine.documents, "revocation list");
+    return test::recorded_document(watcher.plugin.documents, "revocation list");
   };
   EXPECT_TRUE(recorded()["in_force"].empty());
   const auto path = folder.replace("crl.pem", pem({2}));
@@ -92,9 +92,9 @@ TEST(LaterCrl, ListThatIsThereAlready_Counts) {
   const test::TemporaryFolder folder;
   folder.write("crl.pem", pem({1, {alice().certificate}}));
   const Watcher watcher(folder, property::kLaterCrl, "1");
-  Engine engine;
+  TestPlugin plugin;
   const auto create = [&] {
-    return engine->validate_local_identity(0, watcher.identity.properties, candidate(1));
+    return plugin->validate_local_identity(0, watcher.identity.properties, candidate(1));
   };
   EXPECT_CODE(create(), certificate_revoked);
   folder.replace("crl.pem", "nothing");
@@ -106,9 +106,9 @@ TEST(LaterCrl, BesideAListThatIsNamed_IsRefused) {
   const test::TemporaryFolder folder;
   Watcher watcher(folder, property::kLaterCrl, "1");
   set(watcher.identity.properties, property::kCrl, "data:," + pem({}));
-  Engine engine;
+  TestPlugin plugin;
   const auto refused =
-      engine->validate_local_identity(0, watcher.identity.properties, candidate(1));
+      plugin->validate_local_identity(0, watcher.identity.properties, candidate(1));
   EXPECT_CODE(refused, property_without_effect);
   EXPECT_NE(refused.error().to_sentence().find(property::kLaterCrl), std::string::npos);
 }
@@ -120,7 +120,7 @@ TEST(LaterCrl, FolderOfAuthorities_IsRefusedBesideIt) {
   Watcher watcher(folder, property::kLaterCrl, "1");
   set(watcher.identity.properties, property::kTrustedCaDir, cas.path());
   EXPECT_FALSE(watcher.ends_after(folder));
-  EXPECT_EQ(watcher.engine.events.all.back().error.code(), Code::trusted_ca_dir_with_crl);
+  EXPECT_EQ(watcher.plugin.events.all.back().error.code(), Code::trusted_ca_dir_with_crl);
 }
 
 // ---- a list that no property names
@@ -140,20 +140,20 @@ struct UnnamedRevocationList : testing::Test {
   bool ends() {
     bool ended = false;
     for (int i = 0; i < 3; ++i) {
-      engine.clock.advance(1s);
-      ended |= !engine->poll().empty();
+      plugin.clock.advance(1s);
+      ended |= !plugin->poll().empty();
     }
     return ended;
   }
-  std::vector<Code> codes() const { return engine.events.codes(); }
+  std::vector<Code> codes() const { return plugin.events.codes(); }
   Status create() {
-    const auto made = engine->validate_local_identity(0, identity.properties, candidate(1));
+    const auto made = plugin->validate_local_identity(0, identity.properties, candidate(1));
     if (!made) return std::unexpected(made.error());
     return {};
   }
   const test::TemporaryFolder folder, elsewhere;
   Identity identity = alice();
-  Engine engine;
+  TestPlugin plugin;
 };
 const std::string& revokes_alice() {
   static const auto text = pem({9, {alice().certificate}});
@@ -187,11 +187,11 @@ struct TwoRevocationLists : UnnamedRevocationList {
   }
   // Returns the events of three looks.
   std::vector<Code> told() {
-    engine.events.all.clear();
+    plugin.events.all.clear();
     EXPECT_FALSE(ends());
     return codes();
   }
-  const ErrorDetails& last() const { return engine.events.all.back().error.details(); }
+  const ErrorDetails& last() const { return plugin.events.all.back().error.details(); }
 };
 
 TEST_F(TwoRevocationLists, NewerList_CountsFromEither) {
@@ -229,7 +229,7 @@ TEST_F(TwoRevocationLists, OlderCopy_IsReportedOnceWithBothNumbers) {
   elsewhere.write("crl.pem", second);
   ASSERT_OK(create());
   EXPECT_THAT(told(), testing::ElementsAre(Code::crl_copy_older));
-  EXPECT_EQ(engine.events.all[0].severity, Severity::warning);
+  EXPECT_EQ(plugin.events.all[0].severity, Severity::warning);
   EXPECT_EQ(last().document, folder.path() + "/crl.pem");
   EXPECT_THAT(last().expected, testing::HasSubstr("number 2"));
   EXPECT_THAT(last().found, testing::HasSubstr("number 1"));
@@ -285,8 +285,8 @@ TEST_F(TwoRevocationLists, FileThatIsWrongAtEachLook_DoesNotHideTheOther) {
   for (int i = 0; i < 5; ++i) {
     folder.replace("crl.pem", "nothing " + std::to_string(i));
     if (i == 2) elsewhere.replace("crl.pem", revokes_alice());
-    engine.clock.advance(1s);
-    ended |= !engine->poll().empty();
+    plugin.clock.advance(1s);
+    ended |= !plugin->poll().empty();
   }
   EXPECT_TRUE(ended);
 }
@@ -343,11 +343,11 @@ TEST_F(UnnamedRevocationList, List_ThatIsInvalidOrForeign_ChangesNothingAndIsRep
       {pem({9, {alice().certificate}}, forger), Code::crl_signature_invalid},
       {pem({9, {alice().certificate}, kNow - 48h, kNow - 24h}), Code::crl_expired}};
   for (const auto& [text, code] : lists) {
-    engine.events.all.clear();
+    plugin.events.all.clear();
     folder.replace("crl.pem", text);
     EXPECT_FALSE(ends());
     ASSERT_EQ(codes(), std::vector{code});
-    const auto& details = engine.events.all[0].error.details();
+    const auto& details = plugin.events.all[0].error.details();
     EXPECT_EQ(details.document, folder.path() + "/crl.pem");
     EXPECT_THAT(details.note, testing::HasSubstr("still no revocation list"));
   }
@@ -360,7 +360,7 @@ TEST_F(UnnamedRevocationList, NoList_IsSaidOnceWithItsPlace) {
   ASSERT_OK(create());
   EXPECT_FALSE(ends());
   ASSERT_EQ(codes(), std::vector{Code::no_revocation_list});
-  const auto& event = engine.events.all[0];
+  const auto& event = plugin.events.all[0];
   EXPECT_EQ(event.severity, Severity::informational);
   EXPECT_THAT(event.error.details().note,
               testing::HasSubstr(folder.path() + "/crl.pem is looked for every 1 s"));
@@ -371,7 +371,7 @@ TEST_F(UnnamedRevocationList, NoList_WithoutLooking_SaysThatNoneIsLookedFor) {
   put_certificate();
   set(identity.properties, property::kFilesPollInterval, "0");
   ASSERT_OK(create());
-  EXPECT_THAT(engine.events.all.at(0).error.details().note,
+  EXPECT_THAT(plugin.events.all.at(0).error.details().note,
               testing::HasSubstr("is not looked for, since org.ddssec.files_poll_interval is 0"));
   folder.write("crl.pem", revokes_alice());
   EXPECT_FALSE(ends());
@@ -397,16 +397,16 @@ struct TwoParticipantsWithOneList : UnnamedRevocationList {
     set(identity.properties, property::kFilesPollInterval, "5");
     const auto path = folder.write("cert.pem", identity.certificate.pem());
     set(identity.properties, property::kIdentityCertificate, "file:" + path);
-    first.emplace(engine, identity, 1);
+    first.emplace(plugin, identity, 1);
     pass(7s);
-    second.emplace(engine, identity, 2);
+    second.emplace(plugin, identity, 2);
     pass(10s);
   }
   // Returns the identities that ended at the first look at which any of them did.
   std::vector<IdentityHandle> pass(std::chrono::seconds time) {
     for (; time > 0s; time -= 1s) {
-      engine.clock.advance(1s);
-      if (auto ended = engine->poll(); !ended.empty()) return ended;
+      plugin.clock.advance(1s);
+      if (auto ended = plugin->poll(); !ended.empty()) return ended;
     }
     return {};
   }
@@ -426,12 +426,12 @@ TEST_F(TwoParticipantsWithOneList, ListThatNamesBoth_EndsBothAtOnce) {
 
 TEST_F(TwoParticipantsWithOneList, CertificateRenewedJustBeforeItsEnd_IsTakenByBoth) {
   const auto renewed = make_identity(test_ca(), "CN=alice,O=Example", {}, {kNow, kEnd + 24h});
-  engine.clock.advance(kEnd - engine.clock.calendar_seconds() - 8s);
+  plugin.clock.advance(kEnd - plugin.clock.calendar_seconds() - 8s);
   pass(7s);
   folder.replace("cert.pem", renewed.certificate.pem());
   EXPECT_THAT(pass(20s), testing::IsEmpty());
-  EXPECT_TRUE(engine->identity_token(first->handle));
-  EXPECT_TRUE(engine->identity_token(second->handle));
+  EXPECT_TRUE(plugin->identity_token(first->handle));
+  EXPECT_TRUE(plugin->identity_token(second->handle));
 }
 
 }  // namespace

@@ -25,8 +25,8 @@ class RunningRevocation : public testing::Test {
   std::vector<IdentityHandle> wait() {
     std::vector<IdentityHandle> ended;
     for (int i = 0; i < 3; ++i) {
-      engine().clock.advance(5s);
-      for (const auto handle : engine()->poll()) ended.push_back(handle);
+      plugin().clock.advance(5s);
+      for (const auto handle : plugin()->poll()) ended.push_back(handle);
     }
     return ended;
   }
@@ -46,15 +46,15 @@ class RunningRevocation : public testing::Test {
     DDSSEC_RETURN_IF_ERROR(two.process_at_higher_guid(reply.handle, *final.message));
     return {};
   }
-  Engine& engine() { return pairing_.first_engine; }
-  const std::vector<Event>& events() { return engine().events.all; }
-  std::vector<Code> codes() { return engine().events.codes(); }
+  TestPlugin& plugin() { return pairing_.first_plugin; }
+  const std::vector<Event>& events() { return plugin().events.all; }
+  std::vector<Code> codes() { return plugin().events.codes(); }
   IdentityHandle& bob_at_alice() {
     return &pairing_.two.low == &pairing_.a ? pairing_.two.high_at_low : pairing_.two.low_at_high;
   }
   // The host gives the handle back, and Bob is discovered again.
   void rediscover_bob() {
-    ASSERT_OK(engine()->return_identity_handle(bob_at_alice()));
+    ASSERT_OK(plugin()->return_identity_handle(bob_at_alice()));
     const auto again = pairing_.a.discover(pairing_.b);
     ASSERT_OK(again);
     bob_at_alice() = again->handle;
@@ -117,13 +117,13 @@ TEST_F(RunningRevocation, OurOwnRevocation_EndsUsAndOurPeers) {
   EXPECT_EQ(events().back().peer_subject, "");
   EXPECT_EQ(events().back().guid, pairing_.a.guid.to_string());
   EXPECT_CODE(pairing_.a.discover(pairing_.b), certificate_revoked);
-  EXPECT_CODE(engine()->identity_token(pairing_.a.handle), certificate_revoked);
+  EXPECT_CODE(plugin()->identity_token(pairing_.a.handle), certificate_revoked);
   EXPECT_TRUE(wait().empty());
 }
 
 // Each participant is judged by its own list, and each gets an event of its own.
-TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
-  Participant second(engine(), make_identity(test_ca(), "CN=second"), 7);
+TEST_F(RunningRevocation, TwoParticipantsOfOnePlugin_GoByTheirOwnLists) {
+  Participant second(plugin(), make_identity(test_ca(), "CN=second"), 7);
   Two other(second, pairing_.b);
   pairing_.expect_success();
   const auto request = other.request();
@@ -131,9 +131,9 @@ TEST_F(RunningRevocation, TwoParticipantsOfOneEngine_GoByTheirOwnLists) {
   const auto final = other.process_at_lower_guid(request->handle, *reply->message);
   ASSERT_OK(other.process_at_higher_guid(reply->handle, *final->message));
   folder_.replace("crl.pem", pem({2, {bob().certificate}}));
-  engine().clock.advance(5s);
-  EXPECT_TRUE(engine()->poll(second.handle).empty());
-  EXPECT_EQ(engine()->poll(pairing_.a.handle), std::vector{bob_at_alice()});
+  plugin().clock.advance(5s);
+  EXPECT_TRUE(plugin()->poll(second.handle).empty());
+  EXPECT_EQ(plugin()->poll(pairing_.a.handle), std::vector{bob_at_alice()});
   EXPECT_TRUE(wait().empty());
   EXPECT_TRUE(second.discover(pairing_.b));
 }
@@ -151,7 +151,7 @@ class RefusedRevocationList : public RunningRevocation {
   void expect_older(std::string_view text) {
     put(text);
     EXPECT_EQ(codes(), std::vector{Code::crl_older});
-    engine().events.all.clear();
+    plugin().events.all.clear();
   }
   void expect_refused(Code code) {
     wait();
@@ -160,7 +160,7 @@ class RefusedRevocationList : public RunningRevocation {
     EXPECT_NE(events()[0].error.details().note.find("stay in force"), std::string::npos);
     EXPECT_EQ(events()[0].guid, pairing_.a.guid.to_string());
     EXPECT_CODE(handshake(), certificate_revoked);
-    engine().events.all.clear();
+    plugin().events.all.clear();
   }
 };
 
@@ -192,14 +192,14 @@ TEST_F(RefusedRevocationList, ListsOutOfTheirTime_AreRefused) {
 // The list becomes valid although its file does not change.
 TEST_F(RefusedRevocationList, AListOfTheFuture_IsTakenWhenItsTimeHasCome) {
   const auto recorded = [&] {
-    return test::recorded_document(engine().documents, "revocation list")["refused"];
+    return test::recorded_document(plugin().documents, "revocation list")["refused"];
   };
   expect_refused(pem({4}), Code::crl_older);
   EXPECT_EQ(recorded()["waits"], false);
   expect_refused(pem({6, {}, kNow + 1h}), Code::crl_not_yet_valid);
   EXPECT_EQ(recorded()["stands"], true);
   EXPECT_EQ(recorded()["waits"], true);
-  engine().clock.advance(1h);
+  plugin().clock.advance(1h);
   wait();
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
   EXPECT_EQ(recorded()["stands"], false);
@@ -208,11 +208,11 @@ TEST_F(RefusedRevocationList, AListOfTheFuture_IsTakenWhenItsTimeHasCome) {
 
 // All clocks were ahead and were set back. The revoked peer stays revoked.
 TEST_F(RefusedRevocationList, ListOfToday_ReplacesOneOfTheFutureIfItNamesAll) {
-  engine().clock.set(kNow + 200 * 24h);
+  plugin().clock.set(kNow + 200 * 24h);
   put(pem({6, {bob().certificate}, kNow + 200 * 24h}));
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
-  engine().events.all.clear();
-  engine().clock.set(kNow);
+  plugin().events.all.clear();
+  plugin().clock.set(kNow);
   expect_older(pem({7}));
   expect_older(pem({6, {bob().certificate}}));
   put(pem({7, {bob().certificate}}));
@@ -239,10 +239,10 @@ TEST_F(RefusedRevocationList, ListCutOffAnywhere_IsRefused) {
     folder_.replace("crl.pem", whole.substr(0, size));
     EXPECT_TRUE(wait().empty());
     EXPECT_EQ(std::ranges::count(codes(), Code::crl_renewed), 0) << size;
-    engine().events.all.clear();
+    plugin().events.all.clear();
   }
   EXPECT_CODE(handshake(), certificate_revoked);
-  engine().events.all.clear();
+  plugin().events.all.clear();
   put(whole);
   EXPECT_EQ(codes(), std::vector{Code::crl_renewed});
 }
@@ -254,7 +254,7 @@ TEST_F(RefusedRevocationList, ListWithAnyBitChanged_IsRefused) {
     changed[at] = static_cast<char>(changed[at] ^ 2);
     put(changed);
     EXPECT_EQ(std::ranges::count(codes(), Code::crl_renewed), 0) << at;
-    engine().events.all.clear();
+    plugin().events.all.clear();
   }
   EXPECT_CODE(handshake(), certificate_revoked);
 }
@@ -265,11 +265,11 @@ TEST_F(RunningRevocation, AFileThatIsJustBeingWritten_IsNoReasonToComplain) {
   pairing_.expect_success();
   wait();
   folder_.write("crl.pem", whole.substr(0, whole.size() / 2));
-  engine().clock.advance(5s);
-  EXPECT_TRUE(engine()->poll().empty());
+  plugin().clock.advance(5s);
+  EXPECT_TRUE(plugin()->poll().empty());
   folder_.write("crl.pem", whole);
-  engine().clock.advance(5s);
-  EXPECT_EQ(engine()->poll(), std::vector{bob_at_alice()});
+  plugin().clock.advance(5s);
+  EXPECT_EQ(plugin()->poll(), std::vector{bob_at_alice()});
   EXPECT_EQ(codes(), (std::vector{Code::crl_renewed, Code::certificate_revoked}));
 }
 
@@ -293,15 +293,15 @@ TEST(RevokedAuthority, RevokedCa_EndsThePeersItIssued) {
   Pairing pairing(with_list(cas.of(cas.root, "CN=alice", 0), "file:" + path),
                   cas.of(cas.sub, "CN=bob", 1));
   pairing.expect_success();
-  auto& engine = pairing.first_engine;
+  auto& plugin = pairing.first_plugin;
   const auto poll = [&] {
-    engine.clock.advance(5s);
-    return engine->poll();
+    plugin.clock.advance(5s);
+    return plugin->poll();
   };
   folder.replace("crl.pem", pem({2, {cas.sub.certificate()}}, cas.root) + pem({}, cas.sub));
   EXPECT_EQ(poll().size(), 1u);
-  ASSERT_EQ(engine.events.all.size(), 2u);
-  const auto& event = engine.events.all[1];
+  ASSERT_EQ(plugin.events.all.size(), 2u);
+  const auto& event = plugin.events.all[1];
   EXPECT_EQ(event.error.code(), Code::certificate_revoked);
   EXPECT_EQ(event.error.details().field, "CN=Sub");
   EXPECT_EQ(event.peer_subject, "CN=bob");
@@ -322,15 +322,15 @@ TEST(RevokedAuthority, ListOfEachCa_MustStay) {
   const Authorities cas;
   const test::TemporaryFolder folder;
   const auto path = folder.write("crl.pem", pem({}, cas.root) + pem({}, cas.sub));
-  Engine engine;
-  Participant alice(engine, with_list(cas.of(cas.root, "CN=alice", 0), "file:" + path));
+  TestPlugin plugin;
+  Participant alice(plugin, with_list(cas.of(cas.root, "CN=alice", 0), "file:" + path));
   folder.replace("crl.pem", pem({2}, cas.root));
   for (int i = 0; i < 3; ++i) {
-    engine.clock.advance(5s);
-    EXPECT_TRUE(engine->poll().empty());
+    plugin.clock.advance(5s);
+    EXPECT_TRUE(plugin->poll().empty());
   }
-  ASSERT_EQ(engine.events.all.size(), 1u);
-  EXPECT_EQ(engine.events.all[0].error.code(), Code::crl_missing);
+  ASSERT_EQ(plugin.events.all.size(), 1u);
+  EXPECT_EQ(plugin.events.all[0].error.code(), Code::crl_missing);
 }
 
 // ---- many
@@ -339,7 +339,7 @@ TEST(ManyRevoked, ManyRevokedPeers_EndAtOnce) {
   constexpr int kPeers = 100;
   const test::TemporaryFolder folder;
   const auto path = folder.write("crl.pem", pem({}));
-  Engine ours(1), theirs(2);
+  TestPlugin ours(1), theirs(2);
   Participant us(ours, with_list(alice(), "file:" + path));
   List list{2};
   for (int i = 0; i < kPeers; ++i) {
@@ -377,7 +377,7 @@ TEST(ManyRevoked, RevocationDuringHandshakes_EndsEveryRevokedPeer) {
       const auto final = two.process_at_lower_guid(request->handle, *reply->message);
       is_in = final && two.process_at_higher_guid(reply->handle, *final->message);
     });
-    const auto ended = pairing.first_engine->poll();
+    const auto ended = pairing.first_plugin->poll();
     hands.join();
     if (revokes)
       EXPECT_TRUE(!is_in || !ended.empty());

@@ -82,12 +82,12 @@ class SessionRenewal : public testing::Test {
     EXPECT_EQ(bob().events.all.front().peer_subject, kAlice);
     EXPECT_EQ(bob()->next_expiry(), kShort.not_after);
   }
-  std::vector<IdentityHandle> ended(Engine& engine, WallTime at) {
-    engine.clock.advance(at - engine.clock.calendar_seconds());
-    return engine->poll();
+  std::vector<IdentityHandle> ended(TestPlugin& plugin, WallTime at) {
+    plugin.clock.advance(at - plugin.clock.calendar_seconds());
+    return plugin->poll();
   }
-  Engine& alice() { return pairing_.first_engine; }
-  Engine& bob() { return pairing_.second_engine; }
+  TestPlugin& alice() { return pairing_.first_plugin; }
+  TestPlugin& bob() { return pairing_.second_plugin; }
 
   const test::TemporaryFolder folder_;
   const std::string certificate_path_, key_path_;
@@ -214,7 +214,7 @@ TEST_F(SessionRenewal, EndedCertificate_IsRefused) {
 TEST_F(SessionRenewal, BeforeTheHandshakeIsFinished_IsAnError) {
   Pairing other;
   const auto request = other.two.request().value();
-  EXPECT_CODE(other.two.low.engine->plugin->offer_renewal(request.handle), handshake_not_finished);
+  EXPECT_CODE(other.two.low.plugin->plugin->offer_renewal(request.handle), handshake_not_finished);
   EXPECT_CODE(alice()->offer_renewal({9999}), unknown_handshake);
 }
 

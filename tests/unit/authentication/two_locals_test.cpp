@@ -1,11 +1,11 @@
-// Two local identities in one engine that deal with the same remote one: what happens to one of
+// Two local identities in one plugin that deal with the same remote one: what happens to one of
 // them does not affect the other. (With threads: tests/attack/authentication/threads_test.cpp.)
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
 namespace {
 
-// A remote participant in an engine of its own, and `first` and `second` in one engine.
+// A remote participant in a plugin of its own, and `first` and `second` in one plugin.
 struct TwoLocals {
   explicit TwoLocals(pki::Validity of_first = kYear, pki::Validity of_remote = kYear,
                      AuthenticationOptions options = {})
@@ -27,8 +27,8 @@ struct TwoLocals {
   IdentityHandle remote_of_first() const { return remote_of(of_first); }
   IdentityHandle remote_of_second() const { return remote_of(of_second); }
 
-  Engine ours;
-  Engine theirs{2};
+  TestPlugin ours;
+  TestPlugin theirs{2};
   Participant first, second, remote;
   Two of_first, of_second;
 };
@@ -49,10 +49,10 @@ class Handshake {
     final();
   }
   std::shared_ptr<const spi::SharedSecret> of_low() const {
-    return (*two_.low.engine)->shared_secret((*request_)->handle).value_or(nullptr);
+    return (*two_.low.plugin)->shared_secret((*request_)->handle).value_or(nullptr);
   }
   std::shared_ptr<const spi::SharedSecret> of_high() const {
-    return (*two_.high.engine)->shared_secret((*reply_)->handle).value_or(nullptr);
+    return (*two_.high.plugin)->shared_secret((*reply_)->handle).value_or(nullptr);
   }
   void expect_one_secret() const {
     const auto low = of_low();
@@ -80,11 +80,11 @@ TEST(TwoLocals, SameRemote_HasAHandleForEach) {
 
 TEST(TwoLocals, HandleOfTheOther_IsRefused) {
   TwoLocals world;
-  auto& engine = world.ours;
-  EXPECT_CODE(engine->begin_handshake_request(world.second.handle, world.remote_of_first(),
+  auto& plugin = world.ours;
+  EXPECT_CODE(plugin->begin_handshake_request(world.second.handle, world.remote_of_first(),
                                               world.second.data),
               unknown_identity);
-  EXPECT_CODE(engine->begin_handshake_reply({}, world.remote_of_second(), world.first.handle,
+  EXPECT_CODE(plugin->begin_handshake_reply({}, world.remote_of_second(), world.first.handle,
                                             world.first.data),
               unknown_identity);
 }

@@ -75,7 +75,7 @@ TEST_F(UnprovenOctetsTest, OneAmongMany_IsDroppedOnlyAfterAboutAsMuchAsTheLimit)
   }
 }
 
-// ---- in the engine
+// ---- in the plugin
 
 // Returns the same request with permissions of that size, and without a signature.
 Token large(const Token& request, std::uint8_t number, std::size_t octets) {
@@ -92,7 +92,7 @@ class Stranger {
   // Sends permissions of that many octets. Returns the reply of the victim.
   Two::Step sends(std::size_t octets) {
     const auto number = static_cast<std::uint8_t>(++sent_);
-    Participant invented(engine_, identity_, number + 10);
+    Participant invented(plugin_, identity_, number + 10);
     Two two(invented, victim_);
     return two.reply(with(large(recorded_, number, octets), "c.pdata", invented.data));
   }
@@ -101,7 +101,7 @@ class Stranger {
   const Token recorded_;
   const Identity identity_;
   Participant& victim_;
-  Engine engine_{9};
+  TestPlugin plugin_{9};
   int sent_ = 0;
 };
 
@@ -115,14 +115,14 @@ struct LargeDocuments {
     Token credential{.class_id = std::string(spi::class_id::kPermissionsCredential)};
     credential.properties.push_back({"dds.perm.cert", std::string(octets, 'p'), false});
     EXPECT_TRUE(
-        (*low().engine)->set_permissions_credential_and_token(low().handle, credential, {}));
+        (*low().plugin)->set_permissions_credential_and_token(low().handle, credential, {}));
     request = pairing.two.request();
   }
   Participant& low() { return pairing.two.low; }
   Stranger stranger() {
     return {*(*request)->message, &low() == &pairing.a ? alice : bob, pairing.two.high};
   }
-  std::vector<Event>& events() { return pairing.two.high.engine->events.all; }
+  std::vector<Event>& events() { return pairing.two.high.plugin->events.all; }
 
   Identity alice, bob;
   Pairing pairing;

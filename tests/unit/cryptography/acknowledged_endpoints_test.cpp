@@ -1,4 +1,4 @@
-// Announcements that the host has acknowledged, in an engine whose host accepts messages from any
+// Announcements that the host has acknowledged, in a plugin whose host accepts messages from any
 // source.
 #include <optional>
 
@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing;
 
-// An engine whose host accepts messages from any source, and a peer that never stops announcing.
+// A plugin whose host accepts messages from any source, and a peer that never stops announcing.
 struct AcknowledgedEndpoints : ::testing::Test {
   static constexpr int kTimes = 2 * AnnouncedOctets::kMax / kUserData;
 
@@ -47,7 +47,7 @@ struct AcknowledgedEndpoints : ::testing::Test {
   WriterToReader ends;
 };
 
-// The engine must read the host's acknowledgments, or it would count such announcements for ever.
+// The plugin must read the host's acknowledgments, or it would count such announcements for ever.
 TEST_F(AcknowledgedEndpoints, UnderKeysOfTheirWriters_CountOnce) {
   meet(ProtectionKind::none);
   for (std::uint32_t number = 1; number <= kTimes; ++number) {

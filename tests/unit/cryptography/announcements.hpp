@@ -1,4 +1,4 @@
-// Announcements of endpoints as a peer sends them, and how the engine counts them.
+// Announcements of endpoints as a peer sends them, and how the plugin counts them.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -170,9 +170,9 @@ TEST(AwaitedTokensTest, TooManyAwaited_AreNotKept) {
   EXPECT_TRUE(awaited.contains(2, key));
 }
 
-// The engine at `b`. Its host sends our own tokens once it has matched two endpoints.
-struct Engine {
-  explicit Engine(spi::CipherMask peer_ciphers = spi::kAllCiphers)
+// The plugin at `b`. Its host sends our own tokens once it has matched two endpoints.
+struct Receiver {
+  explicit Receiver(spi::CipherMask peer_ciphers = spi::kAllCiphers)
       : two(ProtectionKind::none, {}, {.host_checks_sources = false}) {
     auto secret = shared_secret(5, peer_ciphers);
     for (auto* side : {&two.a, &two.b}) {
@@ -243,14 +243,14 @@ struct Engine {
 };
 
 TEST(AwaitedTokensTest, AReaderThatSendsItsTokens_WaitsForThoseOfTheWriter) {
-  Engine engine;
+  Receiver receiver;
   const auto user =
-      engine.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
-  engine.drop_ticket(kWriter, kReader, engine.two.writer_tokens(user).value(), kOfWriter);
-  EXPECT_FALSE(engine.is_stranded());
-  engine.send_own(kReader, kWriter, engine.two.reader_tokens(user).value(), kOfReader);
-  EXPECT_TRUE(engine.is_stranded());
-  EXPECT_FALSE(engine.is_stranded()) << "once";
+      receiver.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+  receiver.drop_ticket(kWriter, kReader, receiver.two.writer_tokens(user).value(), kOfWriter);
+  EXPECT_FALSE(receiver.is_stranded());
+  receiver.send_own(kReader, kWriter, receiver.two.reader_tokens(user).value(), kOfReader);
+  EXPECT_TRUE(receiver.is_stranded());
+  EXPECT_FALSE(receiver.is_stranded()) << "once";
 }
 
 // Each exchange of a subject awaits tokens of endpoints that it invented.
@@ -273,26 +273,26 @@ TEST(AwaitedTokensTest, OneSubject_LeavesRoomForAnother) {
 
 // Such a peer would not notice that we restart the session.
 TEST(AwaitedTokensTest, PeerWithOtherPlugins_StrandsNothing) {
-  Engine engine(spi::kStandardCiphers);
+  Receiver receiver(spi::kStandardCiphers);
   const auto user =
-      engine.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
-  engine.drop_ticket(kWriter, kReader, engine.two.writer_tokens(user).value(), kOfWriter);
-  engine.send_own(kReader, kWriter, engine.two.reader_tokens(user).value(), kOfReader);
-  EXPECT_FALSE(engine.is_stranded());
+      receiver.two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+  receiver.drop_ticket(kWriter, kReader, receiver.two.writer_tokens(user).value(), kOfWriter);
+  receiver.send_own(kReader, kWriter, receiver.two.reader_tokens(user).value(), kOfReader);
+  EXPECT_FALSE(receiver.is_stranded());
 }
 
 // If a writer protects payloads only, the host never brings tokens of readers for it.
 TEST(AwaitedTokensTest, AWriter_WaitsOnlyIfItProtectsSubmessages) {
   for (const auto submessage : {ProtectionKind::none, ProtectionKind::sign}) {
-    Engine engine;
-    engine.writer(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
-    const auto ours = engine.writer(endpoint_attributes(submessage, ProtectionKind::encrypt));
-    const auto tokens = engine.two.b.exchange()
+    Receiver receiver;
+    receiver.writer(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));
+    const auto ours = receiver.writer(endpoint_attributes(submessage, ProtectionKind::encrypt));
+    const auto tokens = receiver.two.b.exchange()
                             .create_local_datawriter_crypto_tokens(ours.writer, ours.reader)
                             .value();
-    engine.drop_ticket(kReader, kWriter, tokens, kOfReader);
-    engine.send_own(kWriter, kReader, tokens, kOfWriter);
-    EXPECT_EQ(engine.is_stranded(), submessage != ProtectionKind::none);
+    receiver.drop_ticket(kReader, kWriter, tokens, kOfReader);
+    receiver.send_own(kWriter, kReader, tokens, kOfWriter);
+    EXPECT_EQ(receiver.is_stranded(), submessage != ProtectionKind::none);
   }
 }
 

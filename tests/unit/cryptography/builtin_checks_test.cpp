@@ -260,10 +260,10 @@ TEST(BuiltinSource, SourceInAProtectedMessage_IsThatOfTheLastInfoSource) {
   EXPECT_EQ(part_of_sender(content, kPeer, walks).size, first);
 }
 
-// ---- in the engine
+// ---- in the plugin
 
-struct Engine {
-  explicit Engine(bool host_checks, bool peer_is_known = true)
+struct Receiver {
+  explicit Receiver(bool host_checks, bool peer_is_known = true)
       : two(ProtectionKind::none, {}, {.host_checks_sources = host_checks}) {
     auto secret = shared_secret(5);
     if (peer_is_known) secret.peer_prefix = kPeer;
@@ -290,23 +290,23 @@ DataMessage dispose(const GuidPrefix& whose) {
 }
 
 TEST(TrustingHost, DiscoveryOfThePeer_PassesAndOfOthersDoesNot) {
-  Engine engine(false);
-  EXPECT_TRUE(engine.pass(dispose(kPeer)));
-  EXPECT_TRUE(engine.two.b.events.codes().empty());
-  EXPECT_EQ(code_of(engine.pass(dispose(kVictim))), Code::builtin_source_mismatch);
-  EXPECT_EQ(engine.two.b.events.codes(), std::vector{Code::builtin_source_mismatch});
-  EXPECT_NE(engine.two.b.events.last().find(kVictim.to_string()), std::string::npos);
+  Receiver receiver(false);
+  EXPECT_TRUE(receiver.pass(dispose(kPeer)));
+  EXPECT_TRUE(receiver.two.b.events.codes().empty());
+  EXPECT_EQ(code_of(receiver.pass(dispose(kVictim))), Code::builtin_source_mismatch);
+  EXPECT_EQ(receiver.two.b.events.codes(), std::vector{Code::builtin_source_mismatch});
+  EXPECT_NE(receiver.two.b.events.last().find(kVictim.to_string()), std::string::npos);
 }
 
 TEST(TrustingHost, UnknownPeerGuid_AllowsAnyName) {
-  Engine engine(false, false);
-  EXPECT_TRUE(engine.pass(dispose(kVictim)));
+  Receiver receiver(false, false);
+  EXPECT_TRUE(receiver.pass(dispose(kVictim)));
 }
 
 TEST(CheckingHost, EveryProtectedName_PassesToAHostThatChecks) {
-  Engine engine(true);
-  EXPECT_TRUE(engine.pass(dispose(kVictim)));
-  EXPECT_TRUE(engine.two.b.events.codes().empty());
+  Receiver receiver(true);
+  EXPECT_TRUE(receiver.pass(dispose(kVictim)));
+  EXPECT_TRUE(receiver.two.b.events.codes().empty());
 }
 
 // ---- addresses in the form of RTPS 1, for which Cyclone DDS frees memory that it never wrote

@@ -140,7 +140,7 @@ TEST(ChaCha20Poly1305, EachSide_ChoosesForWhatItSends) {
 
 // ---- refusals
 
-// One engine with a peer that announced `ciphers`.
+// One plugin with a peer that announced `ciphers`.
 struct Against {
   explicit Against(spi::CipherMask ciphers, const PropertyList& properties = {},
                    ProtectionKind rtps = kNone, spi::CipherMask allowed = spi::kAllCiphers) {

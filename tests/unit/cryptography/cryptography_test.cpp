@@ -1,4 +1,4 @@
-// The engine that each set of options makes.
+// The plugin that each set of options makes.
 #include "plugins/cryptography/cryptography.hpp"
 
 #include <gtest/gtest.h>

@@ -208,7 +208,7 @@ TEST_F(DelayedAnnouncements, RepeatedUnderTheirNumber_AreNotCharged) {
   for (int again = 0; again < 2000; ++again) ASSERT_EQ(announce_under(1, 1), Code{}) << again;
 }
 
-// ---- the engine
+// ---- the plugin
 
 struct Host {
   Host() {

@@ -88,7 +88,7 @@ struct Gated {
     const auto payload = token_message({kPeer, kWriter}, {kOurs, kReader}, tokens);
     const auto octets = DataMessage{.number = 1, .payload = payload}.octets();
     const auto out = decode_submessage(two, ends, encode_submessage(two, ends, octets).value());
-    return code_of(two.take_writer(user, Engine::tokens_in(out.value())));
+    return code_of(two.take_writer(user, Receiver::tokens_in(out.value())));
   }
   TwoSides two;
   WriterToReader discovery, ends;

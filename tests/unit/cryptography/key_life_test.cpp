@@ -76,7 +76,7 @@ TEST(KeyLife, BlocksBeforeFormerKeysAreForgotten_AreNotCounted) {
   EXPECT_TRUE(life.counts_blocks(3s + kFormerKeyLife));
 }
 
-// ---- in the engine
+// ---- in the plugin
 
 PropertyList lifetime(std::string value) {
   return {{std::string(property::kKeyLifetime), std::move(value)}};

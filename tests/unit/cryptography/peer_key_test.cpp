@@ -231,8 +231,8 @@ TEST(PeerKey, KeyThatCannotBeMade_LeavesNoMatch) {
   ManualClock clock{WallTime{}};
   test::RecordedEvents events;
   BreakableRandom random;
-  const auto engine = make_cryptography({clock, random, events}, {});
-  auto& factory = engine->key_factory();
+  const auto plugin = make_cryptography({clock, random, events}, {});
+  auto& factory = plugin->key_factory();
   const auto participant =
       factory.register_local_participant({1}, {1}, {}, participant_attributes(kNone)).value();
   const auto remote =
@@ -247,7 +247,7 @@ TEST(PeerKey, KeyThatCannotBeMade_LeavesNoMatch) {
   EXPECT_EQ(code_of(match()), Code::random_failed);
   random.is_broken = false;
   const auto writer = match().value();
-  EXPECT_EQ(engine->key_exchange().create_local_datareader_crypto_tokens(reader, writer)->size(),
+  EXPECT_EQ(plugin->key_exchange().create_local_datareader_crypto_tokens(reader, writer)->size(),
             1u);
 }
 

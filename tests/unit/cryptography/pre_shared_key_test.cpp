@@ -16,7 +16,7 @@ namespace {
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kSign = ProtectionKind::sign;
 
-// The keys of one participant, in an engine of its own.
+// The keys of one participant, in a plugin of its own.
 struct Member {
   explicit Member(const PropertyList& properties, ProtectionKind kind = kEncrypt,
                   DomainId domain = 7, std::string_view tag = "",

@@ -92,7 +92,7 @@ TEST(ReplayWindow, ParentAndChildren_AreHeardBesideOneAnother) {
   EXPECT_FALSE(window.accept(iv(ReplayWindow::kMaxStreams * kApart, 0)));
 }
 
-// ---- in the engine
+// ---- in the plugin
 
 using spi::ProtectionKind;
 

@@ -65,7 +65,7 @@ TEST(ManyEndpoints, UnregisteringOneByOne_CostsAtMostAConstantForEach) {
             kMaxForLeaving);
 }
 
-// The engine keeps nothing, even if Cyclone's core keeps something.
+// The plugin keeps nothing, even if Cyclone's core keeps something.
 TEST(ManyParticipants, ComingAndGoing_LeavesNothingBehind) {
   constexpr int kRounds = 1000;
   constexpr std::int64_t kMaxEach = 16;

@@ -78,7 +78,7 @@ TEST(SendPosition, AnotherPosition_IsStillTheSameKey) {
   EXPECT_EQ(*read, key);
 }
 
-// ---- in the engine
+// ---- in the plugin
 
 constexpr GuidPrefix kPeerOfB{{0x90, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 constexpr EntityId kWriter{{0, 0, 1, 2}};

@@ -300,7 +300,7 @@ TEST(SenderPart, GroupReadInTwoWays_HidesNothing) {
   EXPECT_EQ(part_of_sender(group, kPeer, walks).size, group.size());
 }
 
-// ---- in the engine
+// ---- in the plugin
 
 constexpr CryptographyOptions kTrustingHost{.host_checks_sources = false};
 

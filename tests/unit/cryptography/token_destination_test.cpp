@@ -150,7 +150,7 @@ TEST(FragmentRequest, MessageThatIsNotInFragments_IsRefused) {
     EXPECT_TRUE(check_fragment_request(data_submessage(28, id), none)) << +id;
 }
 
-// The engine of a host. The insider is its authenticated peer.
+// The plugin of a host. The insider is its authenticated peer.
 struct Host {
   explicit Host(bool host_checks)
       : two(ProtectionKind::none, {}, {.host_checks_sources = host_checks}) {

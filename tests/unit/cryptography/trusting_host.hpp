@@ -1,4 +1,4 @@
-// An engine that passes key token messages on to its host.
+// A plugin that passes key token messages on to its host.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@ using namespace testing;
 
 inline constexpr EntityId kWriter{{0, 0, 1, 2}}, kReader{{0, 0, 1, 7}};
 
-struct Engine {
-  explicit Engine(bool host_checks)
+struct Receiver {
+  explicit Receiver(bool host_checks)
       : two(ProtectionKind::none, {}, {.host_checks_sources = host_checks}) {
     authenticate(5);
     user = two.endpoints(endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none));

@@ -1,4 +1,4 @@
-// Two engines that authenticated each other, for tests: participants, endpoints and their tokens.
+// Two plugins that authenticated each other, for tests: participants, endpoints and their tokens.
 #pragma once
 
 #include <array>
@@ -71,19 +71,19 @@ inline PropertyList builtin_endpoint(std::string_view name) {
 inline constexpr std::string_view kVolatileWriter = "BuiltinParticipantVolatileMessageSecureWriter";
 inline constexpr std::string_view kVolatileReader = "BuiltinParticipantVolatileMessageSecureReader";
 
-/// One engine, with its services and events.
+/// One plugin, with its services and events.
 struct Side {
   explicit Side(const CryptographyOptions& options = {})
-      : services{clock, random, events}, engine(make_cryptography(services, options)) {}
-  spi::CryptoKeyFactory& factory() { return engine->key_factory(); }
-  spi::CryptoKeyExchange& exchange() { return engine->key_exchange(); }
-  spi::CryptoTransform& transform() { return engine->transform(); }
+      : services{clock, random, events}, plugin(make_cryptography(services, options)) {}
+  spi::CryptoKeyFactory& factory() { return plugin->key_factory(); }
+  spi::CryptoKeyExchange& exchange() { return plugin->key_exchange(); }
+  spi::CryptoTransform& transform() { return plugin->transform(); }
 
   ManualClock clock{WallTime{}};
   SystemRandom random;
   test::RecordedEvents events;
   PluginServices services;
-  std::unique_ptr<spi::Cryptography> engine;
+  std::unique_ptr<spi::Cryptography> plugin;
   ParticipantCryptoHandle participant;
   ParticipantCryptoHandle remote;  ///< the other side's participant, as it is matched here
 };

@@ -133,13 +133,13 @@ TEST(TypeInformation, InformationWhoseIdBeginsInTwoFragments_BecomesUnknown) {
         expect_hidden_in_fragments(little, size, little ? 0x8075 : 0);
 }
 
-// ---- in the engine
+// ---- in the plugin
 
 // The source in the header of rtps_message.
 constexpr GuidPrefix kSender{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
 
-struct Engine {
-  explicit Engine(spi::PropertyList properties = {}, bool peer_is_known = true)
+struct Receiver {
+  explicit Receiver(spi::PropertyList properties = {}, bool peer_is_known = true)
       : two(ProtectionKind::encrypt, std::move(properties), {.host_checks_sources = false}) {
     auto secret = shared_secret(5);
     if (peer_is_known) secret.peer_prefix = kSender;
@@ -168,26 +168,26 @@ TEST(TrustingHost, SecureWritersTypeInformation_IsHidden) {
   for (const auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,
                           ProtectionKind::encrypt_with_origin_authentication})
     for (const bool is_known : {true, false}) {
-      Engine engine({}, is_known);
-      const auto ends = engine.two.endpoints(builtin(kind));
-      const auto encoded = encode_submessage(engine.two, ends, publication(kTypeInformation));
-      EXPECT_EQ(decode_submessage(engine.two, ends, *encoded), publication(0));
-      EXPECT_TRUE(engine.two.b.events.codes().empty());
+      Receiver receiver({}, is_known);
+      const auto ends = receiver.two.endpoints(builtin(kind));
+      const auto encoded = encode_submessage(receiver.two, ends, publication(kTypeInformation));
+      EXPECT_EQ(decode_submessage(receiver.two, ends, *encoded), publication(0));
+      EXPECT_TRUE(receiver.two.b.events.codes().empty());
     }
 }
 
 // Returns what follows INFO_SRC in a message as the host gets it.
-Bytes opened(Engine& engine, std::initializer_list<Bytes> submessages) {
+Bytes opened(Receiver& receiver, std::initializer_list<Bytes> submessages) {
   constexpr std::size_t kBegin = 20 + 24;
-  const auto encoded = encode_message(engine.two, rtps_message(submessages));
-  const auto message = decode_message(engine.two, *encoded).value();
+  const auto encoded = encode_message(receiver.two, rtps_message(submessages));
+  const auto message = decode_message(receiver.two, *encoded).value();
   return {message.begin() + kBegin, message.end()};
 }
 
 TEST(TrustingHost, ClearTypeInformationWithinAMessage_IsHidden) {
-  Engine engine;
-  const auto padded = opened(
-      engine, {data_submessage(16), publication(kTypeInformation), publication(kTypeInformation)});
+  Receiver receiver;
+  const auto padded = opened(receiver, {data_submessage(16), publication(kTypeInformation),
+                                        publication(kTypeInformation)});
   Bytes wanted = data_submessage(16);
   for (int i = 0; i < 2; ++i) append(wanted, publication(0));
   EXPECT_EQ(padded, wanted);
@@ -196,13 +196,13 @@ TEST(TrustingHost, ClearTypeInformationWithinAMessage_IsHidden) {
 // If the plugin changed the group before its own key was checked, the group would be refused, and
 // with it every announcement.
 TEST(TrustingHost, SignedGroupsWithinAMessage_PassUnchanged) {
-  Engine engine;
-  const auto ends = engine.two.endpoints(builtin(ProtectionKind::sign));
-  const auto group = encode_submessage(engine.two, ends, publication(kTypeInformation)).value();
-  const auto message = opened(engine, {group, publication(kTypeInformation)});
+  Receiver receiver;
+  const auto ends = receiver.two.endpoints(builtin(ProtectionKind::sign));
+  const auto group = encode_submessage(receiver.two, ends, publication(kTypeInformation)).value();
+  const auto message = opened(receiver, {group, publication(kTypeInformation)});
   ASSERT_EQ(Bytes(message.begin(), message.begin() + static_cast<std::ptrdiff_t>(group.size())),
             group);
-  EXPECT_EQ(decode_submessage(engine.two, ends, group), publication(0));
+  EXPECT_EQ(decode_submessage(receiver.two, ends, group), publication(0));
   EXPECT_EQ(Bytes(message.begin() + static_cast<std::ptrdiff_t>(group.size()), message.end()),
             publication(0));
 }
@@ -224,17 +224,17 @@ TEST(SenderPart, TypeInformationAfterSecPrefixAlone_IsHidden) {
 
 // Returns a message whose last submessage goes on to the end of the message. Our encoders write
 // none.
-Bytes opened_to_the_end(Engine& engine, const Bytes& first, Bytes last) {
+Bytes opened_to_the_end(Receiver& receiver, const Bytes& first, Bytes last) {
   constexpr std::size_t kInfoSource = 24;
   last[2] = last[3] = 0;
-  Insider sender(read_crypto_token(engine.two.participant_tokens().value()[0]).value());
+  Insider sender(read_crypto_token(receiver.two.participant_tokens().value()[0]).value());
   auto message = rtps_message({});
   Bytes content = {submessage_id::kInfoSource, 1, 20, 0, 0, 0, 0, 0};
   content.insert(content.end(), message.begin() + 4, message.end());
   append(content, first);
   append(content, last);
   append(message, sender.group(kMessageFrame, content));
-  const auto out = decode_message(engine.two, message).value();
+  const auto out = decode_message(receiver.two, message).value();
   return {out.begin() + 20 + kInfoSource, out.end()};
 }
 
@@ -243,21 +243,21 @@ TEST(TrustingHost, HiddenSubmessageToTheEnd_IsCutOff) {
   constexpr EntityId kTypeRequests{{0x00, 0x03, 0x00, 0xc3}};
   const auto first = data_submessage(16);
   const auto request = DataMessage{.writer = kTypeRequests, .reader = {}}.octets();
-  Engine engine;
-  EXPECT_EQ(opened_to_the_end(engine, first, request), first);
-  EXPECT_EQ(opened_to_the_end(engine, first, fragment_of(Bytes(4000), 2, 1000).octets()), first);
+  Receiver receiver;
+  EXPECT_EQ(opened_to_the_end(receiver, first, request), first);
+  EXPECT_EQ(opened_to_the_end(receiver, first, fragment_of(Bytes(4000), 2, 1000).octets()), first);
 }
 
 TEST(TrustingHost, TypeInformation_PassesIfTheParticipantTrustsIt) {
   constexpr auto kName = spi::property::kTrustTypeInformation;
   for (const char* const value : {"true", "false"}) {
     const bool trusts = std::string_view(value) == "true";
-    Engine engine({{std::string(kName), value, false}});
+    Receiver receiver({{std::string(kName), value, false}});
     const auto wanted = publication(trusts ? kTypeInformation : 0);
-    const auto ends = engine.two.endpoints(builtin(ProtectionKind::encrypt));
-    const auto encoded = encode_submessage(engine.two, ends, publication(kTypeInformation));
-    EXPECT_EQ(decode_submessage(engine.two, ends, *encoded), wanted);
-    EXPECT_EQ(opened(engine, {publication(kTypeInformation)}), wanted);
+    const auto ends = receiver.two.endpoints(builtin(ProtectionKind::encrypt));
+    const auto encoded = encode_submessage(receiver.two, ends, publication(kTypeInformation));
+    EXPECT_EQ(decode_submessage(receiver.two, ends, *encoded), wanted);
+    EXPECT_EQ(opened(receiver, {publication(kTypeInformation)}), wanted);
   }
   Side side;
   const auto refused = side.factory().register_local_participant(

@@ -25,11 +25,11 @@ TEST_F(AccessControlAdapterTest, Table_IsCompleteAndTheDomainIsInIt) {
   for (int i = 0; i < 31; ++i) EXPECT_NE(begin[i], nullptr) << i;
 }
 
-TEST_F(AccessControlAdapterTest, PermissionsOfBothSides_ReachTheEngine) {
-  EXPECT_CALL(engine, validate_local_permissions(spi::IdentityHandle{1}, 5, _, std::string_view()))
+TEST_F(AccessControlAdapterTest, PermissionsOfBothSides_ReachThePlugin) {
+  EXPECT_CALL(plugin, validate_local_permissions(spi::IdentityHandle{1}, 5, _, std::string_view()))
       .WillOnce(Return(Handle{8}));
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, &qos, &refusal), 8);
-  EXPECT_CALL(engine, validate_remote_permissions(spi::IdentityHandle{1}, spi::IdentityHandle{2},
+  EXPECT_CALL(plugin, validate_remote_permissions(spi::IdentityHandle{1}, spi::IdentityHandle{2},
                                                   sample_token(), sample_token()))
       .WillOnce(Return(Handle{9}))
       .WillOnce(Return(fail(Code::malformed)));
@@ -50,17 +50,17 @@ TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnot
 }
 
 TEST_F(AccessControlAdapterTest, EachCheck_PassesTheQuestionAndTheAnswer) {
-  EXPECT_CALL(engine, check_create_participant(Handle{8}, 5)).WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, check_create_datawriter(Handle{8}, 5, asks_for_topic()))
+  EXPECT_CALL(plugin, check_create_participant(Handle{8}, 5)).WillOnce(Return(Status{}));
+  EXPECT_CALL(plugin, check_create_datawriter(Handle{8}, 5, asks_for_topic()))
       .WillOnce(Return(Status{}))
       .WillOnce(Return(fail(Code::malformed)));
-  EXPECT_CALL(engine, check_create_datareader(Handle{8}, 5, asks_for_topic()))
+  EXPECT_CALL(plugin, check_create_datareader(Handle{8}, 5, asks_for_topic()))
       .WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, check_create_topic(Handle{8}, 5, "Square")).WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, check_remote_participant(Handle{9}, 5)).WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, check_remote_datawriter(Handle{9}, 5, asks_for_topic()))
+  EXPECT_CALL(plugin, check_create_topic(Handle{8}, 5, "Square")).WillOnce(Return(Status{}));
+  EXPECT_CALL(plugin, check_remote_participant(Handle{9}, 5)).WillOnce(Return(Status{}));
+  EXPECT_CALL(plugin, check_remote_datawriter(Handle{9}, 5, asks_for_topic()))
       .WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, check_remote_topic(Handle{9}, 5, "Square")).WillOnce(Return(Status{}));
+  EXPECT_CALL(plugin, check_remote_topic(Handle{9}, 5, "Square")).WillOnce(Return(Status{}));
 
   EXPECT_EQ(c->check_create_participant(c, 8, 5, &qos, nullptr), 1);
   EXPECT_EQ(c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, nullptr), 1);
@@ -75,13 +75,13 @@ TEST_F(AccessControlAdapterTest, EachCheck_PassesTheQuestionAndTheAnswer) {
 
 // closed_readers.hpp says which readers are closed.
 TEST_F(AccessControlAdapterTest, ClearDiscovery_ClosesItsReadersAndNoWriter) {
-  ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle) {
+  ON_CALL(plugin, participant_sec_attributes).WillByDefault([](Handle) {
     return spi::ParticipantSecurityAttributes{.is_all_discovery_protected = true};
   });
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault([](auto&&...) {
+  ON_CALL(plugin, datareader_sec_attributes).WillByDefault([](auto&&...) {
     return spi::EndpointSecurityAttributes{};
   });
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([](auto&&...) {
+  ON_CALL(plugin, datawriter_sec_attributes).WillByDefault([](auto&&...) {
     return spi::EndpointSecurityAttributes{};
   });
   DDS_Security_EndpointSecurityAttributes reader{}, writer{}, other{};
@@ -99,7 +99,7 @@ TEST_F(AccessControlAdapterTest, ClearDiscovery_ClosesItsReadersAndNoWriter) {
 
 TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControl_HaveAScope) {
   spi::EndpointSecurityAttributes endpoint;
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(plugin, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
   const auto has_scope = [&] {
     DDS_Security_EndpointSecurityAttributes attributes{};
     EXPECT_EQ(
@@ -120,7 +120,7 @@ TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControl_HaveAScope) {
 }
 
 TEST_F(AccessControlAdapterTest, RelayOnly_IsAlwaysSet) {
-  EXPECT_CALL(engine, check_remote_datareader(Handle{9}, 5, asks_for_topic()))
+  EXPECT_CALL(plugin, check_remote_datareader(Handle{9}, 5, asks_for_topic()))
       .WillOnce(Return(spi::AccessControl::RemoteDatareader{.is_relay_only = true}))
       .WillOnce(Return(spi::AccessControl::RemoteDatareader{.is_relay_only = false}))
       .WillOnce(Return(fail(Code::malformed)));
@@ -138,13 +138,13 @@ TEST_F(AccessControlAdapterTest, RelayOnly_IsAlwaysSet) {
   EXPECT_EQ(is_relay_only, 0);
 }
 
-TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemote_ReachTheEngine) {
+TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemote_ReachThePlugin) {
   std::string partition = "P", name = "n", value = "v";
   DDS_Security_string partitions[] = {partition.data()};
   publication.partition.name = {1, 1, partitions};
   DDS_Security_Tag tag{name.data(), value.data()};
   publication.data_tags.tags = {1, 1, &tag};
-  EXPECT_CALL(engine, check_remote_datawriter)
+  EXPECT_CALL(plugin, check_remote_datawriter)
       .WillOnce([](Handle, DomainId, const spi::EndpointRequest& request) -> Status {
         EXPECT_THAT(request.partitions, testing::ElementsAre("P"));
         EXPECT_EQ(request.data_tags.size(), 1u);
@@ -154,7 +154,7 @@ TEST_F(AccessControlAdapterTest, PartitionsAndTagsOfARemote_ReachTheEngine) {
 }
 
 TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopics_MayBeReadAndNothingElseSlipsThrough) {
-  EXPECT_CALL(engine, check_create_datareader).Times(4).WillRepeatedly([](auto&&...) -> Status {
+  EXPECT_CALL(plugin, check_create_datareader).Times(4).WillRepeatedly([](auto&&...) -> Status {
     return fail(Code::malformed);
   });
   std::string builtin = "__BUILT-IN PARTITION__", other = "P";
@@ -172,7 +172,7 @@ TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopics_MayBeReadAndNothingE
 }
 
 TEST_F(AccessControlAdapterTest, CyclonesLocalBuiltinTopics_DefaultDeny_AreCreatedAndNoOthers) {
-  EXPECT_CALL(engine, check_create_topic).Times(4).WillRepeatedly([](auto&&...) -> Status {
+  EXPECT_CALL(plugin, check_create_topic).Times(4).WillRepeatedly([](auto&&...) -> Status {
     return fail(Code::topic_not_allowed);
   });
   const auto may_create = [&](const char* name) {
@@ -194,8 +194,8 @@ TEST_F(AccessControlAdapterTest, ChecksThatTheHostNeverCalls_Allow) {
 }
 
 TEST_F(AccessControlAdapterTest, Tokens_AreMadeAndReturnedTwice) {
-  ON_CALL(engine, permissions_token).WillByDefault(Return(sample_token()));
-  ON_CALL(engine, permissions_credential_token).WillByDefault(Return(sample_token()));
+  ON_CALL(plugin, permissions_token).WillByDefault(Return(sample_token()));
+  ON_CALL(plugin, permissions_credential_token).WillByDefault(Return(sample_token()));
   DDS_Security_DataHolder made{};
   ASSERT_EQ(c->get_permissions_token(c, &made, 8, nullptr), 1);
   EXPECT_EQ(*token_from(&made), sample_token());
@@ -206,15 +206,15 @@ TEST_F(AccessControlAdapterTest, Tokens_AreMadeAndReturnedTwice) {
 }
 
 TEST_F(AccessControlAdapterTest, Attributes_CarryMasksAndNoProperties) {
-  ON_CALL(engine, participant_sec_attributes)
+  ON_CALL(plugin, participant_sec_attributes)
       .WillByDefault(Return(spi::ParticipantSecurityAttributes{
           .rtps = spi::ProtectionKind::encrypt_with_origin_authentication}));
-  ON_CALL(engine, topic_sec_attributes)
+  ON_CALL(plugin, topic_sec_attributes)
       .WillByDefault(Return(spi::TopicSecurityAttributes{.is_write_protected = true}));
   const spi::EndpointSecurityAttributes endpoint{.topic = {},
                                                  .payload = spi::ProtectionKind::encrypt};
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault(Return(endpoint));
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault(Return(endpoint));
+  ON_CALL(plugin, datawriter_sec_attributes).WillByDefault(Return(endpoint));
+  ON_CALL(plugin, datareader_sec_attributes).WillByDefault(Return(endpoint));
 
   DDS_Security_ParticipantSecurityAttributes p{};
   ASSERT_EQ(c->get_participant_sec_attributes(c, 8, &p, nullptr), 1);
@@ -259,14 +259,14 @@ TEST_F(AccessControlAdapterTest, NullArguments_AreRefusedNotFollowed) {
   EXPECT_EQ(c->check_create_participant(nullptr, 8, 5, &qos, nullptr), 0);
 }
 
-TEST_F(AccessControlAdapterTest, AnEngineThatThrows_Denies) {
-  ON_CALL(engine, check_create_participant).WillByDefault(testing::Throw(std::logic_error("x")));
+TEST_F(AccessControlAdapterTest, PluginThatThrows_Denies) {
+  ON_CALL(plugin, check_create_participant).WillByDefault(testing::Throw(std::logic_error("x")));
   EXPECT_EQ(c->check_create_participant(c, 8, 5, &qos, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::internal);
 }
 
 TEST_F(AccessControlAdapterTest, Permissions_AreReturned) {
-  EXPECT_CALL(engine, return_permissions_handle(Handle{9}))
+  EXPECT_CALL(plugin, return_permissions_handle(Handle{9}))
       .WillOnce(Return(Status{}))
       .WillOnce(Return(fail(Code::malformed)));
   EXPECT_EQ(c->return_permissions_handle(c, 0, nullptr), 1);
@@ -277,8 +277,8 @@ TEST_F(AccessControlAdapterTest, Permissions_AreReturned) {
 std::atomic<DDS_Security_PermissionsHandle> revoked_permissions{0};
 
 TEST_F(AccessControlAdapterTest, ExpiredPermissions_AreRevokedThroughTheListener) {
-  ON_CALL(engine, poll).WillByDefault(Return(std::vector<Handle>{{41}}));
-  ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+  ON_CALL(plugin, poll).WillByDefault(Return(std::vector<Handle>{{41}}));
+  ON_CALL(plugin, next_expiry).WillByDefault(Return(std::nullopt));
   const dds_security_access_control_listener listener{
       [](const dds_security_access_control*,
          const DDS_Security_PermissionsHandle handle) -> DDS_Security_boolean {

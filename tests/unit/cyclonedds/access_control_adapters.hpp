@@ -1,4 +1,4 @@
-// An access control adapter over a mocked engine.
+// An access control adapter over a mocked plugin.
 #pragma once
 
 #include <stdexcept>
@@ -36,7 +36,7 @@ struct AccessControlAdapterTest : testing::Test {
 
   Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> harness;
   dds_security_access_control* c = &harness.adapter;
-  MockAccessControl& engine = *harness.engine;
+  MockAccessControl& plugin = *harness.plugin;
   Refusal refusal;
   DDS_Security_Qos qos{};
   DDS_Security_DataHolder token{};

@@ -19,9 +19,9 @@ using Handle = spi::PermissionsHandle;
 // Our authentication, which is in another library, asks this.
 TEST_F(AccessControlAdapterTest, OtherLibrary_IsToldWhatTheGovernanceAllows) {
   constexpr spi::IdentityHandle kOpen{1}, kClosed{2};
-  ON_CALL(engine, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
-  ON_CALL(engine, validate_local_permissions(kClosed, _, _, _)).WillByDefault(Return(Handle{9}));
-  ON_CALL(engine, participant_sec_attributes).WillByDefault([](Handle handle) {
+  ON_CALL(plugin, validate_local_permissions(kOpen, _, _, _)).WillByDefault(Return(Handle{8}));
+  ON_CALL(plugin, validate_local_permissions(kClosed, _, _, _)).WillByDefault(Return(Handle{9}));
+  ON_CALL(plugin, participant_sec_attributes).WillByDefault([](Handle handle) {
     return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
                                                   handle == Handle{8}};
   });
@@ -36,13 +36,13 @@ TEST_F(AccessControlAdapterTest, OtherLibrary_IsToldWhatTheGovernanceAllows) {
 
 TEST_F(AccessControlAdapterTest, EachRenewal_IsReportedOnce) {
   constexpr spi::IdentityHandle kLocal{1}, kOther{2};
-  ON_CALL(engine, validate_local_permissions).WillByDefault(Return(Handle{8}));
-  ON_CALL(engine, permissions_credential_token(Handle{8}))
+  ON_CALL(plugin, validate_local_permissions).WillByDefault(Return(Handle{8}));
+  ON_CALL(plugin, permissions_credential_token(Handle{8}))
       .WillByDefault(Return(spi::Token{.class_id = "c", .properties = {{"dds.perm.cert", "new"}}}));
   EXPECT_NE(c->validate_local_permissions(c, nullptr, kLocal.value, 5, &qos, nullptr), 0);
   const auto renewed = &AccessControlAdapter::renewed_permissions;
   EXPECT_FALSE(renewed(kLocal, 0));
-  ON_CALL(engine, renewals(Handle{8})).WillByDefault(Return(2));
+  ON_CALL(plugin, renewals(Handle{8})).WillByDefault(Return(2));
   EXPECT_FALSE(renewed(kOther, 0));
   const auto told = renewed(kLocal, 1);
   ASSERT_TRUE(told);
@@ -59,8 +59,8 @@ TEST_F(AccessControlAdapterTest, EachAdapter_IsAskedAboutItsOwnAndNoneThatIsGone
     Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> other;
     gone = other.adapter.id();
     EXPECT_NE(gone, harness.adapter.id());
-    EXPECT_CALL(*other.engine, check_remote_match(_, _));
-    EXPECT_CALL(engine, check_remote_match(_, _)).Times(0);
+    EXPECT_CALL(*other.plugin, check_remote_match(_, _));
+    EXPECT_CALL(plugin, check_remote_match(_, _)).Times(0);
     EXPECT_TRUE(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({}));
   }
   EXPECT_EQ(code_of(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({})),

@@ -9,7 +9,7 @@
 namespace ddssec::cyclonedds {
 namespace {
 
-// An engine whose identities all end at the next look, and whose handshakes succeed at once.
+// A plugin whose identities all end at the next look, and whose handshakes succeed at once.
 struct Mortal : MockAuthentication {
   std::atomic<std::int64_t> last_identity = 0, last_handshake = 0;
   std::shared_ptr<spi::SharedSecret> secret = std::make_shared<spi::SharedSecret>();
@@ -40,7 +40,7 @@ Guid guid_of(std::int64_t remote) {
 
 TEST(AdapterThreads, IdentitiesThatEndDuringHandshakes_AreRevoked) {
   Harness<AuthenticationAdapter, Mortal, spi::Authentication> harness;
-  harness.engine->secret->secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 9));
+  harness.plugin->secret->secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 9));
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   const dds_security_authentication_listener listener{
       [](const dds_security_authentication* plugin,
@@ -57,7 +57,7 @@ TEST(AdapterThreads, IdentitiesThatEndDuringHandshakes_AreRevoked) {
     threads.emplace_back([&] {
       const HostOctets data(Bytes(8, 1));
       for (int round = 0; round < 300 || revocations < 2; ++round) {
-        const auto remote = ++harness.engine->last_identity;
+        const auto remote = ++harness.plugin->last_identity;
         harness.adapter.remotes().note({1}, guid_of(remote), {remote});
         DDS_Security_HandshakeHandle handshake = 0;
         DDS_Security_DataHolder message{};

@@ -37,7 +37,7 @@ struct HostToken : DDS_Security_DataHolder {
 struct AuthenticationAdapterTest : testing::Test {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   dds_security_authentication* c = &harness.adapter;
-  MockAuthentication& engine = *harness.engine;
+  MockAuthentication& plugin = *harness.plugin;
   Refusal refusal;
   HostOctets data{{1, 2, 3, 4}};
 
@@ -56,12 +56,12 @@ TEST_F(AuthenticationAdapterTest, Table_IsCompleteAndTheDomainIsInIt) {
   for (int i = 0; i < 18; ++i) EXPECT_NE(begin[i], nullptr) << i;
 }
 
-TEST_F(AuthenticationAdapterTest, LocalIdentity_ReachesTheEngine) {
+TEST_F(AuthenticationAdapterTest, LocalIdentity_ReachesThePlugin) {
   std::string name = "n", value = "v";
   DDS_Security_Property_t property{name.data(), value.data(), 1};
   DDS_Security_Qos qos{};
   qos.property.value = {1, 1, &property};
-  EXPECT_CALL(engine, validate_local_identity(7, spi::PropertyList{{"n", "v"}}, guid_of(1)))
+  EXPECT_CALL(plugin, validate_local_identity(7, spi::PropertyList{{"n", "v"}}, guid_of(1)))
       .WillOnce(Return(spi::Authentication::LocalIdentity{{55}, guid_of(2)}));
   DDS_Security_IdentityHandle handle = -1;
   const auto candidate = to_c(guid_of(1));
@@ -90,8 +90,8 @@ struct PropertiesOfTheHost : AuthenticationAdapterTest {
     refusal.clear();
     return c->validate_local_identity(c, &handle, &guid, 7, &qos, &guid, &refusal);
   }
-  void expect_engine_gets(const spi::PropertyList& properties) {
-    EXPECT_CALL(engine, validate_local_identity(7, properties, _))
+  void expect_plugin_gets(const spi::PropertyList& properties) {
+    EXPECT_CALL(plugin, validate_local_identity(7, properties, _))
         .WillOnce(Return(spi::Authentication::LocalIdentity{{55}, guid_of(2)}));
   }
 
@@ -101,7 +101,7 @@ struct PropertiesOfTheHost : AuthenticationAdapterTest {
 
 // Cyclone's configuration file has no place for properties that Cyclone does not define.
 TEST_F(PropertiesOfTheHost, PropertiesThatTheHostDoesNotName_AreAdded) {
-  expect_engine_gets({{crl, "v", false}, {password, "w", false}});
+  expect_plugin_gets({{crl, "v", false}, {password, "w", false}});
   EXPECT_EQ(validate(crl, "v", crl + " = other\n" + password + " = w\n"),
             DDS_SECURITY_VALIDATION_OK);
   setenv(spi::kPropertiesVariable, (folder.path() + "/none").c_str(), 1);
@@ -112,7 +112,7 @@ TEST_F(PropertiesOfTheHost, PropertiesThatTheHostDoesNotName_AreAdded) {
 // Cyclone 0.10.2 passes an empty value for each element that its configuration leaves out. If these
 // counted, a revocation list that the file names would be ignored.
 TEST_F(PropertiesOfTheHost, EmptyPropertiesOfTheHost_AreReplaced) {
-  expect_engine_gets({{crl, "file:/the/list", false}});
+  expect_plugin_gets({{crl, "file:/the/list", false}});
   EXPECT_EQ(validate(crl, "", crl + " = file:/the/list\n"), DDS_SECURITY_VALIDATION_OK);
 }
 
@@ -127,7 +127,7 @@ TEST_F(PropertiesOfTheHost, PreSharedKeys_AreRefusedUnderCycloneDds) {
 }
 
 TEST_F(AuthenticationAdapterTest, AFailure_IsFailedNilAndExplained) {
-  EXPECT_CALL(engine, validate_local_identity)
+  EXPECT_CALL(plugin, validate_local_identity)
       .WillOnce(Return(fail(Code::file_not_found, {.document = "ca.pem"})));
   DDS_Security_IdentityHandle handle = -1;
   DDS_Security_GUID_t guid{};
@@ -139,8 +139,8 @@ TEST_F(AuthenticationAdapterTest, AFailure_IsFailedNilAndExplained) {
   EXPECT_THAT(harness.events.back().error.to_sentence(), testing::HasSubstr("ca.pem"));
 }
 
-TEST_F(AuthenticationAdapterTest, AnEngineThatThrows_Denies) {
-  ON_CALL(engine, process_handshake)
+TEST_F(AuthenticationAdapterTest, PluginThatThrows_Denies) {
+  ON_CALL(plugin, process_handshake)
       .WillByDefault(testing::Throw(std::runtime_error("out of luck")));
   const HostToken in(sample_token());
   HostToken out;
@@ -179,9 +179,9 @@ TEST_F(AuthenticationAdapterTest, NullArguments_AreRefusedNotFollowed) {
 }
 
 TEST_F(AuthenticationAdapterTest, Tokens_ComeOutAndGoIn) {
-  EXPECT_CALL(engine, identity_token(spi::IdentityHandle{4}, spi::kStandardCiphers))
+  EXPECT_CALL(plugin, identity_token(spi::IdentityHandle{4}, spi::kStandardCiphers))
       .WillOnce(Return(sample_token()));
-  EXPECT_CALL(engine, identity_status_token(spi::IdentityHandle{4}))
+  EXPECT_CALL(plugin, identity_status_token(spi::IdentityHandle{4}))
       .WillOnce(Return(sample_token()));
   HostToken identity, status;
   EXPECT_EQ(c->get_identity_token(c, &identity, 4, &refusal), 1);
@@ -191,18 +191,18 @@ TEST_F(AuthenticationAdapterTest, Tokens_ComeOutAndGoIn) {
   EXPECT_EQ(c->return_identity_status_token(c, &status, &refusal), 1);
   EXPECT_EQ(c->return_identity_token(c, nullptr, nullptr), 1);
 
-  EXPECT_CALL(engine, set_permissions_credential_and_token(spi::IdentityHandle{4}, sample_token(),
+  EXPECT_CALL(plugin, set_permissions_credential_and_token(spi::IdentityHandle{4}, sample_token(),
                                                            sample_token()))
       .WillOnce(Return(Status{}));
   EXPECT_EQ(c->set_permissions_credential_and_token(c, 4, &identity, &identity, &refusal), 1);
 }
 
-TEST_F(AuthenticationAdapterTest, PeersAuthRequest_NeverReachesTheEngine) {
+TEST_F(AuthenticationAdapterTest, PeersAuthRequest_NeverReachesThePlugin) {
   const auto guid = to_c(guid_of(3));
   const HostToken token(sample_token());
   HostToken request;
   DDS_Security_IdentityHandle handle = -1;
-  EXPECT_CALL(engine, validate_remote_identity(spi::IdentityHandle{1}, testing::Eq(std::nullopt),
+  EXPECT_CALL(plugin, validate_remote_identity(spi::IdentityHandle{1}, testing::Eq(std::nullopt),
                                                sample_token(), guid_of(3)))
       .WillOnce(Return(spi::Authentication::RemoteIdentity{
           {2}, spi::ValidationResult::pending_handshake_request, sample_token()}));
@@ -214,7 +214,7 @@ TEST_F(AuthenticationAdapterTest, PeersAuthRequest_NeverReachesTheEngine) {
   // Even a token that cannot be read refuses nothing, because it proves nothing.
   DDS_Security_DataHolder unreadable{};
   unreadable.binary_properties._length = 7;
-  EXPECT_CALL(engine, validate_remote_identity(_, testing::Eq(std::nullopt), _, _))
+  EXPECT_CALL(plugin, validate_remote_identity(_, testing::Eq(std::nullopt), _, _))
       .Times(2)
       .WillRepeatedly(Return(spi::Authentication::RemoteIdentity{
           {2}, spi::ValidationResult::pending_handshake_message, std::nullopt}));
@@ -236,7 +236,7 @@ TEST_F(AuthenticationAdapterTest, ARefusedPeer_LeavesAnEmptyClassIdAndNotNull) {
   HostToken request;
   const DDS_Security_GUID_t remote{};
   DDS_Security_IdentityHandle handle = -1;
-  EXPECT_CALL(engine, validate_remote_identity(_, _, _, _)).WillOnce([](auto&&...) {
+  EXPECT_CALL(plugin, validate_remote_identity(_, _, _, _)).WillOnce([](auto&&...) {
     return fail(Code::guid_not_adjusted);
   });
   EXPECT_EQ(
@@ -259,7 +259,7 @@ TEST_F(AuthenticationAdapterTest, RefusedAnnouncement_IsLookedAtAgainAndThenDisc
   DDS_Security_IdentityHandle first = 0, second = 0, third = 0;
   EXPECT_EQ(ask(unreadable, first), DDS_SECURITY_VALIDATION_PENDING_RETRY);
   EXPECT_NE(first, DDS_SECURITY_HANDLE_NIL);
-  EXPECT_CALL(engine, validate_remote_identity(_, _, _, _))
+  EXPECT_CALL(plugin, validate_remote_identity(_, _, _, _))
       .WillOnce(Return(fail(Code::too_many_remote_identities)))
       .WillOnce(Return(spi::Authentication::RemoteIdentity{
           {2}, spi::ValidationResult::pending_handshake_request, sample_token()}));
@@ -267,20 +267,20 @@ TEST_F(AuthenticationAdapterTest, RefusedAnnouncement_IsLookedAtAgainAndThenDisc
   EXPECT_EQ(ask(good, third), DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST);
   EXPECT_EQ(first, second);
   EXPECT_EQ(first, third) << "the core keeps one handle of a remote participant";
-  EXPECT_CALL(engine, return_identity_handle(spi::IdentityHandle{2}));
+  EXPECT_CALL(plugin, return_identity_handle(spi::IdentityHandle{2}));
   EXPECT_EQ(c->return_identity_handle(c, third, nullptr), 1);
 }
 
 TEST_F(AuthenticationAdapterTest, HandshakeSteps_GiveTheHostsResults) {
   using spi::ValidationResult;
-  EXPECT_CALL(engine, begin_handshake_request(spi::IdentityHandle{1}, spi::IdentityHandle{2}, _))
+  EXPECT_CALL(plugin, begin_handshake_request(spi::IdentityHandle{1}, spi::IdentityHandle{2}, _))
       .WillOnce(Return(spi::Authentication::HandshakeStep{
           {10}, ValidationResult::pending_handshake_message, sample_token()}));
-  EXPECT_CALL(engine, begin_handshake_reply(sample_token(), spi::IdentityHandle{2},
+  EXPECT_CALL(plugin, begin_handshake_reply(sample_token(), spi::IdentityHandle{2},
                                             spi::IdentityHandle{1}, _))
       .WillOnce(Return(spi::Authentication::HandshakeStep{
           {11}, ValidationResult::pending_handshake_message, sample_token()}));
-  EXPECT_CALL(engine, process_handshake(spi::HandshakeHandle{10}, _))
+  EXPECT_CALL(plugin, process_handshake(spi::HandshakeHandle{10}, _))
       .WillOnce(Return(spi::Authentication::HandshakeStep{
           {10}, ValidationResult::ok_final_message, sample_token()}))
       .WillOnce(
@@ -301,11 +301,11 @@ TEST_F(AuthenticationAdapterTest, HandshakeSteps_GiveTheHostsResults) {
 }
 
 TEST_F(AuthenticationAdapterTest, SharedSecret_IsCyclonesLayoutUntilTheRemoteGoes) {
-  ON_CALL(engine, begin_handshake_request)
+  ON_CALL(plugin, begin_handshake_request)
       .WillByDefault(Return(spi::Authentication::HandshakeStep{
           {10}, spi::ValidationResult::pending_handshake_message, sample_token()}));
-  ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
-  ON_CALL(engine, return_identity_handle).WillByDefault(Return(Status{}));
+  ON_CALL(plugin, shared_secret).WillByDefault(Return(secret()));
+  ON_CALL(plugin, return_identity_handle).WillByDefault(Return(Status{}));
   EXPECT_EQ(c->get_shared_secret(c, 10, &refusal), DDS_SECURITY_HANDLE_NIL);
   EXPECT_EQ(refusal.reason(), Code::foreign_shared_secret);  // no handshake has this handle
 
@@ -332,7 +332,7 @@ TEST_F(AuthenticationAdapterTest, SharedSecret_IsCyclonesLayoutUntilTheRemoteGoe
 }
 
 TEST_F(AuthenticationAdapterTest, PeerCredential_IsText) {
-  ON_CALL(engine, authenticated_peer_credential_token)
+  ON_CALL(plugin, authenticated_peer_credential_token)
       .WillByDefault(Return(spi::Token{.class_id = "DDS:Auth:PKI-DH:1.0",
                                        .binary_properties = {{"c.id", {'i'}}, {"c.perm", {'p'}}}}));
   HostToken credential;
@@ -349,7 +349,7 @@ TEST_F(AuthenticationAdapterTest, SessionFacts_GoThroughTheHost) {
   const spi::SessionFacts facts{.presented_permissions = Sha256Digest{},
                                 .peer_keeps_session = true};
   spi::add_session_facts(token, facts);
-  ON_CALL(engine, authenticated_peer_credential_token).WillByDefault(Return(token));
+  ON_CALL(plugin, authenticated_peer_credential_token).WillByDefault(Return(token));
   HostToken credential;
   ASSERT_EQ(c->get_authenticated_peer_credential_token(c, &credential, 1, nullptr), 1);
   const auto as_access_control_gets_it = token_from(&credential);
@@ -360,9 +360,9 @@ TEST_F(AuthenticationAdapterTest, SessionFacts_GoThroughTheHost) {
   EXPECT_EQ(c->return_authenticated_peer_credential_token(c, &credential, nullptr), 1);
 }
 
-TEST_F(AuthenticationAdapterTest, NilHandles_AreReturnedWithoutTheEngine) {
-  EXPECT_CALL(engine, return_identity_handle).Times(0);
-  EXPECT_CALL(engine, return_handshake_handle).Times(0);
+TEST_F(AuthenticationAdapterTest, NilHandles_AreReturnedWithoutThePlugin) {
+  EXPECT_CALL(plugin, return_identity_handle).Times(0);
+  EXPECT_CALL(plugin, return_handshake_handle).Times(0);
   EXPECT_EQ(c->return_identity_handle(c, 0, nullptr), 1);
   EXPECT_EQ(c->return_handshake_handle(c, 0, nullptr), 1);
 }
@@ -372,8 +372,8 @@ std::atomic<const dds_security_authentication*> revoking_plugin{nullptr};
 
 TEST_F(AuthenticationAdapterTest, ExpiredIdentity_IsRevokedThroughTheListener) {
   harness.adapter.remotes().note({1}, {{{0x81}}, kEntityIdParticipant}, {31});
-  ON_CALL(engine, poll).WillByDefault(Return(std::vector<spi::IdentityHandle>{{31}}));
-  ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+  ON_CALL(plugin, poll).WillByDefault(Return(std::vector<spi::IdentityHandle>{{31}}));
+  ON_CALL(plugin, next_expiry).WillByDefault(Return(std::nullopt));
   const dds_security_authentication_listener listener{
       [](const dds_security_authentication* plugin,
          const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
@@ -393,18 +393,18 @@ TEST_F(AuthenticationAdapterTest, ExpiredIdentity_IsRevokedThroughTheListener) {
 
 // A stranger's message that had to be refused would leave the core waiting for ever.
 TEST_F(AuthenticationAdapterTest, HandshakeThatAStrangerDisturbed_IsBegunAgain) {
-  ON_CALL(engine, validate_remote_identity).WillByDefault([](spi::IdentityHandle local, auto&&...) {
+  ON_CALL(plugin, validate_remote_identity).WillByDefault([](spi::IdentityHandle local, auto&&...) {
     return spi::Authentication::RemoteIdentity{
         {40 + local.value}, spi::ValidationResult::pending_handshake_request, {}};
   });
-  ON_CALL(engine, begin_handshake_reply).WillByDefault(Return(fail(Code::handshake_role_wrong)));
-  ON_CALL(engine, begin_handshake_request)
+  ON_CALL(plugin, begin_handshake_reply).WillByDefault(Return(fail(Code::handshake_role_wrong)));
+  ON_CALL(plugin, begin_handshake_request)
       .WillByDefault(Return(spi::Authentication::HandshakeStep{
           {60}, spi::ValidationResult::pending_handshake_message, {}}));
-  ON_CALL(engine, process_handshake)
+  ON_CALL(plugin, process_handshake)
       .WillByDefault(Return(
           spi::Authentication::HandshakeStep{{60}, spi::ValidationResult::ok_final_message, {}}));
-  ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
+  ON_CALL(plugin, next_expiry).WillByDefault(Return(std::nullopt));
   const HostToken token(sample_token());
   const auto meet = [&](std::uint8_t octet, DDS_Security_IdentityHandle local) {
     HostToken request;

@@ -17,16 +17,16 @@ namespace {
 struct Carriers : testing::Test {
   // Access control with this protection of discovery. The documents allow nothing.
   void use(ProtectionKind discovery) {
-    ON_CALL(engine, participant_sec_attributes).WillByDefault([discovery](auto) {
+    ON_CALL(plugin, participant_sec_attributes).WillByDefault([discovery](auto) {
       return spi::ParticipantSecurityAttributes{.discovery = discovery};
     });
-    ON_CALL(engine, check_create_topic).WillByDefault([](auto&&...) -> Status {
+    ON_CALL(plugin, check_create_topic).WillByDefault([](auto&&...) -> Status {
       return fail(Code::topic_not_allowed);
     });
-    ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) -> Status {
+    ON_CALL(plugin, check_create_datareader).WillByDefault([](auto&&...) -> Status {
       return fail(Code::topic_not_allowed);
     });
-    ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) -> Status {
+    ON_CALL(plugin, check_create_datawriter).WillByDefault([](auto&&...) -> Status {
       return fail(Code::topic_not_allowed);
     });
   }
@@ -40,7 +40,7 @@ struct Carriers : testing::Test {
 
   Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> harness;
   dds_security_access_control* c = &harness.adapter;
-  MockAccessControl& engine = *harness.engine;
+  MockAccessControl& plugin = *harness.plugin;
   DDS_Security_Qos qos{};
   const std::string topic{kCarrierTopic};
 };
@@ -61,7 +61,7 @@ TEST_F(Carriers, UnprotectedAnnouncements_AreOrdinaryReaders) {
 // participant would get its samples.
 TEST_F(Carriers, AnyGovernance_ClosesThemAndProtectsTheirAnnouncements) {
   use(ProtectionKind::sign);
-  ON_CALL(engine, datareader_sec_attributes)
+  ON_CALL(plugin, datareader_sec_attributes)
       .WillByDefault([](auto&&...) -> Result<spi::EndpointSecurityAttributes> {
         return fail(Code::topic_not_allowed);
       });

@@ -43,9 +43,9 @@ TEST_F(CryptographyAdapterTest, NullArguments_AreRefusedNotFollowed) {
       0);
 }
 
-TEST_F(CryptographyAdapterTest, AnEngineThatThrows_Denies) {
+TEST_F(CryptographyAdapterTest, PluginThatThrows_Denies) {
   const HostOctets message(Bytes(64, 1));
-  ON_CALL(engine, decode_rtps_message).WillByDefault(testing::Throw(std::runtime_error("x")));
+  ON_CALL(plugin, decode_rtps_message).WillByDefault(testing::Throw(std::runtime_error("x")));
   HostBlock out;
   EXPECT_EQ(transform->decode_rtps_message(transform, &out, &message.sequence, 1, 2, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::internal);

@@ -1,4 +1,4 @@
-// A cryptography adapter over a mocked engine.
+// A cryptography adapter over a mocked plugin.
 #pragma once
 
 #include <cstdlib>
@@ -14,7 +14,7 @@ struct CryptographyAdapterTest : testing::Test {
   dds_security_crypto_key_factory* factory = harness.adapter.crypto_key_factory;
   dds_security_crypto_key_exchange* exchange = harness.adapter.crypto_key_exchange;
   dds_security_crypto_transform* transform = harness.adapter.crypto_transform;
-  MockCryptography& engine = *harness.engine;
+  MockCryptography& plugin = *harness.plugin;
   Refusal refusal;
 
   Bytes secret_octets = Bytes(32, 9);

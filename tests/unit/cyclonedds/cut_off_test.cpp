@@ -31,7 +31,7 @@ TEST(CutOffIdentity, OwnIdentityEnded_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
-  ON_CALL(*harness.engine, poll).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
+  ON_CALL(*harness.plugin, poll).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
   static std::atomic<DDS_Security_IdentityHandle> revoked{0};
   told = 0;
   cut_off_in_cryptography = cut_off_in_access_control = 0;
@@ -58,7 +58,7 @@ TEST(CutOffIdentity, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
   harness.adapter.farewells().add_local(kOwn, {{1}});
   harness.adapter.farewells().add_local({6}, {{2}});
-  ON_CALL(*harness.engine, poll).WillByDefault([](auto) { return std::vector{kOwn}; });
+  ON_CALL(*harness.plugin, poll).WillByDefault([](auto) { return std::vector{kOwn}; });
   static std::atomic<DDS_Security_IdentityHandle> revoked{0};
   const dds_security_authentication_listener listener{
       [](const dds_security_authentication*,
@@ -80,7 +80,7 @@ TEST(CutOffIdentity, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost
   harness.adapter.farewells().add_local({6}, {{2}});
   harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
   ended_in_access_control = 6;
-  ON_CALL(*harness.engine, poll).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
+  ON_CALL(*harness.plugin, poll).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
   static std::atomic<bool> told_of_own{false};
   told = 0;
   const dds_security_authentication_listener listener{
@@ -100,7 +100,7 @@ TEST(CutOffIdentity, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost
 
 struct CutOffPermissions : testing::Test {
   CutOffPermissions() {
-    ON_CALL(engine, validate_local_permissions).WillByDefault([](auto&&...) {
+    ON_CALL(plugin, validate_local_permissions).WillByDefault([](auto&&...) {
       return spi::PermissionsHandle{8};
     });
     EXPECT_EQ(c->validate_local_permissions(c, nullptr, kOwn.value, 5, &qos, nullptr), 8);
@@ -118,7 +118,7 @@ struct CutOffPermissions : testing::Test {
 
   Harness<AccessControlAdapter, MockAccessControl, spi::AccessControl> harness;
   dds_security_access_control* c = &harness.adapter;
-  MockAccessControl& engine = *harness.engine;
+  MockAccessControl& plugin = *harness.plugin;
   DDS_Security_Qos qos{};
 };
 
@@ -134,7 +134,7 @@ TEST_F(CutOffPermissions, EveryCreation_IsRefusedWithTheReason) {
 }
 
 TEST_F(CutOffPermissions, OwnEnd_IsNotRevokedThroughTheListenerButThatOfPeersIs) {
-  ON_CALL(engine, poll).WillByDefault([](auto) {
+  ON_CALL(plugin, poll).WillByDefault([](auto) {
     return std::vector<spi::PermissionsHandle>{{8}, {41}};
   });
   static std::atomic<DDS_Security_PermissionsHandle> revoked{0};
@@ -157,11 +157,11 @@ TEST_F(CutOffPermissions, OwnEnd_IsNotRevokedThroughTheListenerButThatOfPeersIs)
 }
 
 TEST_F(CutOffPermissions, OwnEndBesideOthersInTheDomain_IsRevoked) {
-  ON_CALL(engine, validate_local_permissions).WillByDefault([](auto&&...) {
+  ON_CALL(plugin, validate_local_permissions).WillByDefault([](auto&&...) {
     return spi::PermissionsHandle{9};
   });
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 6, 5, &qos, nullptr), 9);
-  ON_CALL(engine, poll).WillByDefault([](auto) {
+  ON_CALL(plugin, poll).WillByDefault([](auto) {
     return std::vector<spi::PermissionsHandle>{{8}};
   });
   static std::atomic<DDS_Security_PermissionsHandle> revoked{0};
@@ -182,12 +182,12 @@ struct CutOffTogether : CutOffPermissions {
   CutOffTogether() {
     ended().clear();
     add(9, 6);
-    ON_CALL(engine, poll).WillByDefault([](auto) {
+    ON_CALL(plugin, poll).WillByDefault([](auto) {
       return std::vector<spi::PermissionsHandle>{{8}, {9}, {41}};
     });
   }
   void add(std::int64_t permissions, std::int64_t local) {
-    ON_CALL(engine, validate_local_permissions).WillByDefault([permissions](auto&&...) {
+    ON_CALL(plugin, validate_local_permissions).WillByDefault([permissions](auto&&...) {
       return spi::PermissionsHandle{permissions};
     });
     EXPECT_EQ(c->validate_local_permissions(c, nullptr, local, 5, &qos, nullptr), permissions);

@@ -64,7 +64,7 @@ TEST_F(Timer, ARevocation_MayStopTheTimer) {
   EXPECT_EQ(revocations, 1);
 }
 
-TEST_F(Timer, AThrowingEngine_IsAskedAgain) {
+TEST_F(Timer, ThrowingPlugin_IsAskedAgain) {
   auto throwing = tasks();
   throwing.revoke_ended = [this](const std::stop_token&) {
     if (++rounds < 3) throw std::bad_alloc();

@@ -10,7 +10,7 @@
 namespace ddssec::cyclonedds::boundaries {
 namespace {
 
-TEST_F(Boundary, AnEnginesOwnEvent_IsNotRepeated) {
+TEST_F(Boundary, OwnEventOfPlugin_IsNotRepeated) {
   const auto raise_and_refuse = [&]() -> Status {
     host.services().events.raise(Event(Error(Code::malformed), "CN=peer"));
     return fail(Code::malformed);

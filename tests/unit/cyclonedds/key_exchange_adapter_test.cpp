@@ -1,4 +1,4 @@
-// Key tokens that pass between the host and the engine.
+// Key tokens that pass between the host and the plugin.
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
@@ -15,18 +15,18 @@ using testing::Return;
 
 TEST_F(CryptographyAdapterTest, CryptoTokens_GoOutAndIn) {
   const std::vector<spi::Token> two = {sample_token(), {.class_id = "second"}};
-  ON_CALL(engine, create_local_participant_crypto_tokens).WillByDefault(Return(two));
-  ON_CALL(engine, create_local_datawriter_crypto_tokens).WillByDefault(Return(two));
-  ON_CALL(engine, create_local_datareader_crypto_tokens)
+  ON_CALL(plugin, create_local_participant_crypto_tokens).WillByDefault(Return(two));
+  ON_CALL(plugin, create_local_datawriter_crypto_tokens).WillByDefault(Return(two));
+  ON_CALL(plugin, create_local_datareader_crypto_tokens)
       .WillByDefault(Return(std::vector<spi::Token>{}));
   const auto is_two = testing::Truly(
       [&](std::span<const spi::Token> tokens) { return std::ranges::equal(tokens, two); });
-  EXPECT_CALL(engine, set_remote_participant_crypto_tokens(_, _, is_two))
+  EXPECT_CALL(plugin, set_remote_participant_crypto_tokens(_, _, is_two))
       .WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, set_remote_datawriter_crypto_tokens(spi::DatareaderCryptoHandle{3},
+  EXPECT_CALL(plugin, set_remote_datawriter_crypto_tokens(spi::DatareaderCryptoHandle{3},
                                                           spi::DatawriterCryptoHandle{4}, is_two))
       .WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHandle{4},
+  EXPECT_CALL(plugin, set_remote_datareader_crypto_tokens(spi::DatawriterCryptoHandle{4},
                                                           spi::DatareaderCryptoHandle{3}, is_two))
       .WillOnce(Return(fail(Code::malformed)));
 
@@ -54,11 +54,11 @@ TEST_F(CryptographyAdapterTest, CryptoTokens_GoOutAndIn) {
 
 // If a participant's tokens are refused, Cyclone DDS does not free them, and logs each refusal.
 TEST_F(CryptographyAdapterTest, RefusedParticipantTokens_AreToldOnceAndTakenFromTheHost) {
-  EXPECT_CALL(engine, set_remote_participant_crypto_tokens)
+  EXPECT_CALL(plugin, set_remote_participant_crypto_tokens)
       .WillOnce(Return(fail(Code::keys_already_set)))
       .WillOnce(Return(fail(Code::crypto_handle_unknown)));
   const std::vector<spi::Token> one = {sample_token()};
-  ON_CALL(engine, create_local_participant_crypto_tokens).WillByDefault(Return(one));
+  ON_CALL(plugin, create_local_participant_crypto_tokens).WillByDefault(Return(one));
   DDS_Security_CryptoTokenSeq tokens{};
   ASSERT_EQ(exchange->create_local_participant_crypto_tokens(exchange, &tokens, 1, 2, nullptr), 1);
   EXPECT_EQ(exchange->set_remote_participant_crypto_tokens(exchange, 1, 2, &tokens, &refusal), 1);

@@ -15,13 +15,13 @@ namespace {
 using testing::_;
 using testing::Return;
 
-TEST_F(CryptographyAdapterTest, Registration_ReachesTheEngine) {
-  EXPECT_CALL(engine, register_local_participant(spi::IdentityHandle{1}, spi::PermissionsHandle{2},
+TEST_F(CryptographyAdapterTest, Registration_ReachesThePlugin) {
+  EXPECT_CALL(plugin, register_local_participant(spi::IdentityHandle{1}, spi::PermissionsHandle{2},
                                                  spi::PropertyList{}, _))
       .WillOnce(Return(spi::ParticipantCryptoHandle{10}));
   EXPECT_EQ(factory->register_local_participant(factory, 1, 2, nullptr, &participant, nullptr), 10);
 
-  EXPECT_CALL(engine, register_matched_remote_participant(spi::ParticipantCryptoHandle{10},
+  EXPECT_CALL(plugin, register_matched_remote_participant(spi::ParticipantCryptoHandle{10},
                                                           spi::IdentityHandle{3},
                                                           spi::PermissionsHandle{4}, _))
       .WillOnce([](auto, auto, auto, const spi::SharedSecret& given) {
@@ -41,19 +41,19 @@ TEST_F(CryptographyAdapterTest, Registration_ReachesTheEngine) {
       spi::kMaskIsValid | DDS_SECURITY_PLUGIN_ENDPOINT_ATTRIBUTES_FLAG_IS_PAYLOAD_ENCRYPTED;
   const spi::EndpointSecurityAttributes encrypted{.topic = {},
                                                   .payload = spi::ProtectionKind::encrypt};
-  EXPECT_CALL(engine, register_local_datawriter(spi::ParticipantCryptoHandle{10},
+  EXPECT_CALL(plugin, register_local_datawriter(spi::ParticipantCryptoHandle{10},
                                                 spi::PropertyList{{name, value}}, encrypted))
       .WillOnce(Return(spi::DatawriterCryptoHandle{20}));
   EXPECT_EQ(factory->register_local_datawriter(factory, 10, &properties, &endpoint, nullptr), 20);
-  EXPECT_CALL(engine, register_local_datareader(spi::ParticipantCryptoHandle{10}, _, encrypted))
+  EXPECT_CALL(plugin, register_local_datareader(spi::ParticipantCryptoHandle{10}, _, encrypted))
       .WillOnce(Return(spi::DatareaderCryptoHandle{21}));
   EXPECT_EQ(factory->register_local_datareader(factory, 10, &properties, &endpoint, nullptr), 21);
-  EXPECT_CALL(engine, register_matched_remote_datareader(spi::DatawriterCryptoHandle{20},
+  EXPECT_CALL(plugin, register_matched_remote_datareader(spi::DatawriterCryptoHandle{20},
                                                          spi::ParticipantCryptoHandle{11}, _, true))
       .WillOnce(Return(spi::DatareaderCryptoHandle{30}));
   EXPECT_EQ(factory->register_matched_remote_datareader(factory, 20, 11, secret_handle, 1, nullptr),
             30);
-  EXPECT_CALL(engine, register_matched_remote_datawriter(spi::DatareaderCryptoHandle{21},
+  EXPECT_CALL(plugin, register_matched_remote_datawriter(spi::DatareaderCryptoHandle{21},
                                                          spi::ParticipantCryptoHandle{11}, _))
       .WillOnce(Return(spi::DatawriterCryptoHandle{31}));
   EXPECT_EQ(factory->register_matched_remote_datawriter(factory, 21, 11, secret_handle, nullptr),
@@ -74,7 +74,7 @@ TEST_F(CryptographyAdapterTest, AParticipantsProperties_ComeFromTheEnvironment) 
   std::ofstream(file)
       << "dds.sec.crypto.symmetric_cipher_algorithm = AES128+GCM\ndds.sec.crypto.keysize = 128\n";
   const auto registers_with = [&](const spi::PropertyList& expected) {
-    EXPECT_CALL(engine, register_local_participant(_, _, expected, _))
+    EXPECT_CALL(plugin, register_local_participant(_, _, expected, _))
         .WillOnce(Return(spi::ParticipantCryptoHandle{10}));
     EXPECT_EQ(factory->register_local_participant(factory, 1, 2, nullptr, &participant, nullptr),
               10);
@@ -114,11 +114,11 @@ TEST_F(CryptographyAdapterTest, Registration_RefusesNullAndForeignSecrets) {
 }
 
 TEST_F(CryptographyAdapterTest, NilHandlesOfUnprotectedEndpoints_AreUnregistered) {
-  EXPECT_CALL(engine, unregister_participant(spi::ParticipantCryptoHandle{1}))
+  EXPECT_CALL(plugin, unregister_participant(spi::ParticipantCryptoHandle{1}))
       .WillOnce(Return(Status{}));
-  EXPECT_CALL(engine, unregister_datawriter(spi::DatawriterCryptoHandle{1}))
+  EXPECT_CALL(plugin, unregister_datawriter(spi::DatawriterCryptoHandle{1}))
       .WillOnce(Return(fail(Code::malformed)));
-  EXPECT_CALL(engine, unregister_datareader(spi::DatareaderCryptoHandle{1}))
+  EXPECT_CALL(plugin, unregister_datareader(spi::DatareaderCryptoHandle{1}))
       .WillOnce(Return(Status{}));
   for (const auto handle : {0, 1}) {
     EXPECT_EQ(factory->unregister_participant(factory, handle, nullptr), 1);
@@ -129,7 +129,7 @@ TEST_F(CryptographyAdapterTest, NilHandlesOfUnprotectedEndpoints_AreUnregistered
 
 // Cyclone DDS returns a handle twice when several participants end at once, and logs each refusal.
 TEST_F(CryptographyAdapterTest, AHandleThatIsReturnedTwice_IsNoError) {
-  EXPECT_CALL(engine, unregister_datawriter)
+  EXPECT_CALL(plugin, unregister_datawriter)
       .WillOnce(Return(Status{}))
       .WillOnce(Return(fail(Code::crypto_handle_unknown)))
       .WillOnce(Return(fail(Code::crypto_handle_wrong_kind)));

@@ -190,7 +190,7 @@ class TwoLocalsLife : public testing::TestWithParam<int> {};
 // only mixes without it are tested.
 class OneOfTwoLeaves : public TwoLocalsLife {};
 
-TEST_P(TwoLocalsLife, OneRemoteForTheHost_IsTwoForTheEngine) {
+TEST_P(TwoLocalsLife, OneRemoteForTheHost_IsTwoForThePlugin) {
   TwoLocals two(GetParam(), "encrypt");
   const auto& first = two.of_first->a_of_b;
   const auto& second = two.of_second->a_of_b;

@@ -69,21 +69,21 @@ struct SessionResetTest : testing::Test {
     return made;
   }
   void SetUp() override {
-    ON_CALL(engine, validate_local_identity)
+    ON_CALL(plugin, validate_local_identity)
         .WillByDefault(
             Return(spi::Authentication::LocalIdentity{{5}, Guid{kLocal, kEntityIdParticipant}}));
-    ON_CALL(engine, validate_remote_identity)
+    ON_CALL(plugin, validate_remote_identity)
         .WillByDefault(Return(spi::Authentication::RemoteIdentity{
             {40}, spi::ValidationResult::pending_handshake_request, {}}));
-    ON_CALL(engine, begin_handshake_request)
+    ON_CALL(plugin, begin_handshake_request)
         .WillByDefault(Return(spi::Authentication::HandshakeStep{
             {60}, spi::ValidationResult::pending_handshake_message, {}}));
-    ON_CALL(engine, process_handshake)
+    ON_CALL(plugin, process_handshake)
         .WillByDefault(Return(
             spi::Authentication::HandshakeStep{{60}, spi::ValidationResult::ok_final_message, {}}));
-    ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
-    ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
-    ON_CALL(engine, return_identity_handle).WillByDefault(Return(Status{}));
+    ON_CALL(plugin, shared_secret).WillByDefault(Return(secret()));
+    ON_CALL(plugin, next_expiry).WillByDefault(Return(std::nullopt));
+    ON_CALL(plugin, return_identity_handle).WillByDefault(Return(Status{}));
     DDS_Security_Qos qos{};
     DDS_Security_GUID_t guid{};
     DDS_Security_IdentityHandle handle = 0;
@@ -122,7 +122,7 @@ struct SessionResetTest : testing::Test {
   Socket peer;
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   dds_security_authentication* c = &harness.adapter;
-  MockAuthentication& engine = *harness.engine;
+  MockAuthentication& plugin = *harness.plugin;
   const dds_security_authentication_listener listener{
       [](const dds_security_authentication*,
          const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
@@ -142,7 +142,7 @@ TEST_F(SessionResetTest, DroppedPeerMetAgain_GetsIt) {
 
 TEST_F(SessionResetTest, PeerWithOtherPlugins_DoesNotGetIt) {
   peer_ciphers = spi::kStandardCiphers;
-  ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
+  ON_CALL(plugin, shared_secret).WillByDefault(Return(secret()));
   const timeval patience{2, 500000};
   ::setsockopt(peer.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   const auto remote = authenticate();
@@ -265,7 +265,7 @@ TEST_F(LostRights, SessionWhoseHandshakeWasUnderWay_EndsToo) {
 // Such a peer would keep its side of the session, and ignore each new handshake.
 TEST_F(LostRights, SessionWithAPeerOnOtherPlugins_GoesOn) {
   peer_ciphers = spi::kStandardCiphers;
-  ON_CALL(engine, shared_secret).WillByDefault(Return(secret()));
+  ON_CALL(plugin, shared_secret).WillByDefault(Return(secret()));
   authenticate();
   losses = 1;
   wait_for_two_looks();

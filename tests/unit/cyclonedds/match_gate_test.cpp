@@ -24,7 +24,7 @@ TEST_F(AccessControlAdapterTest, Cryptography_AsksAboutTheEndpointItself) {
   spi::EndpointSecurityAttributes endpoint;
   endpoint.topic.is_read_protected = true;
   endpoint.payload = ProtectionKind::encrypt;
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(plugin, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
   std::string first = "p", second = "q", tag = "colour", value = "red";
   char* names[] = {first.data(), second.data()};
   const DDS_Security_PartitionQosPolicy partition{{2, 2, names}};
@@ -42,7 +42,7 @@ TEST_F(AccessControlAdapterTest, Cryptography_AsksAboutTheEndpointItself) {
   const auto scope = scope_of(harness.adapter.id());
   const MatchGate asks(scope, AccessControlAdapter::judge);
   const GuidPrefix prefix{{1, 2, 3}};
-  EXPECT_CALL(engine, check_remote_match(Handle{9}, _))
+  EXPECT_CALL(plugin, check_remote_match(Handle{9}, _))
       .WillOnce([&](Handle, const spi::AccessControl::Match& match) -> Status {
         EXPECT_TRUE(match.remote_writes);
         EXPECT_EQ(match.remote, prefix);

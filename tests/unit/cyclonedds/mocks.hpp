@@ -1,4 +1,4 @@
-// Engines whose answers a test decides. Their constructors are in mocks.cpp, because compiling them
+// Plugins whose answers a test decides. Their constructors are in mocks.cpp, because compiling them
 // takes long.
 #pragma once
 

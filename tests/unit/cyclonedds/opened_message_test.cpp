@@ -18,7 +18,7 @@ struct OpenedMessageTest : testing::Test {
 
   OpenedMessageTest() {
     for (auto* one : {&harness, &other_domain})
-      ON_CALL(*one->engine, decode_rtps_message)
+      ON_CALL(*one->plugin, decode_rtps_message)
           .WillByDefault([this](auto, auto, BytesView, MutableBytes) -> Result<std::size_t> {
             ++opened;
             if (code != Code{}) return fail(code);

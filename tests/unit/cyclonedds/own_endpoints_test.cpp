@@ -23,8 +23,8 @@ Status denied(std::string topic, Code code = Code::publish_not_allowed) {
 
 struct OwnEndpointsTest : testing::Test {
   OwnEndpointsTest() {
-    ON_CALL(engine, renewals).WillByDefault([this](auto) { return renewals; });
-    ON_CALL(engine, check_own_endpoint).WillByDefault([this](auto, bool writes, const auto& asked) {
+    ON_CALL(plugin, renewals).WillByDefault([this](auto) { return renewals; });
+    ON_CALL(plugin, check_own_endpoint).WillByDefault([this](auto, bool writes, const auto& asked) {
       const bool is_lost = lost == asked.topic_name;
       return is_lost ? denied(lost, writes ? Code::publish_not_allowed : code_for_readers)
                      : Status();
@@ -33,7 +33,7 @@ struct OwnEndpointsTest : testing::Test {
     endpoints.add(&reader, kUs, false, {.topic_name = "Circle"});
   }
 
-  testing::NiceMock<MockAccessControl> engine;
+  testing::NiceMock<MockAccessControl> plugin;
   std::uint64_t renewals = 0;
   std::string lost;
   Code code_for_readers = Code::subscribe_not_allowed;
@@ -43,45 +43,45 @@ struct OwnEndpointsTest : testing::Test {
 
 TEST_F(OwnEndpointsTest, EndpointsWithoutARenewal_AreNotJudged) {
   lost = "Square";
-  EXPECT_CALL(engine, check_own_endpoint).Times(0);
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_CALL(plugin, check_own_endpoint).Times(0);
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
 }
 
 TEST_F(OwnEndpointsTest, RightsThatStay_AreJudgedOnceForEachRenewal) {
   renewals = 1;
-  EXPECT_CALL(engine, check_own_endpoint(kUs, true, _)).Times(1);
-  EXPECT_CALL(engine, check_own_endpoint(kUs, false, _)).Times(1);
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_CALL(plugin, check_own_endpoint(kUs, true, _)).Times(1);
+  EXPECT_CALL(plugin, check_own_endpoint(kUs, false, _)).Times(1);
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
   EXPECT_EQ(endpoints.losses(kUs), 0u);
 }
 
 TEST_F(OwnEndpointsTest, ALostRight_IsToldOnce) {
   renewals = 1;
   lost = "Square";
-  const auto told = endpoints.judge(kUs, engine);
+  const auto told = endpoints.judge(kUs, plugin);
   ASSERT_TRUE(told);
   EXPECT_EQ(told->code(), Code::own_rights_lost);
   EXPECT_EQ(told->details().document, "permissions.p7s");
   EXPECT_EQ(told->details().expected, "Square");
   EXPECT_EQ(endpoints.losses(kUs), 1u);
   renewals = 2;  // a right that was lost before does not count again
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
   lost.clear();
   renewals = 3;
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
   lost = "Square";
   renewals = 4;
-  EXPECT_TRUE(endpoints.judge(kUs, engine));
+  EXPECT_TRUE(endpoints.judge(kUs, plugin));
   EXPECT_EQ(endpoints.losses(kUs), 2u);
 }
 
 TEST_F(OwnEndpointsTest, SeveralLostRights_AreOneLossAndAreCounted) {
   endpoints.add(&endpoints, kUs, true, {.topic_name = "Square"});
-  endpoints.add(&engine, kOther, true, {.topic_name = "Square"});
+  endpoints.add(&plugin, kOther, true, {.topic_name = "Square"});
   renewals = 1;
   lost = "Square";
-  const auto told = endpoints.judge(kUs, engine);
+  const auto told = endpoints.judge(kUs, plugin);
   ASSERT_TRUE(told);
   EXPECT_NE(told->details().note.find("1 more endpoints"), std::string::npos);
   EXPECT_EQ(endpoints.losses(kUs), 1u);
@@ -92,10 +92,10 @@ TEST_F(OwnEndpointsTest, AnEndpointThatIsGone_LosesNothing) {
   renewals = 1;
   lost = "Square";
   endpoints.remove(&writer);
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
   endpoints.add(&writer, kUs, true, {.topic_name = "Square"});
   endpoints.forget(kUs);
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
 }
 
 // A participant without valid permissions is cut off altogether.
@@ -103,7 +103,7 @@ TEST_F(OwnEndpointsTest, PermissionsThatEnded_AreNoLostRight) {
   renewals = 1;
   lost = "Circle";
   code_for_readers = Code::grant_expired;
-  EXPECT_FALSE(endpoints.judge(kUs, engine));
+  EXPECT_FALSE(endpoints.judge(kUs, plugin));
 }
 
 TEST_F(OwnEndpointsTest, PartitionsAndTags_AreJudged) {
@@ -112,12 +112,12 @@ TEST_F(OwnEndpointsTest, PartitionsAndTags_AreJudged) {
   endpoints.add(&tags, kOther, true,
                 {.topic_name = "Square", .partitions = partitions, .data_tags = tags});
   renewals = 1;
-  EXPECT_CALL(engine, check_own_endpoint(kOther, true, _)).WillOnce([&](auto, bool, auto& asked) {
+  EXPECT_CALL(plugin, check_own_endpoint(kOther, true, _)).WillOnce([&](auto, bool, auto& asked) {
     EXPECT_TRUE(std::ranges::equal(asked.partitions, partitions));
     EXPECT_EQ(asked.data_tags.size(), 1u);
     return Status();
   });
-  EXPECT_FALSE(endpoints.judge(kOther, engine));
+  EXPECT_FALSE(endpoints.judge(kOther, plugin));
 }
 
 using access_control_adapters::AccessControlAdapterTest;
@@ -125,19 +125,19 @@ using access_control_adapters::AccessControlAdapterTest;
 // An adapter with a local participant that is allowed its writer of "Square".
 struct LostRightsTest : AccessControlAdapterTest {
   void SetUp() override {
-    ON_CALL(engine, validate_local_permissions).WillByDefault(Return(kUs));
-    ON_CALL(engine, next_expiry).WillByDefault(Return(std::nullopt));
-    ON_CALL(engine, datawriter_sec_attributes).WillByDefault([this](auto&&...) {
+    ON_CALL(plugin, validate_local_permissions).WillByDefault(Return(kUs));
+    ON_CALL(plugin, next_expiry).WillByDefault(Return(std::nullopt));
+    ON_CALL(plugin, datawriter_sec_attributes).WillByDefault([this](auto&&...) {
       spi::EndpointSecurityAttributes out;
       out.is_builtin = is_builtin;
       return out;
     });
-    ON_CALL(engine, check_own_endpoint).WillByDefault([](auto&&...) { return denied("Square"); });
+    ON_CALL(plugin, check_own_endpoint).WillByDefault([](auto&&...) { return denied("Square"); });
     EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, &qos, nullptr), kUs.value);
     EXPECT_EQ(c->get_datawriter_sec_attributes(c, kUs.value, "Square", nullptr, nullptr,
                                                &attributes, nullptr),
               1);
-    ON_CALL(engine, renewals(kUs)).WillByDefault(Return(1));
+    ON_CALL(plugin, renewals(kUs)).WillByDefault(Return(1));
   }
   // Runs the work of the timer.
   void expire() {
@@ -145,7 +145,7 @@ struct LostRightsTest : AccessControlAdapterTest {
         [](const dds_security_access_control*,
            const DDS_Security_PermissionsHandle) -> DDS_Security_boolean { return 1; }};
     std::promise<void> ran;
-    EXPECT_CALL(engine, next_expiry).WillOnce([&] {
+    EXPECT_CALL(plugin, next_expiry).WillOnce([&] {
       ran.set_value();
       return std::optional<WallTime>();
     });

@@ -35,14 +35,14 @@ TEST_F(RemoteIdentitiesTest, SeveralPairs_AreOneToTheHost) {
 
 TEST_F(RemoteIdentitiesTest, UnknownHandles_StayWhatTheyAre) {
   EXPECT_EQ(remotes.pair(kFirst, {99}), IdentityHandle{99});
-  EXPECT_EQ(remotes.pair({3}, {11}), IdentityHandle{11}) << "the engine knows whose that is";
+  EXPECT_EQ(remotes.pair({3}, {11}), IdentityHandle{11}) << "the plugin knows whose that is";
   EXPECT_EQ(remotes.pair(kFirst, {12}), IdentityHandle{12}) << "never given to the host";
   EXPECT_EQ(remotes.take({99}), Handles{{99}});
 }
 
-TEST_F(RemoteIdentitiesTest, OneReturn_ReturnsAllPairsToTheEngine) {
+TEST_F(RemoteIdentitiesTest, OneReturn_ReturnsAllPairsToThePlugin) {
   EXPECT_EQ(remotes.take({11}), (Handles{{11}, {12}}));
-  EXPECT_EQ(remotes.take({11}), Handles{{11}}) << "unknown, for the engine to say";
+  EXPECT_EQ(remotes.take({11}), Handles{{11}}) << "unknown, for the plugin to say";
   EXPECT_EQ(remotes.pair(kSecond, {11}), IdentityHandle{11});
   EXPECT_EQ(remotes.note(kSecond, guid_of(7), {14}), IdentityHandle{14});
 }
@@ -62,7 +62,7 @@ TEST_F(RemoteIdentitiesTest, RefusedRemotes_HaveAHandleForTheHostOnly) {
   const auto own = remotes.note_refused(guid_of(9));
   EXPECT_LT(own.value, 0);
   EXPECT_EQ(remotes.note_refused(guid_of(9)), own);
-  EXPECT_EQ(remotes.pair(kFirst, own), own) << "for the engine to refuse";
+  EXPECT_EQ(remotes.pair(kFirst, own), own) << "for the plugin to refuse";
   EXPECT_EQ(remotes.note(kFirst, guid_of(9), {15}), own);
   EXPECT_EQ(remotes.pair(kFirst, own), IdentityHandle{15});
   EXPECT_EQ(remotes.take(own), Handles{{15}});

@@ -144,19 +144,19 @@ TEST(SharedMemoryGuard, TheProperty_IsTrueOrFalse) {
 // The adapter in a process whose samples bypass it, for a topic with encrypted data.
 struct AdapterWithSharedMemory : testing::Test {
   AdapterWithSharedMemory() {
-    ON_CALL(*engine, validate_local_permissions).WillByDefault([this](auto&&...) {
+    ON_CALL(*plugin, validate_local_permissions).WillByDefault([this](auto&&...) {
       return spi::PermissionsHandle{++last_handle};
     });
-    ON_CALL(*engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
-    ON_CALL(*engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
-    ON_CALL(*engine, return_permissions_handle).WillByDefault([](auto&&...) { return Status{}; });
-    ON_CALL(*engine, participant_sec_attributes).WillByDefault([this](auto&&...) {
+    ON_CALL(*plugin, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
+    ON_CALL(*plugin, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
+    ON_CALL(*plugin, return_permissions_handle).WillByDefault([](auto&&...) { return Status{}; });
+    ON_CALL(*plugin, participant_sec_attributes).WillByDefault([this](auto&&...) {
       return participant;
     });
-    ON_CALL(*engine, datawriter_sec_attributes).WillByDefault([this](auto&&...) {
+    ON_CALL(*plugin, datawriter_sec_attributes).WillByDefault([this](auto&&...) {
       return endpoint;
     });
-    ON_CALL(*engine, datareader_sec_attributes).WillByDefault([this](auto&&...) {
+    ON_CALL(*plugin, datareader_sec_attributes).WillByDefault([this](auto&&...) {
       return endpoint;
     });
     endpoint.payload = ProtectionKind::encrypt;
@@ -194,10 +194,10 @@ struct AdapterWithSharedMemory : testing::Test {
   }
 
   std::vector<Event> events;
-  testing::NiceMock<MockAccessControl>* engine = new testing::NiceMock<MockAccessControl>;
+  testing::NiceMock<MockAccessControl>* plugin = new testing::NiceMock<MockAccessControl>;
   AccessControlAdapter adapter{
       std::make_unique<Host>(std::make_unique<Recorder>(events)),
-      [this](const PluginServices&) { return std::unique_ptr<spi::AccessControl>(engine); },
+      [this](const PluginServices&) { return std::unique_ptr<spi::AccessControl>(plugin); },
       nullptr,
       []() -> Result<std::optional<Bypass>> {
         return Bypass{"<SharedMemory><Enable>", "/dev/shm/iceoryx_mgmt is mapped"};

@@ -1,4 +1,4 @@
-// An adapter around a mock engine, and the small values of the C ABI that tests pass in.
+// An adapter around a mock plugin, and the small values of the C ABI that tests pass in.
 #pragma once
 
 #include <cstdlib>
@@ -45,16 +45,16 @@ class Recorder final : public EventSink {
   std::vector<Event>& events_;
 };
 
-/// An adapter with a mock engine, and the events that the adapter raised.
-template <class Adapter, class Engine, class Spi>
+/// An adapter with a mock plugin, and the events that the adapter raised.
+template <class Adapter, class Plugin, class Spi>
 struct Harness {
   Harness()
       : adapter(
             std::make_unique<Host>(std::make_unique<Recorder>(events)),
             [this](const PluginServices& given) {
               services.emplace(given);
-              auto made = std::make_unique<testing::NiceMock<Engine>>();
-              engine = made.get();
+              auto made = std::make_unique<testing::NiceMock<Plugin>>();
+              plugin = made.get();
               return std::unique_ptr<Spi>(std::move(made));
             },
             domain()) {}
@@ -64,7 +64,7 @@ struct Harness {
 
   std::vector<Event> events;
   std::optional<PluginServices> services;
-  testing::NiceMock<Engine>* engine = nullptr;
+  testing::NiceMock<Plugin>* plugin = nullptr;
   Adapter adapter;
 };
 

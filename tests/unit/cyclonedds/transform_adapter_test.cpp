@@ -26,7 +26,7 @@ auto write(std::size_t count) {
 
 TEST_F(CryptographyAdapterTest, Payload_IsOneBlockWithinItsBound) {
   const HostOctets plain(Bytes(64, 1));
-  EXPECT_CALL(engine, encode_serialized_payload(spi::DatawriterCryptoHandle{4}, _, _))
+  EXPECT_CALL(plugin, encode_serialized_payload(spi::DatawriterCryptoHandle{4}, _, _))
       .WillOnce([](auto, BytesView octets, MutableBytes room) -> Result<std::size_t> {
         EXPECT_EQ(octets.size(), 64u);
         EXPECT_EQ(room.size(), 64 + spi::protection_overhead(0));
@@ -38,7 +38,7 @@ TEST_F(CryptographyAdapterTest, Payload_IsOneBlockWithinItsBound) {
             1);
   EXPECT_EQ(encoded._length, 108u);
 
-  EXPECT_CALL(engine, decode_serialized_payload)
+  EXPECT_CALL(plugin, decode_serialized_payload)
       .WillOnce([](auto, auto, BytesView octets, MutableBytes room) -> Result<std::size_t> {
         EXPECT_LE(room.size(), octets.size());
         return 64;
@@ -66,7 +66,7 @@ TEST_F(CryptographyAdapterTest, AllReceivers_AreInTheFirstCall) {
     EXPECT_EQ(room.size(), 64 + spi::protection_overhead(2));
     return Result<std::size_t>(128u);
   };
-  EXPECT_CALL(engine, encode_datawriter_submessage(spi::DatawriterCryptoHandle{4}, _, _, _))
+  EXPECT_CALL(plugin, encode_datawriter_submessage(spi::DatawriterCryptoHandle{4}, _, _, _))
       .WillOnce(receive);
   HostBlock submessage;
   DDS_Security_long index = 0;
@@ -76,7 +76,7 @@ TEST_F(CryptographyAdapterTest, AllReceivers_AreInTheFirstCall) {
   EXPECT_EQ(index, 3);
   EXPECT_EQ(submessage._length, 128u);
 
-  EXPECT_CALL(engine, encode_rtps_message(_, testing::SizeIs(2), _, _)).WillOnce(write(100));
+  EXPECT_CALL(plugin, encode_rtps_message(_, testing::SizeIs(2), _, _)).WillOnce(write(100));
   HostBlock message;
   index = 0;
   EXPECT_EQ(transform->encode_rtps_message(transform, &message, &plain.sequence, 4, &list, &index,
@@ -84,7 +84,7 @@ TEST_F(CryptographyAdapterTest, AllReceivers_AreInTheFirstCall) {
             1);
   EXPECT_EQ(index, 3);
 
-  EXPECT_CALL(engine, encode_datareader_submessage(_, testing::SizeIs(0), _, _))
+  EXPECT_CALL(plugin, encode_datareader_submessage(_, testing::SizeIs(0), _, _))
       .WillOnce(write(100));
   HostBlock acknack;
   EXPECT_EQ(transform->encode_datareader_submessage(transform, &acknack, &plain.sequence, 4,
@@ -94,7 +94,7 @@ TEST_F(CryptographyAdapterTest, AllReceivers_AreInTheFirstCall) {
 
 TEST_F(CryptographyAdapterTest, AFailedEncode_LeavesNothingAndTheIndexAlone) {
   const HostOctets plain(Bytes(64, 1));
-  EXPECT_CALL(engine, encode_rtps_message).WillOnce(Return(fail(Code::malformed)));
+  EXPECT_CALL(plugin, encode_rtps_message).WillOnce(Return(fail(Code::malformed)));
   DDS_Security_long_long handles[] = {5};
   const DDS_Security_LongLongSeq list{1, 1, handles};
   HostBlock message;
@@ -112,7 +112,7 @@ TEST_F(CryptographyAdapterTest, AFailedEncode_LeavesNothingAndTheIndexAlone) {
       transform->encode_rtps_message(transform, &message, &nothing, 4, &list, &index, nullptr), 0);
 }
 
-TEST_F(CryptographyAdapterTest, HeaderPrefix_ReachesTheEngineInWireOrder) {
+TEST_F(CryptographyAdapterTest, HeaderPrefix_ReachesThePluginInWireOrder) {
   Bytes wire(40, 0);
   for (std::uint8_t i = 0; i < 40; ++i) wire[i] = i;
   auto as_received = wire;  // Cyclone leaves the three words of the prefix in machine order
@@ -120,7 +120,7 @@ TEST_F(CryptographyAdapterTest, HeaderPrefix_ReachesTheEngineInWireOrder) {
     for (int word = 8; word < 20; word += 4)
       std::reverse(as_received.begin() + word, as_received.begin() + word + 4);
   const HostOctets message(as_received);
-  EXPECT_CALL(engine, decode_rtps_message)
+  EXPECT_CALL(plugin, decode_rtps_message)
       .WillOnce([&](auto, auto, BytesView octets, MutableBytes room) -> Result<std::size_t> {
         EXPECT_TRUE(std::ranges::equal(octets, wire));
         std::ranges::copy(octets.first(20), room.begin());
@@ -133,7 +133,7 @@ TEST_F(CryptographyAdapterTest, HeaderPrefix_ReachesTheEngineInWireOrder) {
   EXPECT_TRUE(std::ranges::equal(decoded.octets(), Bytes(wire.begin(), wire.begin() + 20)));
 
   const HostOctets tiny(Bytes(19, 1));
-  EXPECT_CALL(engine, decode_rtps_message).WillOnce(Return(fail(Code::truncated)));
+  EXPECT_CALL(plugin, decode_rtps_message).WillOnce(Return(fail(Code::truncated)));
   HostBlock none;
   EXPECT_EQ(transform->decode_rtps_message(transform, &none, &tiny.sequence, 1, 2, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::truncated);
@@ -142,7 +142,7 @@ TEST_F(CryptographyAdapterTest, HeaderPrefix_ReachesTheEngineInWireOrder) {
 TEST_F(CryptographyAdapterTest, ReceiverMacs_AreCode124AndNoOtherFailureIs) {
   const HostOctets message(Bytes(64, 1));
   const auto decode_failing_with = [&](Code code) {
-    EXPECT_CALL(engine, decode_rtps_message).WillOnce(Return(fail(code)));
+    EXPECT_CALL(plugin, decode_rtps_message).WillOnce(Return(fail(code)));
     HostBlock out;
     Refusal why;
     EXPECT_EQ(transform->decode_rtps_message(transform, &out, &message.sequence, 1, 2, &why), 0);
@@ -160,7 +160,7 @@ TEST_F(CryptographyAdapterTest, ReceiverMacs_AreCode124AndNoOtherFailureIs) {
 TEST_F(CryptographyAdapterTest, Preprocess_RoutesOrFails) {
   const HostOctets message(Bytes(64, 1));
   using Category = spi::SecureSubmessageCategory;
-  EXPECT_CALL(engine, preprocess_secure_submessage(spi::ParticipantCryptoHandle{0},
+  EXPECT_CALL(plugin, preprocess_secure_submessage(spi::ParticipantCryptoHandle{0},
                                                    spi::ParticipantCryptoHandle{2}, _))
       .WillOnce(Return(spi::SecureSubmessage{Category::datawriter, {7}, {8}}))
       .WillOnce(Return(spi::SecureSubmessage{Category::datareader, {7}, {8}}))
@@ -188,7 +188,7 @@ TEST_F(CryptographyAdapterTest, Preprocess_RoutesOrFails) {
 
 TEST_F(CryptographyAdapterTest, DecodedSubmessage_FitsWhereTheHostCopiesIt) {
   const HostOctets message(Bytes(100, 1));  // the prefix takes 24 octets, so 76 are left
-  EXPECT_CALL(engine, decode_datawriter_submessage)
+  EXPECT_CALL(plugin, decode_datawriter_submessage)
       .WillOnce(write(76))
       .WillOnce(write(80))
       .WillOnce(write(74));
@@ -208,7 +208,7 @@ TEST_F(CryptographyAdapterTest, DecodedSubmessage_FitsWhereTheHostCopiesIt) {
             0);
   EXPECT_EQ(not_aligned.reason(), Code::malformed);
 
-  EXPECT_CALL(engine, decode_datareader_submessage).WillOnce(write(8));
+  EXPECT_CALL(plugin, decode_datareader_submessage).WillOnce(write(8));
   HostBlock reader;
   EXPECT_EQ(
       transform->decode_datareader_submessage(transform, &reader, &message.sequence, 1, 2, nullptr),
@@ -222,10 +222,10 @@ TEST_F(CryptographyAdapterTest, DecodedSubmessage_FitsWhereTheHostCopiesIt) {
   EXPECT_EQ(short_one.reason(), Code::truncated);
 }
 
-// The host reads a submessage that is only signed from its own buffer. What the engine hid in the
+// The host reads a submessage that is only signed from its own buffer. What the plugin hid in the
 // plaintext must be hidden there, too.
 TEST_F(CryptographyAdapterTest, WhatIsOnlySigned_IsWrittenWhereTheHostReceivedIt) {
-  EXPECT_CALL(engine, decode_datawriter_submessage).Times(3).WillRepeatedly(write(32));
+  EXPECT_CALL(plugin, decode_datawriter_submessage).Times(3).WillRepeatedly(write(32));
   const auto received_after = [&](std::uint8_t id, std::size_t size) {
     Bytes octets(size, 1);
     octets[24] = id;

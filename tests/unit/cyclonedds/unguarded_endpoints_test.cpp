@@ -14,14 +14,14 @@ namespace {
 TEST_F(AccessControlAdapterTest, EndpointThatUnauthenticatedPeersWouldReach_IsRefused) {
   spi::EndpointSecurityAttributes endpoint;
   bool allow_unauthenticated = true;
-  ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, participant_sec_attributes).WillByDefault([&](auto&&...) {
+  ON_CALL(plugin, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(plugin, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(plugin, participant_sec_attributes).WillByDefault([&](auto&&...) {
     return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants =
                                                   allow_unauthenticated};
   });
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(plugin, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(plugin, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
   const auto may_write = [&] {
     return c->check_create_datawriter(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
   };
@@ -58,11 +58,11 @@ TEST_F(AccessControlAdapterTest, AReaderThatOnlyMessageProtectionCovers_IsRefuse
   spi::EndpointSecurityAttributes endpoint;
   spi::ParticipantSecurityAttributes participant{.allow_unauthenticated_participants = true,
                                                  .rtps = ProtectionKind::encrypt};
-  ON_CALL(engine, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
-  ON_CALL(engine, participant_sec_attributes).WillByDefault([&](auto&&...) { return participant; });
-  ON_CALL(engine, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
-  ON_CALL(engine, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(plugin, check_create_datawriter).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(plugin, check_create_datareader).WillByDefault([](auto&&...) { return Status{}; });
+  ON_CALL(plugin, participant_sec_attributes).WillByDefault([&](auto&&...) { return participant; });
+  ON_CALL(plugin, datawriter_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
+  ON_CALL(plugin, datareader_sec_attributes).WillByDefault([&](auto&&...) { return endpoint; });
   const auto may_read = [&] {
     return c->check_create_datareader(c, 8, 5, "Square", &qos, nullptr, nullptr, &refusal) != 0;
   };

@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing;
 
-// A secured DomainParticipant with engines of its own.
+// A secured DomainParticipant with plugins of its own.
 struct Secured {
   Secured(ManualClock& clock, std::uint8_t seed, const std::string& subject, const Rules& rules,
           const spi::PropertyList& more = {})

@@ -54,7 +54,7 @@ struct FastDds : ::testing::Test {
   FastDds()
       : host(200),
         ours(1, properties_of("CN=ours,O=Example", rules)),
-        fast(2, properties_of("CN=fast,O=Example", rules), with_engines(host)) {
+        fast(2, properties_of("CN=fast,O=Example", rules), with_plugins(host)) {
     world.nodes = {&ours, &fast};
     world.filter = [this](const Node& from, Bytes datagram) {
       const bool is_about = is_about_participants_secure(datagram);
@@ -62,7 +62,7 @@ struct FastDds : ::testing::Test {
       return is_about && &from == &fast && !is_heard ? std::vector<Bytes>() : one(datagram);
     };
   }
-  static Node& with_engines(Node& host) {
+  static Node& with_plugins(Node& host) {
     const PluginServices services{host.clock, host.random, host.events};
     host.authentication =
         std::make_unique<AsFastDds>(authentication::make_authentication(services));

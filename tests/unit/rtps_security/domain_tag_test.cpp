@@ -39,7 +39,7 @@ TEST(DomainTag, EmbeddedParticipant_IsUnderTheGovernanceRuleOfItsTag) {
   EXPECT_EQ(other.error().code(), Code::domain_not_covered);
 }
 
-// Makes a participant with a tag, with the engines of `host`.
+// Makes a participant with a tag, with the plugins of `host`.
 std::unique_ptr<Node> tagged(std::uint8_t n, Node& host, const std::string& subject,
                              const std::string& tag) {
   auto node = std::make_unique<Node>(n);
@@ -83,7 +83,7 @@ TEST(DomainTag, AnnouncedTag_IsNotBelievedAndTheProvenOneCounts) {
     const auto met = [&] { return a->knows(*b) || b->knows(*a); };
     EXPECT_EQ(world.run_until(met, 1500), same);
     const auto told = [](const Node& node) { return node.events.has(Code::rtps_domain_differs); };
-    EXPECT_EQ(told(alices) || told(bobs), !same);  // the engines refuse the other tag
+    EXPECT_EQ(told(alices) || told(bobs), !same);  // the plugins refuse the other tag
   }
 }
 

@@ -87,14 +87,14 @@ TEST(Dormant, MoreThanThereAreParticipants_KeepAPlaceForEachIdentity) {
   const Rules rules = everything(ProtectionKind::sign);
   const auto many = properties_of("CN=many,O=Example", rules);
   Node a(1, properties_of("CN=alice,O=Example", rules), 1);
-  Node engines(200, many, 1);
+  Node plugins(200, many, 1);
   World world{.nodes = {&a}};
   std::vector<std::unique_ptr<Node>> nodes;
   Node single(2, properties_of("CN=bob,O=Example", rules), 1);
   world.nodes.push_back(&single);
   constexpr std::uint8_t kMany = DormantPeers::kMaxPeers + 4;
   for (std::uint8_t i = 0; i < kMany; ++i) {
-    nodes.push_back(std::make_unique<Node>(static_cast<std::uint8_t>(10 + i), many, engines));
+    nodes.push_back(std::make_unique<Node>(static_cast<std::uint8_t>(10 + i), many, plugins));
     world.nodes.push_back(nodes.back().get());
   }
   ASSERT_TRUE(world.run_until(

@@ -32,12 +32,12 @@ class HandshakeAnswersTest : public ::testing::Test {
   ManualClock clock_{pki::kNow};
   SeededRandom random_{1};
   test::RecordedEvents events_;
-  std::unique_ptr<spi::Authentication> engine_ =
+  std::unique_ptr<spi::Authentication> plugin_ =
       authentication::make_authentication({clock_, random_, events_});
 
  protected:
   std::size_t account_ = 0;
-  HandshakeAnswers answers_{*engine_, account_};
+  HandshakeAnswers answers_{*plugin_, account_};
 };
 
 TEST_F(HandshakeAnswersTest, Octets_AreCountedForAllPeers) {
@@ -61,8 +61,8 @@ TEST_F(HandshakeAnswersTest, Death_GivesTheOctetsBack) {
     ManualClock clock{pki::kNow};
     SeededRandom random{1};
     test::RecordedEvents events;
-    const auto engine = authentication::make_authentication({clock, random, events});
-    HandshakeAnswers others(*engine, account);
+    const auto plugin = authentication::make_authentication({clock, random, events});
+    HandshakeAnswers others(*plugin, account);
     others.add(answer(1));
     EXPECT_GT(account, 0u);
   }

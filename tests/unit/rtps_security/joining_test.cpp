@@ -45,7 +45,7 @@ TEST(Joining, EveryGovernance_LetsDataFlow) {
   }
 }
 
-// An engine that at first has no room for a peer.
+// A plugin that at first has no room for a peer.
 class Crowded final : public ForwardingAuthentication {
  public:
   using ForwardingAuthentication::ForwardingAuthentication;

@@ -17,18 +17,18 @@ class KeyThief : public spi::Cryptography, protected spi::CryptoKeyExchange {
     Tokens of_participant, of_writer;  ///< the latest ones
     Tokens all;
   };
-  KeyThief(std::unique_ptr<spi::Cryptography> engine, Stolen& stolen)
-      : engine_(std::move(engine)), stolen_(stolen) {}
+  KeyThief(std::unique_ptr<spi::Cryptography> plugin, Stolen& stolen)
+      : plugin_(std::move(plugin)), stolen_(stolen) {}
   /// Returns a function that wraps a plugin.
   static auto into(Stolen& stolen) {
-    return [&stolen](std::unique_ptr<spi::Cryptography> engine) {
-      return std::make_unique<KeyThief>(std::move(engine), stolen);
+    return [&stolen](std::unique_ptr<spi::Cryptography> plugin) {
+      return std::make_unique<KeyThief>(std::move(plugin), stolen);
     };
   }
 
-  spi::CryptoKeyFactory& key_factory() override { return engine_->key_factory(); }
+  spi::CryptoKeyFactory& key_factory() override { return plugin_->key_factory(); }
   spi::CryptoKeyExchange& key_exchange() override { return *this; }
-  spi::CryptoTransform& transform() override { return engine_->transform(); }
+  spi::CryptoTransform& transform() override { return plugin_->transform(); }
 
  protected:
   using Participant = spi::ParticipantCryptoHandle;
@@ -61,20 +61,20 @@ class KeyThief : public spi::Cryptography, protected spi::CryptoKeyExchange {
     return exchange().set_remote_datareader_crypto_tokens(a, b, tokens);
   }
   Sha256Digest digest_of(Given tokens) const override {
-    return engine_->key_exchange().digest_of(tokens);
+    return plugin_->key_exchange().digest_of(tokens);
   }
   spi::KeyRevision key_revision_of(Given tokens) const override {
-    return engine_->key_exchange().key_revision_of(tokens);
+    return plugin_->key_exchange().key_revision_of(tokens);
   }
 
  private:
-  spi::CryptoKeyExchange& exchange() { return engine_->key_exchange(); }
+  spi::CryptoKeyExchange& exchange() { return plugin_->key_exchange(); }
   Tokens kept(Given tokens) {
     stolen_.all.insert(stolen_.all.end(), tokens.begin(), tokens.end());
     return {tokens.begin(), tokens.end()};
   }
 
-  std::unique_ptr<spi::Cryptography> engine_;
+  std::unique_ptr<spi::Cryptography> plugin_;
   Stolen& stolen_;
 };
 

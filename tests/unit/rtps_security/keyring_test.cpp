@@ -28,8 +28,8 @@ TEST(Joining, ParticipantKeys_AreWaitedForOnlyWhereTheyAreNeeded) {
                             Rules{.discovery = kEncrypt}, Rules{.rtps = kEncrypt}}) {
     KeyThief::Stolen unused;
     Node a(1, properties_of("CN=alice,O=Example", rules));
-    Node b(2, properties_of("CN=bob,O=Example", rules), 3, [&](auto engine) {
-      return std::make_unique<WithoutParticipantKeys>(std::move(engine), unused);
+    Node b(2, properties_of("CN=bob,O=Example", rules), 3, [&](auto plugin) {
+      return std::make_unique<WithoutParticipantKeys>(std::move(plugin), unused);
     });
     World world{{&a, &b}};
     ASSERT_TRUE(a->create_writer(square(default_writer_qos()), a.listener, world.now));

@@ -84,7 +84,7 @@ std::optional<In> leads_to(In from, Edge edge) {
 class PeerStatesTest : public ::testing::Test {
  protected:
   std::unique_ptr<PeerHandshake> handshake() {
-    return std::make_unique<PeerHandshake>(*engine_, PeerHandshake::Sides{}, data_, account_, 0s);
+    return std::make_unique<PeerHandshake>(*plugin_, PeerHandshake::Sides{}, data_, account_, 0s);
   }
   Association association() {
     Association out;
@@ -169,7 +169,7 @@ class PeerStatesTest : public ::testing::Test {
   ManualClock clock_{pki::kNow};
   SeededRandom random_{1};
   test::RecordedEvents events_;
-  std::unique_ptr<spi::Authentication> engine_ =
+  std::unique_ptr<spi::Authentication> plugin_ =
       authentication::make_authentication({clock_, random_, events_});
   HandshakeAccount account_;
   std::shared_ptr<const Bytes> data_ = std::make_shared<const Bytes>();

@@ -119,16 +119,16 @@ spi::PropertyList with_passphrase(spi::PropertyList properties) {
 [[gnu::noinline]] void live(Remains& remains) {
   auto phrase = spi::Property{"", passphrase()};
   remains.look_for("passphrase", as_bytes(phrase.value));
-  Node engines(9);
-  const PluginServices services{engines.clock, engines.random, engines.events};
-  engines.authentication =
+  Node plugins(9);
+  const PluginServices services{plugins.clock, plugins.random, plugins.events};
+  plugins.authentication =
       std::make_unique<SecretWatch>(authentication::make_authentication(services), remains);
-  engines.access_control = access_control::make_access_control(services);
-  engines.cryptography =
+  plugins.access_control = access_control::make_access_control(services);
+  plugins.cryptography =
       std::make_unique<KeyWatch>(cryptography::make_cryptography(services), remains);
   const auto rules = everything(ProtectionKind::encrypt_with_origin_authentication);
-  Node a(1, with_passphrase(properties_of("CN=alice,O=Example", rules)), engines);
-  Node b(2, with_passphrase(properties_of("CN=bob,O=Example", rules)), engines);
+  Node a(1, with_passphrase(properties_of("CN=alice,O=Example", rules)), plugins);
+  Node b(2, with_passphrase(properties_of("CN=bob,O=Example", rules)), plugins);
   World world;
   world.nodes = {&a, &b};
   const auto writer = a->create_writer(square(default_writer_qos()), a.listener, world.now).value();

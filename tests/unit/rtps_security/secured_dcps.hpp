@@ -25,7 +25,7 @@ struct TypeTraits<Sensor> {
 
 namespace testing {
 
-/// The engines and services that a process has for a secured participant.
+/// The plugins and services that a process has for a secured participant.
 struct SecuredProcess {
   using Wrap = std::unique_ptr<spi::AccessControl> (*)(std::unique_ptr<spi::AccessControl>);
   /// `wrap` wraps its access control.

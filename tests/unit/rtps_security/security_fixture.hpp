@@ -199,7 +199,7 @@ class RevocationFile {
   std::uint64_t number_ = 0;
 };
 
-/// A participant at port 7000 + n, with engines of its own if it is secured.
+/// A participant at port 7000 + n, with plugins of its own if it is secured.
 struct Node {
   struct Post final : Transport {
     std::vector<std::pair<std::uint32_t, Bytes>> sent;
@@ -241,7 +241,7 @@ struct Node {
     if (wrap) cryptography = wrap(std::move(cryptography));
     join(n, *this, properties, others);
   }
-  /// Uses the engines, and so the clock, of another node, which must live longer.
+  /// Uses the plugins, and so the clock, of another node, which must live longer.
   Node(std::uint8_t n, const spi::PropertyList& properties, Node& host)
       : port(7000u + n), random(n) {
     join(n, host, properties, 3);

@@ -40,7 +40,7 @@ const Json& section(const char* name, std::size_t count) {
   return entries;
 }
 
-// Those without a key for one receiver. An engine chooses the ids of such keys itself, so the
+// Those without a key for one receiver. A plugin chooses the ids of such keys itself, so the
 // others can be decoded but not reproduced.
 std::vector<Json> for_all_receivers(const char* name, std::size_t count, std::size_t expected) {
   std::vector<Json> out;
@@ -127,7 +127,7 @@ TEST(Kat, KeyExchange_IsReproduced) {
             kat()["kx"]["session_key_for_session_id_01020304"].get<std::string>());
 }
 
-// Returns the values with which the vectors were made, in the order in which the engine asks.
+// Returns the values with which the vectors were made, in the order in which the plugin asks.
 struct ScriptedRandom final : Random {
   Status fill(MutableBytes out) override {
     if (script.empty() || script.front().size() != out.size()) return fail_here();
@@ -178,24 +178,24 @@ class KatTransform : public ::testing::TestWithParam<AeadChoice> {
   static CryptographyOptions options() { return {.aead = GetParam()}; }
 };
 
-// An engine whose first key is that of the vectors.
+// A plugin whose first key is that of the vectors.
 struct Scripted {
   explicit Scripted(const CryptographyOptions& options) : services{clock, random, events} {
     random.number<std::uint64_t>(0);
     random.number<std::uint32_t>(0x0000c0de);
-    engine = make_cryptography(services, options);
+    plugin = make_cryptography(services, options);
   }
   SystemClock clock;
   ScriptedRandom random;
   test::RecordedEvents events;
   PluginServices services;
-  std::unique_ptr<spi::Cryptography> engine;
+  std::unique_ptr<spi::Cryptography> plugin;
 };
 
 TEST_P(KatTransform, Payloads_Encode) {
   for (const auto& entry : section("payload", 12)) {
     Scripted side(options());
-    auto& factory = side.engine->key_factory();
+    auto& factory = side.plugin->key_factory();
     const auto participant = factory.register_local_participant({}, {}, {}, {}).value();
     side.random.key(key_octets(entry));
     const auto writer =
@@ -205,7 +205,7 @@ TEST_P(KatTransform, Payloads_Encode) {
             .value();
     const auto plain = entry.contains("plain") ? hex(entry["plain"]) : input("plain_payload");
     const auto encoded = into_bytes(plain.size() + 44, [&](MutableBytes out) {
-      return side.engine->transform().encode_serialized_payload(writer, plain, out);
+      return side.plugin->transform().encode_serialized_payload(writer, plain, out);
     });
     EXPECT_EQ(to_hex(*encoded), entry["encoded"].get<std::string>());
   }
@@ -225,7 +225,7 @@ TEST_P(KatTransform, Payloads_Decode) {
 TEST_P(KatTransform, Submessages_Encode) {
   for (const auto& entry : for_all_receivers("submessage", 12, 6)) {
     Scripted side(options());
-    auto& factory = side.engine->key_factory();
+    auto& factory = side.plugin->key_factory();
     const auto participant = factory.register_local_participant({}, {}, {}, {}).value();
     side.random.key(key_octets(entry));
     const auto writer =
@@ -235,7 +235,7 @@ TEST_P(KatTransform, Submessages_Encode) {
             .value();
     const auto plain = input("plain_data_submessage");
     const auto encoded = into_bytes(plain.size() + 112, [&](MutableBytes out) {
-      return side.engine->transform().encode_datawriter_submessage(writer, {}, plain, out);
+      return side.plugin->transform().encode_datawriter_submessage(writer, {}, plain, out);
     });
     EXPECT_EQ(to_hex(*encoded), entry["encoded"].get<std::string>());
   }
@@ -262,13 +262,13 @@ TEST_P(KatTransform, Messages_Encode) {
     Scripted side(options());
     side.random.key(key_octets(entry));
     const auto participant =
-        side.engine->key_factory()
+        side.plugin->key_factory()
             .register_local_participant({}, {}, cipher_property(entry),
                                         participant_attributes(protection(entry)))
             .value();
     const auto plain = input("plain_rtps_message");
     const auto encoded = into_bytes(plain.size() + 112, [&](MutableBytes out) {
-      return side.engine->transform().encode_rtps_message(participant, {}, plain, out);
+      return side.plugin->transform().encode_rtps_message(participant, {}, plain, out);
     });
     EXPECT_EQ(to_hex(*encoded), entry["encoded"].get<std::string>());
   }
@@ -298,7 +298,7 @@ TEST_P(KatTransform, VolatileSubmessage_EncodesAndDecodes) {
   const auto& entry = kat()["kx"];
   const auto shared = shared_of(entry, "shared_secret_sha256");
   const auto matched = [&](Scripted& side) {
-    auto& factory = side.engine->key_factory();
+    auto& factory = side.plugin->key_factory();
     const auto participant = factory.register_local_participant({}, {}, {}, {}).value();
     return std::pair(
         participant,
@@ -308,26 +308,26 @@ TEST_P(KatTransform, VolatileSubmessage_EncodesAndDecodes) {
   sender.random.start();
   receiver.random.start(0x05060708, 0);
   const auto [from, to_remote] = matched(sender);
-  auto& at_sender = sender.engine->key_factory();
+  auto& at_sender = sender.plugin->key_factory();
   const auto writer =
       at_sender.register_local_datawriter(from, builtin_endpoint(kVolatileWriter), {}).value();
   const auto remote_reader =
       at_sender.register_matched_remote_datareader(writer, to_remote, shared, false).value();
   const auto plain = hex(entry["plain"]);
   const auto encoded = into_bytes(plain.size() + 112, [&](MutableBytes out) {
-    return sender.engine->transform().encode_datawriter_submessage(writer, {&remote_reader, 1},
+    return sender.plugin->transform().encode_datawriter_submessage(writer, {&remote_reader, 1},
                                                                    plain, out);
   });
   EXPECT_EQ(to_hex(*encoded), entry["volatile_secure_submessage"].get<std::string>());
   // There is one key for both directions.
   const auto [to, from_remote] = matched(receiver);
-  auto& at_receiver = receiver.engine->key_factory();
+  auto& at_receiver = receiver.plugin->key_factory();
   const auto reader =
       at_receiver.register_local_datareader(to, builtin_endpoint(kVolatileReader), {}).value();
   const auto remote_writer =
       at_receiver.register_matched_remote_datawriter(reader, from_remote, shared).value();
   const auto decoded = into_bytes(encoded->size(), [&](MutableBytes out) {
-    return receiver.engine->transform().decode_datawriter_submessage(reader, remote_writer,
+    return receiver.plugin->transform().decode_datawriter_submessage(reader, remote_writer,
                                                                      *encoded, out);
   });
   ASSERT_TRUE(decoded);
@@ -371,7 +371,7 @@ TEST_P(KatTransform, PreSharedKeyMessages_Encode) {
     const PropertyList properties = {{std::string(spi::property::kPskPassphrase),
                                       "data:," + std::to_string(entry["passphrase_id"].get<int>()) +
                                           ":" + entry["passphrase"].get<std::string>()}};
-    auto keys = side.engine->key_factory()
+    auto keys = side.plugin->key_factory()
                     .pre_shared_keys({properties, attributes, entry["domain_id"].get<DomainId>(),
                                       entry["domain_tag"].get<std::string>()})
                     .value();

@@ -1,4 +1,4 @@
-// Two participants of one process on one set of engines, and a remote one that both deal with. What
+// Two participants of one process on one set of plugins, and a remote one that both deal with. What
 // ends for one of them goes on for the other.
 #include "tests/unit/rtps_security/security_fixture.hpp"
 
@@ -10,13 +10,13 @@ using namespace testing;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 constexpr auto kEncryptOa = ProtectionKind::encrypt_with_origin_authentication;
 
-struct SharedEngines : ::testing::TestWithParam<ProtectionKind> {
+struct SharedPlugins : ::testing::TestWithParam<ProtectionKind> {
   // The parameters say how long the permissions of each are valid.
   void join(std::chrono::hours of_first = 24h, std::chrono::hours of_remote = 24h) {
     const auto rules = everything(GetParam());
-    engines.emplace(9, properties_of("CN=engines,O=Example", rules));
-    first.emplace(1, properties_of("CN=first,O=Example", rules, {"*"}, of_first), *engines);
-    second.emplace(2, properties_of("CN=second,O=Example", rules), *engines);
+    plugins.emplace(9, properties_of("CN=plugins,O=Example", rules));
+    first.emplace(1, properties_of("CN=first,O=Example", rules, {"*"}, of_first), *plugins);
+    second.emplace(2, properties_of("CN=second,O=Example", rules), *plugins);
     remote.emplace(3, properties_of("CN=remote,O=Example", rules, {"*"}, of_remote));
     world.nodes = {&*first, &*second, &*remote};
     auto qos = default_reader_qos();
@@ -45,25 +45,25 @@ struct SharedEngines : ::testing::TestWithParam<ProtectionKind> {
     EXPECT_TRUE(talks(b, a)) << a.events.text();
   }
   void pass(std::chrono::hours time) {
-    engines->clock.advance(time);
+    plugins->clock.advance(time);
     remote->clock.advance(time);
     world.run(300);
   }
 
   World world;
   Listener writer_listener;
-  std::optional<Node> engines, first, second, remote;
+  std::optional<Node> plugins, first, second, remote;
   std::map<const Node*, Guid> writers;
 };
 
-TEST_P(SharedEngines, AllPairs_TalkToEachOther) {
+TEST_P(SharedPlugins, AllPairs_TalkToEachOther) {
   join();
   expect_talk(*first, *remote);
   expect_talk(*second, *remote);
   expect_talk(*first, *second);
 }
 
-TEST_P(SharedEngines, OneLeaves_TheOtherGoesOn) {
+TEST_P(SharedPlugins, OneLeaves_TheOtherGoesOn) {
   join();
   (*first)->leave();
   world.run(50);
@@ -78,7 +78,7 @@ TEST_P(SharedEngines, OneLeaves_TheOtherGoesOn) {
 }
 
 // One participant no longer hears the remote, whose lease then ends there.
-TEST_P(SharedEngines, OneLosesTheRemote_TheOtherKeepsIt) {
+TEST_P(SharedPlugins, OneLosesTheRemote_TheOtherKeepsIt) {
   join();
   const auto deaf = first->port;
   world.attack = [&](World::Traffic& traffic) {
@@ -91,15 +91,15 @@ TEST_P(SharedEngines, OneLosesTheRemote_TheOtherKeepsIt) {
   expect_talk(*second, *remote);
 }
 
-TEST_P(SharedEngines, OneEnds_TheOtherGoesOn) {
+TEST_P(SharedPlugins, OneEnds_TheOtherGoesOn) {
   join(1h);
   pass(2h);
-  EXPECT_TRUE(first->events.has(Code::grant_expired) || engines->events.has(Code::grant_expired));
+  EXPECT_TRUE(first->events.has(Code::grant_expired) || plugins->events.has(Code::grant_expired));
   EXPECT_FALSE(talks(*remote, *first, 50));
   expect_talk(*second, *remote);
 }
 
-TEST_P(SharedEngines, TheEndOfTheRemote_IsTheEndForBoth) {
+TEST_P(SharedPlugins, TheEndOfTheRemote_IsTheEndForBoth) {
   join(24h, 1h);
   pass(2h);
   EXPECT_FALSE(first->knows(*remote));
@@ -107,7 +107,7 @@ TEST_P(SharedEngines, TheEndOfTheRemote_IsTheEndForBoth) {
   expect_talk(*first, *second);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, SharedEngines, ::testing::Values(kEncrypt, kEncryptOa),
+INSTANTIATE_TEST_SUITE_P(Kinds, SharedPlugins, ::testing::Values(kEncrypt, kEncryptOa),
                          [](const auto& info) {
                            return info.param == kEncrypt ? "Encrypt" : "OriginAuthenticated";
                          });
