@@ -171,7 +171,7 @@ Bytes der_of(PKCS7* pkcs7) {
 }
 
 // Reads the text as the plugins do. Returns false if they cannot read it.
-bool take_as_plugins_do(BytesView file, DocumentForm& form) {
+bool read_as_plugins_do(BytesView file, DocumentForm& form) {
   const auto document = read_document(file);
   const auto pkcs7 = document ? parse_der(document->signature) : nullptr;
   const auto cms = document && !pkcs7 ? parse_cms(document->signature) : nullptr;
@@ -291,7 +291,7 @@ Status check_same_reading(const UnverifiedDocument& ours, BytesView file) {
 DocumentForm examine_document(BytesView file) {
   DocumentForm form;
   if (file.size() > kMaxDocumentOctets) return form;
-  if (take_as_plugins_do(file, form)) {
+  if (read_as_plugins_do(file, form)) {
     take_openssl_reason();
     return form;
   }

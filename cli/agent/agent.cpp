@@ -213,7 +213,7 @@ Result<Json> Agent::run_worker(Folder& folder) {
   const auto& path = folder.task.folder;
   if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
   if (!folder.lock && !folder.task.is_dry_run) {
-    DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::take(path));
+    DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::acquire(path));
   }
   if (folder.lock)
     folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);

@@ -116,7 +116,7 @@ Status switch_to_owner(const FolderOwner& owner) {
                                .note = errno_text(error)});
 }
 
-Result<FolderLock> FolderLock::take(const fs::path& path) {
+Result<FolderLock> FolderLock::acquire(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(auto opened, open_guarded(name_of(path), O_RDONLY));
   if (!opened) return unreadable_folder_error(path, errno);
   const int folder = opened.release();

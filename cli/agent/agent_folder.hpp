@@ -44,7 +44,7 @@ class FolderLock {
  public:
   /// Locks the folder. Errors: those of check_folder and open_guarded; file_unreadable,
   /// file_unwritable; agent_is_running.
-  static Result<FolderLock> take(const std::filesystem::path& folder);
+  static Result<FolderLock> acquire(const std::filesystem::path& folder);
 
   /// False after the folder or the file in it was removed or replaced, or the owner was changed.
   bool is_in_place(const std::filesystem::path& folder) const;

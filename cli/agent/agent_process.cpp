@@ -79,12 +79,12 @@ HeldSignals::HeldSignals() {
 }
 
 HeldSignals::~HeldSignals() {
-  take();
+  read_signals();
   ::close(file_);
   ::sigprocmask(SIG_SETMASK, &former_, nullptr);
 }
 
-void HeldSignals::take() {
+void HeldSignals::read_signals() {
   signalfd_siginfo one{};
   while (::read(file_, &one, sizeof one) == static_cast<ssize_t>(sizeof one))
     (one.ssi_signo == static_cast<unsigned>(SIGHUP) ? is_reload_ : is_stopped_) = true;
@@ -94,7 +94,7 @@ bool HeldSignals::take_reload() { return std::exchange(is_reload_, false); }
 
 Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_reload) {
   while (true) {
-    take();
+    read_signals();
     if (is_stopped_) return Woken::stop;
     if (for_reload && is_reload_) return Woken::time;
     std::array<pollfd, 2> files{pollfd{file_, POLLIN, 0}, pollfd{file, events, 0}};

@@ -38,7 +38,7 @@ class HeldSignals {
   const sigset_t& former() const { return former_; }
 
  private:
-  void take();
+  void read_signals();
   sigset_t former_{};
   int file_ = -1;
   bool is_stopped_ = false;

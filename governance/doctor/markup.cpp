@@ -110,7 +110,7 @@ bool is_readable_string(std::string_view text) {
 Markup::Token Markup::next() {
   const auto position = std::exchange(position_, Position::between_elements);
   if (position == Position::content) return content();
-  if (!take_between()) return at(Kind::broken);
+  if (!skip_between()) return at(Kind::broken);
   const bool is_unexpected = !rest_.empty() && !rest_.starts_with("</");
   if (position == Position::end_of_text && is_unexpected) return at(Kind::broken);
   return between();
@@ -127,7 +127,7 @@ std::string_view Markup::take(std::size_t count) {
   return taken;
 }
 
-bool Markup::take_between() {
+bool Markup::skip_between() {
   const auto length = length_of_between(rest_);
   take(length.value_or(0));
   return length.has_value();
@@ -198,7 +198,7 @@ Markup::Token Markup::open() {
   out.spelled = take(length_of_name(rest_));
   out.name = ascii_lower(out.spelled);
   for (;;) {
-    if (!take_between()) return at(Kind::broken);
+    if (!skip_between()) return at(Kind::broken);
     out.is_closed = rest_.starts_with("/>");
     if (out.is_closed || rest_.starts_with('>')) {
       take(out.is_closed ? 2 : 1);
@@ -211,9 +211,9 @@ Markup::Token Markup::open() {
 
 bool Markup::add_attribute(Token& out) {
   const auto name = take(length_of_name(rest_));
-  if (name.empty() || !take_between() || !rest_.starts_with('=')) return false;
+  if (name.empty() || !skip_between() || !rest_.starts_with('=')) return false;
   take(1);
-  if (!take_between() || (!rest_.starts_with('"') && !rest_.starts_with('\''))) return false;
+  if (!skip_between() || (!rest_.starts_with('"') && !rest_.starts_with('\''))) return false;
   const char quote = take(1).front();
   const auto end = rest_.find(quote);
   auto value = end == rest_.npos ? std::nullopt : without_references(rest_.substr(0, end));

@@ -41,7 +41,7 @@ class Markup {
   Token at(Kind kind) const;
   std::size_t offset() const { return text_.size() - rest_.size(); }
   std::string_view take(std::size_t count);
-  bool take_between();
+  bool skip_between();
   Token between();
   Token content();
   Token text();

@@ -171,7 +171,7 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
   const auto basis = now.participant.basis();
   const auto taken = authorities_.poll(
       now.clock.monotonic(), basis->ca->verifier().permissions_cas(),
-      [&](const std::vector<pki::Certificate>& next) { return take_authorities(now, next); });
+      [&](const std::vector<pki::Certificate>& next) { return adopt_authorities(now, next); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
   renewal_list_.reevaluate();
@@ -201,8 +201,8 @@ std::optional<Error> OwnDocuments::drop_withdrawn(const Renewal& now) {
       .with_default_document(governance_.name());
 }
 
-Status OwnDocuments::take_authorities(const Renewal& now,
-                                      const std::vector<pki::Certificate>& next) {
+Status OwnDocuments::adopt_authorities(const Renewal& now,
+                                       const std::vector<pki::Certificate>& next) {
   auto basis = *now.participant.basis();
   DDSSEC_ASSIGN_OR_RETURN(basis.ca, PermissionsCa::of(next));
   if (const auto* const allowed = basis.allowed_algorithms())
@@ -270,8 +270,8 @@ Result<OwnDocuments::JudgedGovernance> OwnDocuments::judge_governance(const Rene
   return out;
 }
 
-Status OwnDocuments::take_governance(const Renewal& now, const JudgingDocuments& former,
-                                     BytesView file) {
+Status OwnDocuments::adopt_governance(const Renewal& now, const JudgingDocuments& former,
+                                      BytesView file) {
   DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, former, file));
   if (judged.is_phased && options_.host_changes_protection) {
     now.participant.set_pending({judged.basis.governance, judged.basis.governance_digest});
@@ -296,7 +296,7 @@ void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& even
   if (governance_waiting_) return;
   const auto former = now.participant.basis();
   const auto taken = governance_.poll(
-      now.clock.monotonic(), [&](BytesView file) { return take_governance(now, *former, file); });
+      now.clock.monotonic(), [&](BytesView file) { return adopt_governance(now, *former, file); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
   if (const auto pending = now.participant.pending()) {
@@ -362,7 +362,7 @@ void OwnDocuments::use_list(const Renewal& now) const {
   now.participant.set_listed(std::make_shared<const ListedPermissions>(std::move(documents)));
 }
 
-Status OwnDocuments::take_list(const Renewal& now, const pki::RenewalList& list) {
+Status OwnDocuments::adopt_list(const Renewal& now, const pki::RenewalList& list) {
   ListedFiles next{.former = listed_.former.empty() ? listed_.verified : listed_.former};
   for (const auto& file : list.permissions) {
     if (auto one = known(now, file))
@@ -397,7 +397,7 @@ void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
   bool was_read = false;
   const auto taken = renewal_list_.poll(now.clock.monotonic(), [&](const pki::RenewalList& list) {
     was_read = true;
-    return take_list(now, list);
+    return adopt_list(now, list);
   });
   if (!taken && was_read) events.push_back(taken.error());
   if (!was_read)

@@ -96,10 +96,10 @@ class OwnDocuments {
     bool counts() const { return !waiting.empty() || !verified.empty() || !fault; }
   };
   void verify_some(const Renewal& now, ListedFiles& list) const;
-  Status take_list(const Renewal& now, const pki::RenewalList& list);
+  Status adopt_list(const Renewal& now, const pki::RenewalList& list);
   void use_list(const Renewal& now) const;
   std::optional<Error> go_on_with_list(const Renewal& now);
-  Status take_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
+  Status adopt_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may replace the one in force.
   struct JudgedGovernance {
     JudgingDocuments basis;
@@ -112,7 +112,7 @@ class OwnDocuments {
   /// still waits, or if none does.
   std::optional<Error> note_applied(const LocalParticipant& participant);
   /// Takes the document in the file, into force or as pending.
-  Status take_governance(const Renewal& now, const JudgingDocuments& former, BytesView file);
+  Status adopt_governance(const Renewal& now, const JudgingDocuments& former, BytesView file);
 
   const AccessControlOptions options_;
   const bool keeps_permissions_;

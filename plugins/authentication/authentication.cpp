@@ -101,7 +101,7 @@ Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
       const auto pair,
       table_.admit_remote(local, {guid, identity_token, std::move(claim.subject)}, own_challenge));
   const std::scoped_lock lock(pair->mutex);
-  if (kept && pair->own_challenge == *kept) take_up_request(pair);
+  if (kept && pair->own_challenge == *kept) restore_kept_request(pair);
   if (announced) pair->announced_challenge = announced;
   RemoteIdentity result{pair->remote_handle, ValidationResult::pending_handshake_message,
                         std::nullopt};

@@ -91,12 +91,13 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
   const std::scoped_lock lock(renewal_mutex_);
   const auto trust = own_trust();
   return revocation_lists_.poll(clock, trust->anchors(), [&](const std::vector<pki::Crl>& lists) {
-    return adopt(lists, stores, clock.calendar_seconds());
+    return adopt_lists(lists, stores, clock.calendar_seconds());
   });
 }
 
 // A new store is opened, because it does not remember which peers the former one trusted.
-Status LocalIdentity::adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now) {
+Status LocalIdentity::adopt_lists(const std::vector<pki::Crl>& lists, TrustStores& stores,
+                                  WallTime now) {
   const auto former = own_trust();
   if (has_trusted_folder_) return fail(Code::trusted_ca_dir_with_crl);
   DDSSEC_RETURN_IF_ERROR(
@@ -255,19 +256,19 @@ Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustSt
   const std::scoped_lock lock(renewal_mutex_);
   AuthoritiesTaken taken;
   const auto former = own_trust();
-  const auto take = [&](const std::vector<pki::Certificate>& next) -> Status {
+  const auto adopt = [&](const std::vector<pki::Certificate>& next) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(taken.identity,
-                            take_authorities(next, stores, clock.calendar_seconds()));
+                            adopt_authorities(next, stores, clock.calendar_seconds()));
     return {};
   };
   DDSSEC_ASSIGN_OR_RETURN(taken.authorities,
-                          authorities_.poll(clock.monotonic(), former->anchors(), take));
+                          authorities_.poll(clock.monotonic(), former->anchors(), adopt));
   return taken;
 }
 
 // Takes other authorities. Returns true if our certificate was renewed together with them.
-Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>& next,
-                                             TrustStores& stores, WallTime now) {
+Result<bool> LocalIdentity::adopt_authorities(const std::vector<pki::Certificate>& next,
+                                              TrustStores& stores, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(next));
   DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, revocation_lists_.in_force()));
   const auto former = presented();
@@ -281,13 +282,13 @@ Result<bool> LocalIdentity::take_authorities(const std::vector<pki::Certificate>
   // A CA that is replaced without overlap has issued our certificate again.
   const auto found = watch_.read({former->certificate, former->key});
   if (!found || found->certificate == former->certificate) return std::unexpected(own.error());
-  DDSSEC_RETURN_IF_ERROR(take_together(next, *found, stores, now));
+  DDSSEC_RETURN_IF_ERROR(adopt_with_identity(next, *found, stores, now));
   return true;
 }
 
-Status LocalIdentity::take_together(const std::vector<pki::Certificate>& next,
-                                    const IdentityWatch::Found& identity, TrustStores& stores,
-                                    WallTime now) {
+Status LocalIdentity::adopt_with_identity(const std::vector<pki::Certificate>& next,
+                                          const IdentityWatch::Found& identity, TrustStores& stores,
+                                          WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, revocation_lists_.read(next, now));
   DDSSEC_RETURN_IF_ERROR(check_renewal(lists.in_force(), revocation_lists_.in_force(), next, now));
   DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, lists.in_force()));

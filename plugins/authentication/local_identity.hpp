@@ -124,14 +124,15 @@ class LocalIdentity {
   };
 
   std::shared_ptr<const TrustStore> own_trust() const;
-  Status adopt(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now);
+  Status adopt_lists(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now);
   Status check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
                        WallTime now) const;
   Status check_in_trusted_folder(const std::vector<pki::Certificate>& authorities) const;
-  Result<bool> take_authorities(const std::vector<pki::Certificate>& next, TrustStores& stores,
-                                WallTime now);
-  Status take_together(const std::vector<pki::Certificate>& next,
-                       const IdentityWatch::Found& identity, TrustStores& stores, WallTime now);
+  Result<bool> adopt_authorities(const std::vector<pki::Certificate>& next, TrustStores& stores,
+                                 WallTime now);
+  Status adopt_with_identity(const std::vector<pki::Certificate>& next,
+                             const IdentityWatch::Found& identity, TrustStores& stores,
+                             WallTime now);
   void trust(std::shared_ptr<const TrustStore> store);
 
   const Guid guid_;

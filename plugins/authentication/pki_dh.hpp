@@ -60,9 +60,9 @@ class PkiDh final : public spi::Authentication {
   std::string authenticated_subject(HandshakeHandle handshake) override;
   Result<std::optional<Token>> offer_renewal(HandshakeHandle handshake) override;
   Result<Token> judge_renewal(HandshakeHandle handshake, const Token& offer) override;
-  Result<Token> take_renewal(HandshakeHandle handshake, const Token& offer) override;
-  Result<spi::SessionFacts> note_renewal_taken(HandshakeHandle handshake,
-                                               const Token& answer) override;
+  Result<Token> accept_renewal(HandshakeHandle handshake, const Token& offer) override;
+  Result<spi::SessionFacts> note_renewal_accepted(HandshakeHandle handshake,
+                                                  const Token& answer) override;
   Status return_handshake_handle(HandshakeHandle handshake) override;
   Status return_identity_handle(IdentityHandle identity) override;
   std::optional<WallTime> next_expiry() override { return table_.next_end(); }
@@ -110,7 +110,7 @@ class PkiDh final : public spi::Authentication {
   Result<JudgedOffer> judge_peer_offer(const IdentityPair& pair, const Established& session,
                                        const Token& offer) const;
   Event renewed_peer(const IdentityPair& pair, const Established& session) const;
-  void take_up_request(const std::shared_ptr<IdentityPair>& pair);
+  void restore_kept_request(const std::shared_ptr<IdentityPair>& pair);
   Token presented_token(const Token& message, const IdentityPair& pair,
                         const PresentedDocuments& own) const;
   Status check_room(const IdentityPair& pair) const;

@@ -37,7 +37,7 @@ Result<HandshakeContext> PkiDh::handshake_context(const IdentityPair& pair) cons
 }
 
 // Takes up the request that was kept for the pair. The caller holds the pair's lock.
-void PkiDh::take_up_request(const std::shared_ptr<IdentityPair>& pair) {
+void PkiDh::restore_kept_request(const std::shared_ptr<IdentityPair>& pair) {
   auto [request, reply_keys] = kept_requests_.take(pair->local_handle, pair->remote_guid);
   pair->reply_keys = std::move(reply_keys);
   if (!request) return;

@@ -84,7 +84,7 @@ Result<Token> PkiDh::judge_renewal(HandshakeHandle handle, const Token& offer) {
       });
 }
 
-Result<Token> PkiDh::take_renewal(HandshakeHandle handle, const Token& offer) {
+Result<Token> PkiDh::accept_renewal(HandshakeHandle handle, const Token& offer) {
   return with_session(
       handle, [&](const IdentityPair& pair, PairHandshake&, Established& done) -> Result<Token> {
         DDSSEC_ASSIGN_OR_RETURN(auto found, judge_peer_offer(pair, done, offer));
@@ -110,7 +110,8 @@ Event PkiDh::renewed_peer(const IdentityPair& pair, const Established& session) 
                             .note = "serial number " + chain.certificate().serial()}));
 }
 
-Result<spi::SessionFacts> PkiDh::note_renewal_taken(HandshakeHandle handle, const Token& answer) {
+Result<spi::SessionFacts> PkiDh::note_renewal_accepted(HandshakeHandle handle,
+                                                       const Token& answer) {
   using Facts = Result<spi::SessionFacts>;
   return reported(with_session(
       handle, [&](const IdentityPair& pair, PairHandshake& handshake, Established& done) -> Facts {

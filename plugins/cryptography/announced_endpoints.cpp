@@ -191,7 +191,7 @@ bool AnnouncedEndpoints::has_ended(const EntityId& endpoint, bool is_writer) con
   return std::ranges::find(ended, endpoint) != ended.end();
 }
 
-void AnnouncedEndpoints::take_back(const BuiltinTopic& topic, std::uint64_t number) {
+void AnnouncedEndpoints::retract(const BuiltinTopic& topic, std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   auto& passed = writers_[topic.writer].passed;
   const auto known = passed.find(number);

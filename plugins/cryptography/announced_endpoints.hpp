@@ -109,7 +109,7 @@ class AnnouncedEndpoints {
   /// Errors as of note.
   Status complete(const BuiltinTopic& topic, const Announcement& announcement);
   /// Removes an unread announcement of which no fragment passed.
-  void take_back(const BuiltinTopic& topic, std::uint64_t number);
+  void retract(const BuiltinTopic& topic, std::uint64_t number);
   /// Notes that a GAP or HEARTBEAT reported that there are no samples from `begin` up to but not
   /// including `end`.
   void skip(const BuiltinTopic& topic, std::uint64_t begin, std::uint64_t end);

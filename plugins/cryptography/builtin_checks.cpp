@@ -139,7 +139,7 @@ Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& 
     return check_whole(topic, owner, piece, ending, announced);
   if (topic.key == 0) return unreadable_name_error(topic, "it is in fragments");
   return peer == nullptr ? fail(Code::builtin_fragment_early)
-                         : peer->walks.take(topic, owner, piece, peer->announced, now);
+                         : peer->walks.check(topic, owner, piece, peer->announced, now);
 }
 
 // The host reads nothing of such a sample and continues with the next number.

@@ -123,7 +123,7 @@ Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesV
     octets = octets.subspan(taken);
     filled_ += taken;
     position_ += static_cast<std::uint32_t>(skipped + taken);
-    if (filled_ == wanted_) DDSSEC_RETURN_IF_ERROR(take(topic, owner));
+    if (filled_ == wanted_) DDSSEC_RETURN_IF_ERROR(read_filled(topic, owner));
   }
   // The host gets this piece before the rest of the header has come.
   if (state_ == State::header && filled_ >= sizeof(id_) && word(0) == pid::kTypeInformation)
@@ -145,7 +145,7 @@ std::size_t ParameterWalk::cost(std::size_t octets) const {
          kOctetsOfLocator * (std::max(locators, kFreeLocators) - kFreeLocators);
 }
 
-Status ParameterWalk::take(const BuiltinTopic& topic, const Owner& owner) {
+Status ParameterWalk::read_filled(const BuiltinTopic& topic, const Owner& owner) {
   filled_ = 0;
   wanted_ = kHeaderSize;
   if (state_ == State::encapsulation) return begin_list(topic);

@@ -96,7 +96,7 @@ class ParameterWalk {
   const EntityId& entity() const { return entity_; }
 
  private:
-  Status take(const BuiltinTopic& topic, const Owner& owner);
+  Status read_filled(const BuiltinTopic& topic, const Owner& owner);
   Status begin_list(const BuiltinTopic& topic);
   Status begin_parameter(const BuiltinTopic& topic);
   void note_name(const BuiltinTopic& topic);

@@ -42,7 +42,7 @@ bool KeyFactory::poll_stranded_keys(spi::IdentityHandle remote) {
   const auto now = state_.services.clock.monotonic();
   bool are_stranded = false;
   for (const auto& [local, pair] : known->second->pairs)
-    are_stranded |= pair && state_.ledger.take_stranded(pair->number, now);
+    are_stranded |= pair && state_.ledger.poll_stranded(pair->number, now);
   return are_stranded;
 }
 

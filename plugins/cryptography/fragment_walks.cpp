@@ -33,9 +33,9 @@ bool FragmentWalks::Writer::is_full(std::uint64_t number, std::size_t fragments_
          fragments + fragments_more > kMaxFragments + (is_highest ? 0 : kSpareFragments);
 }
 
-Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const Owner& owner,
-                                              const DataPiece& piece, AnnouncedEndpoints& announced,
-                                              MonotonicTime now) {
+Result<TypeInformationAt> FragmentWalks::check(const BuiltinTopic& topic, const Owner& owner,
+                                               const DataPiece& piece,
+                                               AnnouncedEndpoints& announced, MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   auto& writer = writers_[topic.writer];
   DDSSEC_ASSIGN_OR_RETURN(const auto sample, sample_of(topic, writer, piece, announced, now));
@@ -43,7 +43,7 @@ Result<TypeInformationAt> FragmentWalks::take(const BuiltinTopic& topic, const O
   const auto type_information = sample->second.type_information;
   if (sample->second.passed.empty()) {  // no fragment of it reached the host
     writer.erase(sample);
-    announced.take_back(topic, piece.number);
+    announced.retract(topic, piece.number);
   }
   if (!status) return std::unexpected(std::move(status).error());
   return within(piece, type_information);

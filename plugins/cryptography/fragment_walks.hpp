@@ -52,9 +52,9 @@ class FragmentWalks {
   /// Errors: builtin_source_mismatch, builtin_source_unreadable. builtin_fragment_early: an earlier
   /// fragment is missing or there is no space now, so it will be requested again; or its sample is
   /// forgotten, and the sender serves another participant.
-  Result<TypeInformationAt> take(const BuiltinTopic& topic, const Owner& owner,
-                                 const DataPiece& piece, AnnouncedEndpoints& announced,
-                                 MonotonicTime now);
+  Result<TypeInformationAt> check(const BuiltinTopic& topic, const Owner& owner,
+                                  const DataPiece& piece, AnnouncedEndpoints& announced,
+                                  MonotonicTime now);
 
  private:
   struct Sample {

@@ -236,14 +236,14 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
   auto* const pair = remote_participant->pair(local.value);
   if (pair == nullptr) return fail(Code::crypto_not_matched);
   DDSSEC_RETURN_IF_ERROR(held.check_source(*pair));
-  auto status = take(*participant, remote, *pair, held.tokens());
+  auto status = accept(*participant, remote, *pair, held.tokens());
   if (!status && !state_.host_checks_sources && status.error().code() != Code::keys_already_set)
     state_.report(status.error(), pair->peer_prefix);
   return status;
 }
 
-Status KeyExchange::take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
-                         ParticipantPair& pair, std::span<const spi::Token> tokens) {
+Status KeyExchange::accept(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
+                           ParticipantPair& pair, std::span<const spi::Token> tokens) {
   if (tokens.size() != 1) return fail(Code::crypto_token_count);
   DDSSEC_ASSIGN_OR_RETURN(auto material, read_crypto_token(tokens.front()));
   // Fast DDS sends a GMAC key even if nothing is protected.
@@ -341,8 +341,7 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& en
 void KeyExchange::install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> keys) {
   state_.note_former(endpoint.handle(), *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));
-  Rollback take_back(
-      [&] { endpoint.remote_keys.replace(std::move(former), state_.retired_objects); });
+  Rollback undo([&] { endpoint.remote_keys.replace(std::move(former), state_.retired_objects); });
   if (is_protected(endpoint.local.submessage)) {
     const bool has_route = endpoint.route != 0 && route_alike(*endpoint.remote_keys.read(), former);
     auto& routes = endpoint.participant.routes;
@@ -352,7 +351,7 @@ void KeyExchange::install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> 
       routes.note_gone();  // it was that of another key
     routes.end_outdated(endpoint);
   }
-  take_back.release();
+  undo.release();
   state_.retired_objects.retire(std::move(former));
 }
 

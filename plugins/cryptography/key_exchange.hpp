@@ -38,8 +38,8 @@ class KeyExchange final : public spi::CryptoKeyExchange {
   Result<std::vector<spi::Token>> create(Local local, Remote remote, spi::KeyStage stage);
   template <class Local, class Remote>
   Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
-  Status take(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
-              ParticipantPair& pair, std::span<const spi::Token> tokens);
+  Status accept(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
+                ParticipantPair& pair, std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
                                                   const ParticipantPair& from) const;
   /// Success if `next` may replace the present keys. Error: keys_already_set, with an event.

@@ -249,9 +249,9 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   if (pair && !state_.host_checks_sources)
     state_.ledger.end(pair->number, state_.services.clock.monotonic());
   pair.swap(fresh);
-  Rollback take_back([&] { pair.swap(fresh); });
+  Rollback undo([&] { pair.swap(fresh); });
   publish_pairs(*remote);
-  take_back.release();
+  undo.release();
   release.release();
   state_.retired_objects.retire(std::move(fresh));
   return spi::ParticipantCryptoHandle{remote->handle()};

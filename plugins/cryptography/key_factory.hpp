@@ -62,7 +62,7 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   /// Makes a key of the next revision for `key`; nullptr if there is no such key.
   Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
   Status revise(LocalEndpoint& endpoint);
-  static void take_back_revision(LocalEndpoint& endpoint) noexcept;
+  static void cancel_revision(LocalEndpoint& endpoint) noexcept;
   void activate_revision(LocalEndpoint& endpoint);
   void put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next);
   /// Reads the key limits of the properties. Errors: invalid_property, key_limits_without_revision,

@@ -111,11 +111,11 @@ Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoH
   auto& participant = *local_participant;
   if (!participant.revises_keys) return KeyRevision{0};
   if (participant.is_revising) return fail(Code::key_revision_out_of_turn);
-  const auto take_back = [&] {
+  const auto undo = [&] {
     participant.next_key.reset();
-    each_endpoint(participant, take_back_revision);
+    each_endpoint(participant, cancel_revision);
   };
-  Rollback rollback(take_back);
+  Rollback rollback(undo);
   Status status;
   DDSSEC_ASSIGN_OR_RETURN(participant.next_key, revised(participant.key));
   each_endpoint(participant, [&](LocalEndpoint& endpoint) {
@@ -137,7 +137,7 @@ Status KeyFactory::revise(LocalEndpoint& endpoint) {
   return {};
 }
 
-void KeyFactory::take_back_revision(LocalEndpoint& endpoint) noexcept {
+void KeyFactory::cancel_revision(LocalEndpoint& endpoint) noexcept {
   endpoint.next_submessage_key.reset();
   endpoint.next_payload_key.reset();
   for (const auto& [participant, peer] : endpoint.peer_keys) peer->next.reset();

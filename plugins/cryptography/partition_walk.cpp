@@ -18,16 +18,16 @@ std::unexpected<Error> wrong_length_error(const BuiltinTopic& topic) {
 Status PartitionWalk::read(const BuiltinTopic& topic, BytesView octets) {
   for (const auto octet : octets) {
     --rest_;
-    DDSSEC_RETURN_IF_ERROR(take(topic, octet));
+    DDSSEC_RETURN_IF_ERROR(read_octet(topic, octet));
   }
   const bool is_done = has_count_ && names_left_ == 0 && name_left_ == 0;
   return rest_ == 0 && !is_done ? Status(wrong_length_error(topic)) : Status();
 }
 
-Status PartitionWalk::take(const BuiltinTopic& topic, std::uint8_t octet) {
+Status PartitionWalk::read_octet(const BuiltinTopic& topic, std::uint8_t octet) {
   if (name_left_ > 0) {
     --name_left_;
-    return take_character(topic, static_cast<char>(octet));
+    return read_character(topic, static_cast<char>(octet));
   }
   if (to_pad_ > 0) {
     --to_pad_;
@@ -40,10 +40,10 @@ Status PartitionWalk::take(const BuiltinTopic& topic, std::uint8_t octet) {
   const auto word = word_;
   filled_ = 0;
   word_ = 0;
-  return take_word(topic, word);
+  return read_word(topic, word);
 }
 
-Status PartitionWalk::take_word(const BuiltinTopic& topic, std::uint32_t word) {
+Status PartitionWalk::read_word(const BuiltinTopic& topic, std::uint32_t word) {
   if (has_count_) return begin_name(topic, word);
   if (word > kMaxNames)
     return unreadable_name_error(topic,
@@ -68,7 +68,7 @@ Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) 
   return {};
 }
 
-Status PartitionWalk::take_character(const BuiltinTopic& topic, char character) {
+Status PartitionWalk::read_character(const BuiltinTopic& topic, char character) {
   if (character == '\0') return {};
   if (text_size_ < text_.size()) text_[text_size_++] = character;
   if (character == '*') is_in_stars_ = true;

@@ -37,10 +37,10 @@ class PartitionWalk {
   std::size_t names() const { return names_; }
 
  private:
-  Status take(const BuiltinTopic& topic, std::uint8_t octet);
-  Status take_word(const BuiltinTopic& topic, std::uint32_t word);
+  Status read_octet(const BuiltinTopic& topic, std::uint8_t octet);
+  Status read_word(const BuiltinTopic& topic, std::uint32_t word);
   Status begin_name(const BuiltinTopic& topic, std::uint32_t size);
-  Status take_character(const BuiltinTopic& topic, char character);
+  Status read_character(const BuiltinTopic& topic, char character);
   Status count_star(const BuiltinTopic& topic);
 
   bool is_little_ = false;

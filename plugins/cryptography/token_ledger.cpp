@@ -194,7 +194,7 @@ void TokenLedger::end(std::uint64_t exchange, std::chrono::nanoseconds now) {
     ended_.push_back({now, exchange});
 }
 
-bool TokenLedger::take_stranded(std::uint64_t exchange, std::chrono::nanoseconds now) {
+bool TokenLedger::poll_stranded(std::uint64_t exchange, std::chrono::nanoseconds now) {
   const std::lock_guard lock(mutex_);
   forget_old(now);
   bool are_stranded = stranded_.erase(exchange) > 0;

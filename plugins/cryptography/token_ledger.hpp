@@ -137,7 +137,7 @@ class TokenLedger {
   /// they were hidden from the host because of a ticket that it can no longer have; or they are
   /// awaited although the host took their ticket more than kHostKeeps before. Call it once a
   /// second.
-  bool take_stranded(std::uint64_t exchange, std::chrono::nanoseconds now);
+  bool poll_stranded(std::uint64_t exchange, std::chrono::nanoseconds now);
 
   struct Held {
     Guid remote;                     ///< the sender of the tokens

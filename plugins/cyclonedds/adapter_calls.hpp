@@ -53,8 +53,8 @@ DDS_Security_boolean ask_token(Instance* instance, DDS_Security_DataHolder* out,
 /// Frees a token of ask_token. The host declares it const although it gives it back, and never uses
 /// it again.
 template <class Context, class Instance>
-DDS_Security_boolean take_back_token(Instance* instance, const DDS_Security_DataHolder* token,
-                                     Exception* ex) noexcept {
+DDS_Security_boolean return_token(Instance* instance, const DDS_Security_DataHolder* token,
+                                  Exception* ex) noexcept {
   return ask<Context>(instance, ex, [&](Context&) -> Status {
     if (token != nullptr) free_token(const_cast<DDS_Security_DataHolder&>(*token));
     return {};

@@ -61,12 +61,12 @@ struct OwnReaders::Announcement {
   bool is_carrier = false;
   std::optional<Guid> ended = {};  // the reader whose end a carrier carries
 
-  void take(const rtps::Parameter& parameter);
+  void read(const rtps::Parameter& parameter);
   // Reads the list up to its end, or up to the first fault.
-  void take(BytesView payload);
+  void read(BytesView payload);
 };
 
-void OwnReaders::Announcement::take(const rtps::Parameter& parameter) {
+void OwnReaders::Announcement::read(const rtps::Parameter& parameter) {
   if (parameter.id == pid::kEndpointGuid) {
     reader = whole_guid(parameter.value).value_or(Guid{});
   } else if (parameter.id == pid::kTopicName) {
@@ -78,11 +78,11 @@ void OwnReaders::Announcement::take(const rtps::Parameter& parameter) {
   }
 }
 
-void OwnReaders::Announcement::take(BytesView payload) {
+void OwnReaders::Announcement::read(BytesView payload) {
   if (payload.size() < kEncapsulationSize) return;
   const auto endian = (payload[1] & 1) != 0 ? Endian::little : Endian::big;
   rtps::ParameterReader list(payload.subspan(kEncapsulationSize), endian);
-  for (auto next = list.next(); next && *next; next = list.next()) take(**next);
+  for (auto next = list.next(); next && *next; next = list.next()) read(**next);
 }
 
 // The host puts the GUID after user data, partitions and the type, so it may be in any fragment.
@@ -100,7 +100,7 @@ std::optional<OwnReaders::Announcement> OwnReaders::read(std::int64_t sender,
   begun.next += piece.count;
   begun.octets.insert(begun.octets.end(), piece.payload.begin(), piece.payload.end());
   Announcement out;
-  out.take(begun.octets);
+  out.read(begun.octets);
   out.is_carrier = false;  // carriers of this process are small
   const bool is_done = out.reader != Guid{} || begun.next > piece.total();
   if (is_done || begun.octets.size() > kMaxBegunOctets) begun_.erase(at);
@@ -122,7 +122,7 @@ std::optional<OwnReaders::Announcement> OwnReaders::read(std::int64_t sender,
   out.to = data->reader;
   out.number = data->sequence_number;
   out.is_end = data->kind == rtps::PayloadKind::key || data->inline_qos.status.disposed;
-  out.take(data->payload);
+  out.read(data->payload);
   return out;
 }
 

@@ -72,7 +72,7 @@ class AccessControl {
     return fail(Code::unknown_permissions_handle);
   }
   /// Notes that the peer has seen renewed permissions of the local identity: its session no longer
-  /// ends with the former. `facts` is from Authentication::note_renewal_taken.
+  /// ends with the former. `facts` is from Authentication::note_renewal_accepted.
   virtual Status note_presented(PermissionsHandle, const SessionFacts&) { return {}; }
 
   /// Checks whether the local participant may join the domain (DDS-Security 1.2, clause 9.4.2.9.3).

@@ -179,13 +179,13 @@ class Authentication {
   }
   /// Judges such a token again. From then on the session ends with the renewed certificate. Returns
   /// the token that informs the peer. Errors as of judge_renewal.
-  virtual Result<Token> take_renewal(HandshakeHandle, const Token& /*offer*/) {
+  virtual Result<Token> accept_renewal(HandshakeHandle, const Token& /*offer*/) {
     return fail(Code::unknown_handshake);
   }
-  /// Notes that the peer has taken an offer: the session no longer ends with the documents that the
-  /// peer had seen before. Returns the facts for AccessControl::note_presented. Errors: those of
-  /// the token's form, unexpected_message (no such offer).
-  virtual Result<SessionFacts> note_renewal_taken(HandshakeHandle, const Token& /*answer*/) {
+  /// Notes that the peer has accepted an offer: the session no longer ends with the documents that
+  /// the peer had seen before. Returns the facts for AccessControl::note_presented. Errors: those
+  /// of the token's form, unexpected_message (no such offer).
+  virtual Result<SessionFacts> note_renewal_accepted(HandshakeHandle, const Token& /*answer*/) {
     return fail(Code::unknown_handshake);
   }
 

@@ -134,8 +134,8 @@ std::size_t AmplificationLimit::left(const GuidPrefix& participant, std::span<co
   return out;
 }
 
-LocatorList AmplificationLimit::take(const GuidPrefix& participant, std::size_t octets,
-                                     std::span<const Locator> to) {
+LocatorList AmplificationLimit::charge(const GuidPrefix& participant, std::size_t octets,
+                                       std::span<const Locator> to) {
   auto* account = find(participant);
   if (account == nullptr) return {to.begin(), to.end()};
   LocatorList out;

@@ -60,7 +60,8 @@ class AmplificationLimit {
   std::size_t left(const GuidPrefix& participant, std::span<const Locator> to);
   /// Returns the addresses to which a message of this many octets may be sent, in the order of
   /// `to`, and charges them for it.
-  LocatorList take(const GuidPrefix& participant, std::size_t octets, std::span<const Locator> to);
+  LocatorList charge(const GuidPrefix& participant, std::size_t octets,
+                     std::span<const Locator> to);
 
  private:
   struct Source {

@@ -130,12 +130,12 @@ Status Group::adopt(std::unique_ptr<Endpoint> member) {
 Status Group::delete_member(Endpoint& member) {
   DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
   std::unique_ptr<Endpoint> dying;
-  DDSSEC_RETURN_IF_ERROR(take_out(member, dying));
+  DDSSEC_RETURN_IF_ERROR(remove_member(member, dying));
   conclude({&dying, 1});
   return {};
 }
 
-Status Group::take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying) {
+Status Group::remove_member(Endpoint& member, std::unique_ptr<Endpoint>& dying) {
   const std::lock_guard members(context_.members());
   const auto held = lock();
   const auto at = std::ranges::find(members_, &member, &std::unique_ptr<Endpoint>::get);

@@ -105,7 +105,7 @@ class Group : public Entity {
  private:
   Status check_topic(const Topic& topic, std::string_view type) const;
   Status adopt(std::unique_ptr<Endpoint> member);
-  Status take_out(Endpoint& member, std::unique_ptr<Endpoint>& dying);
+  Status remove_member(Endpoint& member, std::unique_ptr<Endpoint>& dying);
 
   const std::string_view name_;
   GroupQos qos_;

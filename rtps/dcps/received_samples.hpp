@@ -34,10 +34,11 @@ class ReceivedSamples {
     ReaderCache::Stored stored = {};  ///< set if the outcome is `stored` or `rejected`
   };
   /// Takes a change. `filter` is the reader's content filter, or nullptr if it has none.
-  Received take(Change& change, BoundFilter* filter, const KeyProtection& keys, const Moment& at);
+  Received receive(Change& change, BoundFilter* filter, const KeyProtection& keys,
+                   const Moment& at);
 
-  /// Returns the instance that `take` would find. The default value if the type has no key, or if
-  /// the key of this change cannot be read.
+  /// Returns the instance that `receive` would find. The default value if the type has no key, or
+  /// if the key of this change cannot be read.
   KeyHash instance_of(const Change& change, const KeyProtection& keys) const;
 
   ReaderCache& cache() { return *cache_; }

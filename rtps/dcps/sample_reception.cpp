@@ -113,7 +113,7 @@ bool SampleReception::store(Change& change) {
   using Reception = ReceivedSamples::Reception;
   const auto times_ahead = cache().times_ahead();
   const bool is_new = !change.is_examined;
-  const auto received = samples_.take(change, filter_.filter(), keys_, context_.moment());
+  const auto received = samples_.receive(change, filter_.filter(), keys_, context_.moment());
   if (cache().times_ahead() != times_ahead) report_time_ahead(change.writer);
   call_at(cache().next_tick());
   switch (received.outcome) {

@@ -36,7 +36,7 @@ FileDescriptor make_memory() {
   return out;
 }
 
-bool take_memory(int descriptor, std::size_t size) {
+bool allocate_memory(int descriptor, std::size_t size) {
   rlimit limit{};
   // The system ends a process that writes above this limit.
   if (::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur < size) return false;
@@ -90,7 +90,7 @@ MemoryResult<Segment> Segment::make(std::uint64_t id, std::size_t largest, std::
   out.slot_size_ = slot_size;
   out.descriptor_ = make_memory();
   const int number = out.descriptor();
-  if (number < 0 || !take_memory(number, size)) return refuse(MemoryRefusal::no_memory);
+  if (number < 0 || !allocate_memory(number, size)) return refuse(MemoryRefusal::no_memory);
   // The pages are written to at once, because to readers a page that was never written is a hole.
   auto mapping = map_octets(number, size, PROT_READ | PROT_WRITE, MAP_POPULATE);
   if (!mapping) return refuse(mapping.error());

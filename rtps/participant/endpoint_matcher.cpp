@@ -254,7 +254,7 @@ std::optional<EndpointData> EndpointMatcher::endpoint_on(const std::string& topi
 // ---- both
 
 template <class Local>
-void EndpointMatcher::take_place(Local& local, const EndpointData& endpoint) {
+void EndpointMatcher::claim_place(Local& local, const EndpointData& endpoint) {
   const MatchPlaces::Local of(local);
   if (const auto other = places_.replaceable_match(of, endpoint)) {
     forget(local, *other, true);
@@ -292,7 +292,7 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
     if (!writer.unready.contains(data.guid)) writer.listener->on_matched(data);
     return;
   }
-  take_place(writer, data);
+  claim_place(writer, data);
   const bool waits = presence_.awaits(writer, data);
   const bool history = data.qos.durability >= DurabilityKind::transient_local;
   const auto locators = is_in_process ? LocatorList{} : addresses_of(core_, remote, data);
@@ -320,7 +320,7 @@ void EndpointMatcher::match(LocalReader& reader, RemoteParticipant& remote,
     reader.listener->on_matched(data);
     return remote.watch(*reader.listener, data, core_.now);
   }
-  take_place(reader, data);
+  claim_place(reader, data);
   matched.push_back(reader.protocol.get());
   const auto identity = core_.identity_of(data.guid.prefix);
   const auto* near =

@@ -64,7 +64,7 @@ class EndpointMatcher {
   };
   /// Adds the endpoint to those that matched. If there is no room, another one gives way.
   template <class Local>
-  void take_place(Local& local, const EndpointData& endpoint);
+  void claim_place(Local& local, const EndpointData& endpoint);
   void match(LocalWriter& writer, RemoteParticipant& remote, const EndpointData& data);
   void match(LocalReader& reader, RemoteParticipant& remote, const EndpointData& data);
   void readdress(RemoteParticipant& remote, const RemoteEndpoint& endpoint);

@@ -35,7 +35,7 @@ Status describe_own(ParticipantCore& core, const Announcer& announcer) {
 }
 
 // Returns false if none of the former addresses is left.
-bool take_addresses(ParticipantCore& core, OwnChange::Addresses addresses) {
+bool adopt_addresses(ParticipantCore& core, OwnChange::Addresses addresses) {
   auto& config = core.config;
   const bool any_stays = std::ranges::any_of(config.metatraffic_unicast, [&](const auto& former) {
     return std::ranges::find(addresses.metatraffic, former) != addresses.metatraffic.end();
@@ -198,7 +198,7 @@ void RtpsParticipant::change_own(OwnChange change, MonotonicTime now) {
   const auto gathering = gather();
   if (change.user_data) core_.config.user_data = std::move(*change.user_data);
   if (change.addresses) {
-    const bool any_stays = take_addresses(core_, std::move(*change.addresses));
+    const bool any_stays = adopt_addresses(core_, std::move(*change.addresses));
     const bool is_new = !any_stays && !core_.security;
     if (is_new) announcer_.leave(remotes_);
     discovery_.on_addresses_changed(is_new);

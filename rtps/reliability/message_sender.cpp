@@ -139,7 +139,7 @@ void MessageSender::send_waiting() {
 
 void MessageSender::send_limited(const Outgoing& out) {
   for (const auto& message : out.messages) {
-    const auto to = limit_.take(limited_, message.size(), out.to);
+    const auto to = limit_.charge(limited_, message.size(), out.to);
     if (!to.empty()) transport_.send_all({{&message, 1}, to, out.dscp, out.interface});
   }
 }

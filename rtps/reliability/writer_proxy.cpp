@@ -27,12 +27,12 @@ void WriterProxy::resume(const PastWriters::Position& past, bool wants_history) 
 }
 
 bool WriterProxy::accept(SequenceNumber number, std::optional<Change> change, KeyAge age) {
-  const bool is_taken = take(number, std::move(change));
+  const bool is_taken = deliver_or_keep(number, std::move(change));
   if (is_taken && age == KeyAge::newest) newest_next_ = std::max(newest_next_, number.next());
   return is_taken;
 }
 
-bool WriterProxy::take(SequenceNumber number, std::optional<Change> change) {
+bool WriterProxy::deliver_or_keep(SequenceNumber number, std::optional<Change> change) {
   partial_.erase(number, number);
   if (!is_reliable_) {
     note_lost(number);

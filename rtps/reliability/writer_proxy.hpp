@@ -149,7 +149,7 @@ class WriterProxy {
   std::unique_ptr<Contradictions> contradictions;  ///< nullptr if they are not looked for
 
  private:
-  bool take(SequenceNumber number, std::optional<Change> change);
+  bool deliver_or_keep(SequenceNumber number, std::optional<Change> change);
   void advance();
   /// Ends the wait for a HEARTBEAT: nothing below `number` is delivered.
   void start_at(SequenceNumber number);

@@ -178,7 +178,7 @@ void CryptoTokenExchange::complete(Peer& peer, const EntityId& local, const Guid
   if (is_revising_ && is_trusted(peer) && has_keys)
     add_waiting(*peer.state.association(), local, remote, spi::KeyStage::revised);
   bool is_ready = false;
-  const bool any = take_early(peer, local, remote, is_ready);
+  const bool any = apply_early_tokens(peer, local, remote, is_ready);
   if (is_ready) core_.host.on_keys(local, remote);
   const auto keys = core_.keyring.keys_for(local, remote);
   if (!any && keys.may_be_dropped && keys.are_second_awaited && is_trusted(peer))
@@ -436,11 +436,11 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   return true;
 }
 
-bool CryptoTokenExchange::take_early(Peer& peer, const EntityId& local, const Guid& remote,
-                                     bool& is_ready) {
+bool CryptoTokenExchange::apply_early_tokens(Peer& peer, const EntityId& local, const Guid& remote,
+                                             bool& is_ready) {
   auto& early = peer.state.association()->early;
   const bool any =
-      early.take({core_.own->guid().prefix, local}, remote, [&](const GenericMessage& message) {
+      early.consume({core_.own->guid().prefix, local}, remote, [&](const GenericMessage& message) {
         const auto protection = protection_in(message);
         auto& second = core_.keyring.phases().endpoints();
         if (protection != 0 && !second.knows(local, protection)) return true;
@@ -489,7 +489,7 @@ bool CryptoTokenExchange::register_pair(const EntityId& local, const Guid& remot
     send_waiting(*peer);
   }
   bool is_ready = registered->is_ready;
-  const bool any = take_early(*peer, local, remote, is_ready);
+  const bool any = apply_early_tokens(*peer, local, remote, is_ready);
   // The remote endpoint may have sent its keys before this pair dropped them or was suspended.
   const bool may_be_lost =
       !any && (association->has_revised || core_.keyring.keys_for(local, remote).may_be_dropped);

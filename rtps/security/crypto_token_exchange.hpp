@@ -110,7 +110,7 @@ class CryptoTokenExchange {
   bool on_endpoint_tokens(Peer& peer, GenericMessage message, std::size_t octets);
   /// Applies the tokens of the pair that arrived before it was registered. Returns true if there
   /// were any. `is_ready` becomes true if the pair has become ready.
-  bool take_early(Peer& peer, const EntityId& local, const Guid& remote, bool& is_ready);
+  bool apply_early_tokens(Peer& peer, const EntityId& local, const Guid& remote, bool& is_ready);
   /// Returns true if the pair has become ready.
   bool apply_tokens(Peer& peer, const GenericMessage& message);
 

@@ -62,7 +62,7 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
       !access_control.renew_remote_permissions(
           permissions, peer.data.permissions_token.value_or(spi::Token{}), *credential))
     return;
-  auto answer = authentication.take_renewal(handshake, offer);
+  auto answer = authentication.accept_renewal(handshake, offer);
   if (!answer) return;
   exchange_.send_token(peer, message_class::kRenewalTaken, *std::move(answer));
   if (!access_control.check_remote_participant(permissions, core_.own->domain_id()))
@@ -86,7 +86,7 @@ void DocumentRenewal::on_own_rights_changed() {
 
 void DocumentRenewal::on_taken(Peer& peer, const spi::Token& answer) {
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
-  const auto facts = authentication.note_renewal_taken(peer.state.handshake()->handle(), answer);
+  const auto facts = authentication.note_renewal_accepted(peer.state.handshake()->handle(), answer);
   if (!facts) return;
   auto& association = *peer.state.association();
   association.renewal.next_offer = {};

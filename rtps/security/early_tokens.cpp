@@ -28,8 +28,8 @@ std::vector<EarlyTokens::Kept> EarlyTokens::remove_all_of(const Guid& local, con
   return out;
 }
 
-bool EarlyTokens::take(const Guid& local, const Guid& remote,
-                       const std::function<bool(const GenericMessage&)>& use) {
+bool EarlyTokens::consume(const Guid& local, const Guid& remote,
+                          const std::function<bool(const GenericMessage&)>& use) {
   bool any = false;
   for (auto& one : remove_all_of(local, remote)) {
     if (use(one.message)) {

@@ -24,9 +24,9 @@ class EarlyTokens {
   /// Keeps a message; `octets` is its size as received. Returns false if there is no room now.
   bool keep(GenericMessage message, std::size_t octets, MonotonicTime now);
   /// Calls `use` with each message of that pair, oldest first, and removes it if `use` returns
-  /// true. Returns true if any was removed. `use` may take or keep further messages.
-  bool take(const Guid& local, const Guid& remote,
-            const std::function<bool(const GenericMessage&)>& use);
+  /// true. Returns true if any was removed. `use` may consume or keep further messages.
+  bool consume(const Guid& local, const Guid& remote,
+               const std::function<bool(const GenericMessage&)>& use);
   std::size_t size() const { return kept_.size(); }
 
  private:

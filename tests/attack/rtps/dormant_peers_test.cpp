@@ -113,7 +113,7 @@ TEST(Dormant, ForgedDisposes_EndNoSessionBeforeItsLease) {
   for (const auto vendor : {kVendorFastDds, kVendorCyclone}) {
     DeafPair deaf(Rules{.data = ProtectionKind::encrypt});
     ASSERT_TRUE(deaf.meet());
-    take_for_stock(deaf.a, deaf.b, vendor);
+    treat_as_stock(deaf.a, deaf.b, vendor);
     const auto lease = deaf.lease();
     deaf.is_unheard = true;
     const auto since = deaf.world.now;

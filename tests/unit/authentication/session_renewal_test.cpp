@@ -65,15 +65,15 @@ class SessionRenewal : public testing::Test {
     const auto shown = offer();
     ASSERT_TRUE(shown);
     ASSERT_OK(bob()->judge_renewal(at_bob_, *shown));
-    const auto answer = bob()->take_renewal(at_bob_, *shown);
+    const auto answer = bob()->accept_renewal(at_bob_, *shown);
     ASSERT_OK(answer);
-    ASSERT_OK(alice()->note_renewal_taken(at_alice_, *answer));
+    ASSERT_OK(alice()->note_renewal_accepted(at_alice_, *answer));
   }
   // Expects that Bob's side refuses the offer, reports it, and stays as before.
   void expect_refused(const Token& offer, Code code) {
     bob().events.all.clear();
     const auto judged = bob()->judge_renewal(at_bob_, offer);
-    const auto taken = bob()->take_renewal(at_bob_, offer);
+    const auto taken = bob()->accept_renewal(at_bob_, offer);
     ASSERT_FALSE(judged || taken);
     EXPECT_EQ(judged.error().code(), code);
     EXPECT_EQ(taken.error().code(), code);
@@ -139,7 +139,7 @@ TEST_F(SessionRenewal, AnOlderCertificateThanTheOneInForce_IsRefused) {
   put(renewed(4, {kNow + 1s, kNow + days(200)}));
   renew();
   bob().events.all.clear();
-  EXPECT_CODE(bob()->take_renewal(at_bob_, first), peer_renewal_goes_back);
+  EXPECT_CODE(bob()->accept_renewal(at_bob_, first), peer_renewal_goes_back);
   EXPECT_FALSE(bob().events.all.empty());
   EXPECT_EQ(bob()->next_expiry(), kNow + days(200));
 }
@@ -147,16 +147,16 @@ TEST_F(SessionRenewal, AnOlderCertificateThanTheOneInForce_IsRefused) {
 TEST_F(SessionRenewal, AnAnswerToAFormerOffer_IsRefused) {
   put(renewed(3));
   const auto first = offer();
-  const auto answer = bob()->take_renewal(at_bob_, *first).value();
+  const auto answer = bob()->accept_renewal(at_bob_, *first).value();
   put(renewed(4, {kNow + 1s, kNow + days(200)}));
   ASSERT_TRUE(offer());
-  EXPECT_CODE(alice()->note_renewal_taken(at_alice_, answer), unexpected_message);
+  EXPECT_CODE(alice()->note_renewal_accepted(at_alice_, answer), unexpected_message);
 }
 
 TEST_F(SessionRenewal, AnAnswerWithoutAnOffer_IsRefused) {
   put(renewed(3));
-  const auto answer = bob()->take_renewal(at_bob_, *offer()).value();
-  EXPECT_CODE(bob()->note_renewal_taken(at_bob_, answer), unexpected_message);
+  const auto answer = bob()->accept_renewal(at_bob_, *offer()).value();
+  EXPECT_CODE(bob()->note_renewal_accepted(at_bob_, answer), unexpected_message);
 }
 
 TEST_F(SessionRenewal, AnyOctetChanged_IsRefused) {
@@ -182,12 +182,12 @@ TEST_F(SessionRenewal, AnotherSession_IsRefused) {
   const auto of_former = *offer();
   std::tie(at_alice_, at_bob_) = shake_hands();
   bob().events.all.clear();
-  EXPECT_CODE(bob()->take_renewal(at_bob_, of_former), signature_invalid);
+  EXPECT_CODE(bob()->accept_renewal(at_bob_, of_former), signature_invalid);
 }
 
 TEST_F(SessionRenewal, SentBackToItsSender_IsRefused) {
   put(renewed(3));
-  EXPECT_CODE(alice()->take_renewal(at_alice_, *offer()), guid_not_bound_to_subject);
+  EXPECT_CODE(alice()->accept_renewal(at_alice_, *offer()), guid_not_bound_to_subject);
 }
 
 TEST_F(SessionRenewal, UnknownCa_IsRefused) {

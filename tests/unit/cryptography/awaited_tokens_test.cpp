@@ -47,7 +47,7 @@ struct Host {
   unsigned pass(seconds time) {
     unsigned times = 0;
     for (seconds waited{}; waited < time; ++waited)
-      times += ledger.take_stranded(exchange, now += seconds(1)) ? 1 : 0;
+      times += ledger.poll_stranded(exchange, now += seconds(1)) ? 1 : 0;
     return times;
   }
   void begin_anew() {

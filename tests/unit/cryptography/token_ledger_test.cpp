@@ -296,11 +296,11 @@ TEST(TokenLedger, TokensBehindATicketThatTheHostNeverHad_AreToComeAgain) {
   host.ledger.end(2, host.now);
   host.exchange = 3;
   EXPECT_EQ(host.note(1), Kind::hidden);
-  EXPECT_FALSE(host.ledger.take_stranded(3, host.now));
+  EXPECT_FALSE(host.ledger.poll_stranded(3, host.now));
   host.now += TokenLedger::kMemory;
-  EXPECT_TRUE(host.ledger.take_stranded(3, host.now));
-  EXPECT_FALSE(host.ledger.take_stranded(3, host.now)) << "once";
-  EXPECT_FALSE(host.ledger.take_stranded(2, host.now));
+  EXPECT_TRUE(host.ledger.poll_stranded(3, host.now));
+  EXPECT_FALSE(host.ledger.poll_stranded(3, host.now)) << "once";
+  EXPECT_FALSE(host.ledger.poll_stranded(2, host.now));
   host.ledger.end(3, host.now);
   host.exchange = 4;
   EXPECT_EQ(host.note(1), Kind::ticket);
@@ -314,11 +314,11 @@ TEST(TokenLedger, WhatTheHostUsedOrWhatEnded_StrandsNothing) {
   EXPECT_EQ(host.note(1), Kind::hidden);
   EXPECT_TRUE(host.use());
   host.now += TokenLedger::kMemory;
-  EXPECT_FALSE(host.ledger.take_stranded(2, host.now));
+  EXPECT_FALSE(host.ledger.poll_stranded(2, host.now));
   EXPECT_EQ(host.note(2), Kind::ticket);
   host.ledger.end(2, host.now);
   host.now += TokenLedger::kMemory;
-  EXPECT_FALSE(host.ledger.take_stranded(2, host.now)) << "it is over";
+  EXPECT_FALSE(host.ledger.poll_stranded(2, host.now)) << "it is over";
 }
 
 TEST(TokenLedger, ThoseOfALaterSession_AreNotForTheUserOfThisOne) {

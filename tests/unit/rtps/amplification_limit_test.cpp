@@ -23,7 +23,7 @@ class AmplificationLimitTest : public ::testing::Test {
     return limit_.add_credit(name_);
   }
   std::size_t sent(std::size_t octets, const LocatorList& to) {
-    return octets * limit_.take(name_, octets, to).size();
+    return octets * limit_.charge(name_, octets, to).size();
   }
 
   AmplificationLimitTest() { limit_.set_secret(sha256(as_bytes("secret"))); }
@@ -70,8 +70,8 @@ TEST_F(AmplificationLimitTest, OneSource_DoesNotUseUpWhatAnotherEarned) {
   const LocatorList both{at(1), at(9)};
   limit_.set_addresses(name_, both, std::vector{SourceAddress(at(1)), SourceAddress(at(66))});
   hear(66, 100);
-  EXPECT_EQ(limit_.take(name_, 299, both), both);
-  EXPECT_EQ(limit_.take(name_, 299, both), LocatorList{at(1)});
+  EXPECT_EQ(limit_.charge(name_, 299, both), both);
+  EXPECT_EQ(limit_.charge(name_, 299, both), LocatorList{at(1)});
   EXPECT_EQ(limit_.left(name_, LocatorList{at(9)}), 0u);
 }
 
@@ -100,7 +100,7 @@ TEST_F(AmplificationLimitTest, AHostThatSends_PaysForItsAddressThatAnotherAnnoun
 TEST_F(AmplificationLimitTest, AHost_ProvesItsAddressThatAnotherAnnouncedFirst) {
   announce(66, {at(1), at(9)}, 400);
   EXPECT_TRUE(prove(1));
-  EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(1), at(9)}), LocatorList{at(1)});
+  EXPECT_EQ(limit_.charge(name_, 50'000, LocatorList{at(1), at(9)}), LocatorList{at(1)});
 }
 
 TEST_F(AmplificationLimitTest, AnotherSourceOfThePeer_PaysForEachAddressInTurn) {
@@ -116,7 +116,7 @@ TEST_F(AmplificationLimitTest, AnotherSourceOfThePeer_PaysForEachAddressInTurn) 
 TEST_F(AmplificationLimitTest, AProvenAddress_IsFreeAndTheOthersAreNot) {
   announce(1, {at(1), at(2)}, 400);
   EXPECT_TRUE(prove(1));
-  EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(1), at(2)}), LocatorList{at(1)});
+  EXPECT_EQ(limit_.charge(name_, 50'000, LocatorList{at(1), at(2)}), LocatorList{at(1)});
   EXPECT_EQ(limit_.left(name_, LocatorList{at(2)}), 1199u);
 }
 
@@ -126,7 +126,7 @@ TEST_F(AmplificationLimitTest, WhatWasSentToOneHost_ProvesNoOther) {
   announce(66, {at(66), at(1)}, 400);
   hear(1, 0);
   EXPECT_TRUE(prove(66));
-  EXPECT_EQ(limit_.take(name_, 50'000, LocatorList{at(66), at(1)}), LocatorList{at(66)});
+  EXPECT_EQ(limit_.charge(name_, 50'000, LocatorList{at(66), at(1)}), LocatorList{at(66)});
 }
 
 TEST_F(AmplificationLimitTest, OneIpv6Address_ProvesNoOtherOfItsNetwork) {

@@ -34,7 +34,7 @@ TEST_P(ReadConditionsTest, Update_TriggersThoseThatFindSomething) {
   Change change;
   change.writer = guid_of(1);
   change.payload = Payload::copy_of(octets);
-  samples.take(change, nullptr, {}, {clock.monotonic(), {}});
+  samples.receive(change, nullptr, {}, {clock.monotonic(), {}});
   conditions.update(samples.cache());
   EXPECT_TRUE(any.trigger_value());
   EXPECT_TRUE(every.trigger_value());

@@ -41,7 +41,7 @@ struct ReceivedSamplesTest : ::testing::Test {
     return out;
   }
   Reception take(ReceivedSamples& samples, Change change, BoundFilter* filter = nullptr) {
-    return samples.take(change, filter, keys, {now, Time::from(now)}).outcome;
+    return samples.receive(change, filter, keys, {now, Time::from(now)}).outcome;
   }
   BoundFilter filter(const std::string& expression) const {
     return *BoundFilter::compile({expression, {}}, type.view());
@@ -51,7 +51,7 @@ struct ReceivedSamplesTest : ::testing::Test {
 TEST_F(ReceivedSamplesTest, KeyedSample_WithoutHash_GetsItFromItsPayload) {
   ReceivedSamples samples(qos, type);
   auto one = change("kitchen");
-  EXPECT_EQ(samples.take(one, nullptr, keys, {now, Time::from(now)}).outcome, Reception::stored);
+  EXPECT_EQ(samples.receive(one, nullptr, keys, {now, Time::from(now)}).outcome, Reception::stored);
   ASSERT_TRUE(one.key_hash);
   EXPECT_FALSE(samples.cache().lookup(*one.key_hash).is_nil());
 }
@@ -107,7 +107,7 @@ TEST_F(ReceivedSamplesTest, RefusedChange_IsNotDeserializedAgain) {
   EXPECT_EQ(take(samples, change("kitchen")), Reception::stored);
   auto refused = change("cellar");
   const auto offer = [&] {
-    return samples.take(refused, nullptr, keys, {now, Time::from(now)}).outcome;
+    return samples.receive(refused, nullptr, keys, {now, Time::from(now)}).outcome;
   };
   EXPECT_EQ(offer(), Reception::rejected);
   const auto before = std::pair(hashes, serialized);
@@ -132,17 +132,17 @@ TEST_F(ReceivedSamplesTest, RefusedChange_IsNotReadAgainForItsDigest) {
   auto refused = change("cellar");
   refused.original = {guid_of(2), {1}};
   const Moment at{now, Time::from(now)};
-  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Reception::rejected);
+  EXPECT_EQ(samples.receive(refused, nullptr, keys, at).outcome, Reception::rejected);
   const auto octets = std::exchange(refused.payload, Payload::uninitialized(std::size_t{1} << 30));
   for (int i = 0; i < 1000; ++i)
-    ASSERT_EQ(samples.take(refused, nullptr, keys, at).outcome, Reception::rejected);
+    ASSERT_EQ(samples.receive(refused, nullptr, keys, at).outcome, Reception::rejected);
   refused.payload = octets;
   auto end = change("kitchen");
   end.status = {true, true};
   EXPECT_EQ(take(samples, end), Reception::stored);
   std::vector<OctetSample> out;
   samples.cache().select({.take = true}, at, out);
-  EXPECT_EQ(samples.take(refused, nullptr, keys, at).outcome, Reception::stored);
+  EXPECT_EQ(samples.receive(refused, nullptr, keys, at).outcome, Reception::stored);
 }
 
 TEST_F(ReceivedSamplesTest, RefusedChange_HasPassedTheFilterOnce) {
@@ -152,9 +152,9 @@ TEST_F(ReceivedSamplesTest, RefusedChange_HasPassedTheFilterOnce) {
   EXPECT_EQ(take(samples, change("kitchen", 11), &above), Reception::stored);
   auto refused = change("cellar", 11);
   const Moment at{now, Time::from(now)};
-  EXPECT_EQ(samples.take(refused, &above, keys, at).outcome, Reception::rejected);
+  EXPECT_EQ(samples.receive(refused, &above, keys, at).outcome, Reception::rejected);
   auto below = filter("value < 10");
-  EXPECT_EQ(samples.take(refused, &below, keys, at).outcome, Reception::rejected);
+  EXPECT_EQ(samples.receive(refused, &below, keys, at).outcome, Reception::rejected);
 }
 
 TEST_F(ReceivedSamplesTest, UnreadableKey_IsCounted_AndReportedForAnEnd) {

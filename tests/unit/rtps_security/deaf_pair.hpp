@@ -19,7 +19,7 @@ inline SecurityCore& core_of(Node& node) {
 }
 
 // From now on `ours` takes the other node for one of a stock Cyclone DDS.
-inline void take_for_stock(Node& ours, const Node& other, VendorId vendor = kVendorCyclone) {
+inline void treat_as_stock(Node& ours, const Node& other, VendorId vendor = kVendorCyclone) {
   auto& peer = *core_of(ours).find(other.participant->prefix());
   peer.data.vendor = vendor;
   peer.state.association()->reset.reset();
@@ -67,7 +67,7 @@ struct DeafPair {
     return true;
   }
   void become_stock() {
-    take_for_stock(a, b);
+    treat_as_stock(a, b);
     be_patient(b, a);
     keeps_session = true;
   }

@@ -73,7 +73,7 @@ TEST(Dormant, Revoked_IsDroppedAtOnce) {
   Node a(1, list.watched_by(properties_of("CN=alice,O=Example", rules))), b(2, bob);
   World world{.nodes = {&a, &b}};
   ASSERT_TRUE(world.run_until([&] { return a.knows(b) && b.knows(a); }));
-  take_for_stock(a, b);
+  treat_as_stock(a, b);
   world.nodes = {&a};
   ASSERT_TRUE(world.run_until([&] { return a->remote_participants().size() == 0; }));
   ASSERT_TRUE(core_of(a).dormant.contains(b->prefix()));
@@ -99,8 +99,8 @@ TEST(Dormant, MoreThanThereAreParticipants_KeepAPlaceForEachIdentity) {
   }
   ASSERT_TRUE(world.run_until(
       [&] { return a->authentication_counters().authenticated == kMany + 1u; }, 2000));
-  for (const auto& node : nodes) take_for_stock(a, *node);
-  take_for_stock(a, single);
+  for (const auto& node : nodes) treat_as_stock(a, *node);
+  treat_as_stock(a, single);
   world.nodes = {&a};
   ASSERT_TRUE(world.run_until([&] { return a->remote_participants().size() == 0; }));
   EXPECT_EQ(core_of(a).dormant.size(), DormantPeers::kMaxPeers);

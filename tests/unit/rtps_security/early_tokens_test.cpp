@@ -25,8 +25,8 @@ struct EarlyTokensTest : ::testing::Test {
   int taken(std::uint8_t number) {
     int count = 0;
     const auto message = tokens(number);
-    const bool any = early.take(message.destination_endpoint, message.source_endpoint,
-                                [&](const GenericMessage&) { return ++count > 0; });
+    const bool any = early.consume(message.destination_endpoint, message.source_endpoint,
+                                   [&](const GenericMessage&) { return ++count > 0; });
     EXPECT_EQ(any, count > 0) << "it says if there was any";
     return count;
   }
@@ -48,8 +48,8 @@ TEST_F(EarlyTokensTest, TokensThatAreOfNoUseYet_Stay) {
   EXPECT_TRUE(keep(1));
   EXPECT_TRUE(keep(2, EarlyTokens::kMaxOctets - 100));
   const auto message = tokens(1);
-  EXPECT_FALSE(early.take(message.destination_endpoint, message.source_endpoint,
-                          [](const GenericMessage&) { return false; }));
+  EXPECT_FALSE(early.consume(message.destination_endpoint, message.source_endpoint,
+                             [](const GenericMessage&) { return false; }));
   EXPECT_FALSE(keep(3)) << "they count as before";
   EXPECT_EQ(taken(1), 1);
   EXPECT_TRUE(keep(3));
