@@ -107,7 +107,8 @@ class AccessControlPlugin final : public spi::AccessControl {
   Result<spi::ParticipantSecurityAttributes> participant_sec_attributes(
       PermissionsHandle local) override {
     DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
-    return participant_attributes(holder->participant()->basis()->governance->domain_rule());
+    return participant_attributes(
+        holder->participant()->judging_documents()->governance->domain_rule());
   }
   Result<spi::TopicSecurityAttributes> topic_sec_attributes(PermissionsHandle local,
                                                             std::string_view topic_name) override {
@@ -146,8 +147,8 @@ class AccessControlPlugin final : public spi::AccessControl {
   std::optional<GovernanceVersion> governance_version(PermissionsHandle local) override {
     const Holder holder = handles_.find(local);
     if (!holder) return {};
-    const auto basis = holder->participant()->basis();
-    return GovernanceVersion{basis->governance->revision(), basis->governance_digest};
+    const auto documents = holder->participant()->judging_documents();
+    return GovernanceVersion{documents->governance->revision(), documents->governance_digest};
   }
   std::optional<GovernanceVersion> pending_governance(PermissionsHandle local) override {
     const auto own = handles_.find_participant(local);
@@ -267,7 +268,8 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   } else {
     auto refused = refuse(judged.error().with_default_document(name), subject.shown);
     // Without join access control such a peer may still use unprotected topics.
-    if (participant->basis()->governance->domain_rule().enable_join_access_control) return refused;
+    if (participant->judging_documents()->governance->domain_rule().enable_join_access_control)
+      return refused;
   }
   auto holder = std::make_shared<PermissionsHolder>(participant, remote_identity,
                                                     std::move(subject), name, std::move(document));
@@ -360,13 +362,13 @@ Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(Permissi
                                                                         std::string_view topic) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
   const auto& participant = *holder->participant();
-  const auto domain = participant.basis();
+  const auto domain = participant.judging_documents();
   if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
     return *builtin;
-  const auto basis = participant.basis_for(topic);
-  if (!basis)
-    return refuse(basis.error().with_default_document(participant.governance_name), *holder);
-  if (const auto* rule = (*basis)->governance->topic_rule(topic)) return endpoint_attributes(*rule);
+  const auto found = participant.judging_documents_for(topic);
+  if (!found)
+    return refuse(found.error().with_default_document(participant.governance_name), *holder);
+  if (const auto* rule = (*found)->governance->topic_rule(topic)) return endpoint_attributes(*rule);
   return refuse(topic_not_covered(participant, topic), *holder);
 }
 

@@ -24,8 +24,8 @@ std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
 }  // namespace
 
 Status AccessDecisions::participant(PermissionsHolder& holder) const {
-  const auto basis = holder.participant()->basis();
-  if (!basis->governance->domain_rule().enable_join_access_control) return {};
+  const auto documents = holder.participant()->judging_documents();
+  if (!documents->governance->domain_rule().enable_join_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto decision = grant->judge_participant();
   if (!decision.allowed) return std::unexpected(participant_denied(holder, *grant, decision));
@@ -35,8 +35,8 @@ Status AccessDecisions::participant(PermissionsHolder& holder) const {
 Status AccessDecisions::topic(PermissionsHolder& holder, std::string_view name) const {
   if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_topic_length(name));
   const auto& participant = *holder.participant();
-  const auto basis = participant.basis();
-  const auto* rule = basis->governance->topic_rule(name);
+  const auto documents = participant.judging_documents();
+  const auto* rule = documents->governance->topic_rule(name);
   if (!rule) return std::unexpected(topic_not_covered(participant, name));
   if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
@@ -47,8 +47,8 @@ Status AccessDecisions::topic(PermissionsHolder& holder, std::string_view name) 
 
 Status AccessDecisions::endpoint(PermissionsHolder& holder, Action action,
                                  const EndpointRequest& request) const {
-  const auto basis = holder.participant()->basis();
-  return by(*basis->governance, holder, action, request);
+  const auto documents = holder.participant()->judging_documents();
+  return by(*documents->governance, holder, action, request);
 }
 
 Status AccessDecisions::by(const governance::CompiledGovernance& rules, PermissionsHolder& holder,

@@ -69,15 +69,15 @@ Result<pki::Certificate> local_certificate(const spi::PropertyList& properties) 
 
 // The algorithms of our own certificate are checked here and not in authentication, because hosts
 // call authentication before there is a governance.
-Status check_own_algorithms(JudgingDocuments& basis, const pki::Certificate& certificate,
+Status check_own_algorithms(JudgingDocuments& documents, const pki::Certificate& certificate,
                             const spi::PropertyList& properties) {
-  const auto* const allowed = basis.allowed_algorithms();
+  const auto* const allowed = documents.allowed_algorithms();
   if (allowed == nullptr) return {};
   DDSSEC_ASSIGN_OR_RETURN(
-      basis.identity_authorities,
+      documents.identity_authorities,
       certificates_of(properties, spi::property::kIdentityCa, pki::kMaxBundleOctets,
                       pki::Certificate::bundle_from_pem));
-  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, basis.identity_authorities));
+  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, documents.identity_authorities));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto signers,
       certificates_of(properties, spi::property::kPermissionsCa, pki::kMaxBundleOctets,
@@ -86,9 +86,10 @@ Status check_own_algorithms(JudgingDocuments& basis, const pki::Certificate& cer
   return {};
 }
 
-Result<JudgingDocuments> first_basis(const LoadContext& context,
-                                     const LocalParticipant& participant,
-                                     const DocumentPlaces& places, BytesView governance_file) {
+Result<JudgingDocuments> first_judging_documents(const LoadContext& context,
+                                                 const LocalParticipant& participant,
+                                                 const DocumentPlaces& places,
+                                                 BytesView governance_file) {
   JudgingDocuments out;
   DDSSEC_ASSIGN_OR_RETURN(out.ca, with_default_document(PermissionsCa::load(places.permissions_ca),
                                                         places.permissions_ca_name));
@@ -171,18 +172,20 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
   DDSSEC_ASSIGN_OR_RETURN(
       auto governance_file,
       pki::load_uri(places.governance, spi::property::kGovernance, pki::kMaxDocumentOctets));
-  DDSSEC_ASSIGN_OR_RETURN(auto basis, first_basis(context, *participant, places, governance_file));
-  DDSSEC_RETURN_IF_ERROR(with_default_document(check_own_algorithms(basis, certificate, properties),
-                                               participant->governance_name));
+  DDSSEC_ASSIGN_OR_RETURN(auto documents,
+                          first_judging_documents(context, *participant, places, governance_file));
+  DDSSEC_RETURN_IF_ERROR(with_default_document(
+      check_own_algorithms(documents, certificate, properties), participant->governance_name));
   DDSSEC_ASSIGN_OR_RETURN(
       const auto file,
       pki::load_uri(places.permissions, spi::property::kPermissions, pki::kMaxDocumentOctets));
   DDSSEC_RETURN_IF_ERROR(check_own_size(places, file));
   own->note_read(std::move(governance_file), file);
-  DDSSEC_ASSIGN_OR_RETURN(auto document, with_default_document(context.documents.permissions(
-                                                                   *basis.ca, file, context.now),
-                                                               places.permissions_name));
-  DDSSEC_RETURN_IF_ERROR(participant->set_basis(std::move(basis)));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto document,
+      with_default_document(context.documents.permissions(*documents.ca, file, context.now),
+                            places.permissions_name));
+  DDSSEC_RETURN_IF_ERROR(participant->set_judging_documents(std::move(documents)));
   auto holder =
       std::make_shared<PermissionsHolder>(std::move(participant), std::nullopt, std::move(subject),
                                           places.permissions_name, std::move(document));
@@ -193,13 +196,13 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
 
 Status check_remote_algorithms(const LocalParticipant& local, const spi::Token& credential,
                                Subject& subject) {
-  const auto basis = local.basis();
-  const auto* const allowed = basis->allowed_algorithms();
+  const auto documents = local.judging_documents();
+  const auto* const allowed = documents->allowed_algorithms();
   const auto octets = octets_of(credential, "c.id");
   if (allowed == nullptr || !octets) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, pki::Certificate::from_pem(*octets));
   subject = {pki::SubjectName::of(certificate), certificate.subject()};
-  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, basis->identity_authorities));
+  DDSSEC_RETURN_IF_ERROR(check_identity(*allowed, certificate, documents->identity_authorities));
   const auto agreement = octets_of(credential, "c.kagree_algo");
   return check_key_establishment(*allowed,
                                  agreement ? std::optional(as_text(*agreement)) : std::nullopt);
@@ -231,8 +234,8 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                  .expected = std::to_string(context.options.max_permissions_octets) + " octets",
                  .found = std::to_string(file->size())});
   }
-  DDSSEC_ASSIGN_OR_RETURN(auto document,
-                          context.documents.permissions(*local.basis()->ca, *file, context.now));
+  DDSSEC_ASSIGN_OR_RETURN(auto document, context.documents.permissions(
+                                             *local.judging_documents()->ca, *file, context.now));
   DDSSEC_RETURN_IF_ERROR(document->grant_for(subject.name, subject.shown, local.domain,
                                              local.domain_tag, context.now));
   return document;

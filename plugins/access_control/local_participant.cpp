@@ -84,9 +84,9 @@ Error not_at_once_error(const governance::CompiledGovernance& former,
 
 }  // namespace
 
-std::shared_ptr<const JudgingDocuments> LocalParticipant::basis() const {
+std::shared_ptr<const JudgingDocuments> LocalParticipant::judging_documents() const {
   const std::lock_guard lock(mutex_);
-  return basis_;
+  return judging_documents_;
 }
 
 std::shared_ptr<const ListedPermissions> LocalParticipant::listed() const {
@@ -99,14 +99,14 @@ void LocalParticipant::set_listed(std::shared_ptr<const ListedPermissions> liste
   listed_ = std::move(listed);
 }
 
-Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::basis_for(
+Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::judging_documents_for(
     std::string_view topic) const {
   const std::lock_guard lock(mutex_);
-  if (topics_in_use_.contains(topic)) return basis_;
+  if (topics_in_use_.contains(topic)) return judging_documents_;
   DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
   has_more_topics_ = has_more_topics_ || topics_in_use_.size() >= kMaxTopicsInUse;
   if (!has_more_topics_) topics_in_use_.emplace(topic);
-  return basis_;
+  return judging_documents_;
 }
 
 // Checks a topic that came into use after the waiting document was checked against the topics in
@@ -123,7 +123,7 @@ Status LocalParticipant::check_new_topic(std::string_view topic) const {
     return refused({.field = "topics in use",
                     .expected = "fewer than " + std::to_string(kMaxTopicsInUse),
                     .found = "more"});
-  const auto* const before = basis_->governance->topic_rule(topic);
+  const auto* const before = judging_documents_->governance->topic_rule(topic);
   const auto* const after = pending_->governance->topic_rule(topic);
   if (are_alike(before, after)) return {};
   if (before == nullptr || after == nullptr)
@@ -143,15 +143,15 @@ Result<LocalParticipant::Change> LocalParticipant::check_governance(
   return check(next);
 }
 
-Status LocalParticipant::set_basis(JudgingDocuments basis) {
-  auto next = std::make_shared<const JudgingDocuments>(std::move(basis));
+Status LocalParticipant::set_judging_documents(JudgingDocuments documents) {
+  auto next = std::make_shared<const JudgingDocuments>(std::move(documents));
   const std::lock_guard lock(mutex_);
-  if (basis_ && next->governance != basis_->governance) {
+  if (judging_documents_ && next->governance != judging_documents_->governance) {
     DDSSEC_ASSIGN_OR_RETURN(const auto change, check(*next->governance));
     if (change == Change::phased)
-      return std::unexpected(not_at_once_error(*basis_->governance, *next->governance));
+      return std::unexpected(not_at_once_error(*judging_documents_->governance, *next->governance));
   }
-  basis_ = std::move(next);
+  judging_documents_ = std::move(next);
   return {};
 }
 
@@ -181,11 +181,11 @@ std::shared_ptr<const governance::CompiledGovernance> LocalParticipant::governan
 bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
   const std::lock_guard lock(mutex_);
   if (!pending_ || pending_->digest != digest) return false;
-  auto basis = std::make_shared<JudgingDocuments>(*basis_);
-  former_ = {basis->governance, basis->governance_digest};
-  basis->governance = pending_->governance;
-  basis->governance_digest = pending_->digest;
-  basis_ = std::move(basis);
+  auto documents = std::make_shared<JudgingDocuments>(*judging_documents_);
+  former_ = {documents->governance, documents->governance_digest};
+  documents->governance = pending_->governance;
+  documents->governance_digest = pending_->digest;
+  judging_documents_ = std::move(documents);
   pending_ = nullptr;
   return true;
 }
@@ -193,7 +193,7 @@ bool LocalParticipant::apply_pending(const Sha256Digest& digest) {
 // The caller holds mutex_.
 Result<LocalParticipant::Change> LocalParticipant::check(
     const governance::CompiledGovernance& next) const {
-  const auto& former = *basis_->governance;
+  const auto& former = *judging_documents_->governance;
   if (next.revision() < former.revision()) return std::unexpected(old_revision_error(former, next));
   DDSSEC_ASSIGN_OR_RETURN(const auto change,
                           governance::live_change(former.domain_rule(), next.domain_rule()));

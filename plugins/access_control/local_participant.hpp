@@ -44,11 +44,13 @@ class LocalParticipant {
   std::string governance_name = {};  ///< the document's name in errors
   spi::WarningDays warn_before_end = {};
 
-  std::shared_ptr<const JudgingDocuments> basis() const;
-  /// Returns the basis for a host that asks how the topic is protected, and keeps the answer.
+  /// Returns the documents in force.
+  std::shared_ptr<const JudgingDocuments> judging_documents() const;
+  /// Returns them for a host that asks how the topic is protected, and keeps the answer.
   /// Error: governance_change_under_way, if the topic comes into use while a document waits that
   /// cannot be applied to it.
-  Result<std::shared_ptr<const JudgingDocuments>> basis_for(std::string_view topic) const;
+  Result<std::shared_ptr<const JudgingDocuments>> judging_documents_for(
+      std::string_view topic) const;
   /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {
     at_once,  ///< the domain, and each topic that was ever in use, are protected as before
@@ -58,9 +60,9 @@ class LocalParticipant {
   /// with (governance::live_change), and has a higher revision. It may also have none if the one in
   /// force has none and nothing is protected more. Error: governance_renewal_refused.
   Result<Change> check_governance(const governance::CompiledGovernance& next) const;
-  /// Sets the basis; its governance must be one that can be taken at once. Error: that of
+  /// Sets the documents; their governance must be one that can be taken at once. Error: that of
   /// check_governance, if the governance differs from the former one.
-  Status set_basis(JudgingDocuments basis);
+  Status set_judging_documents(JudgingDocuments documents);
 
   /// Returns the permissions in the renewal list; nullptr if there are none.
   std::shared_ptr<const ListedPermissions> listed() const;
@@ -90,7 +92,7 @@ class LocalParticipant {
   Result<Change> check(const governance::CompiledGovernance& next) const;
 
   mutable std::mutex mutex_;
-  std::shared_ptr<const JudgingDocuments> basis_;
+  std::shared_ptr<const JudgingDocuments> judging_documents_;
   std::shared_ptr<const Pending> pending_;
   std::shared_ptr<const ListedPermissions> listed_;
   Pending former_;  ///< in force before the last document that waited; nullptr: there was none

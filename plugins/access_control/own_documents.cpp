@@ -111,7 +111,7 @@ void OwnDocuments::force_poll() {
 
 std::vector<DocumentState> OwnDocuments::states(const LocalParticipant& participant,
                                                 DocumentPart permissions) const {
-  const auto basis = participant.basis();
+  const auto documents = participant.judging_documents();
   const auto part_of = [](const governance::CompiledGovernance& rules, BytesView file) {
     return DocumentPart{.subject = rules.revision() == 0
                                        ? "no revision"
@@ -123,7 +123,7 @@ std::vector<DocumentState> OwnDocuments::states(const LocalParticipant& particip
     waiting = part_of(*pending->governance, *governance_waiting_);
   return {{.kind = DocumentKind::permissions_ca,
            .file = authorities_.name(),
-           .parts = pki::parts_of(basis->ca->verifier().permissions_cas()),
+           .parts = pki::parts_of(documents->ca->verifier().permissions_cas()),
            .refused = authorities_.refused()},
           {.kind = DocumentKind::permissions,
            .file = permissions_.name(),
@@ -132,7 +132,7 @@ std::vector<DocumentState> OwnDocuments::states(const LocalParticipant& particip
            .begins_later = permissions_.begins_later()},
           {.kind = DocumentKind::governance,
            .file = governance_.name(),
-           .parts = {part_of(*basis->governance, governance_in_force_)},
+           .parts = {part_of(*documents->governance, governance_in_force_)},
            .refused = governance_.refused(),
            .waiting = std::move(waiting)}};
 }
@@ -168,19 +168,19 @@ void OwnDocuments::keep_one_of_folder(std::vector<Error>& events) const {
 // ---- certificate authorities
 
 void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& events) {
-  const auto basis = now.participant.basis();
+  const auto documents = now.participant.judging_documents();
   const auto taken = authorities_.poll(
-      now.clock.monotonic(), basis->ca->verifier().permissions_cas(),
+      now.clock.monotonic(), documents->ca->verifier().permissions_cas(),
       [&](const std::vector<pki::Certificate>& next) { return adopt_authorities(now, next); });
   if (!taken) events.push_back(taken.error());
   if (!taken || !*taken) return;
   renewal_list_.reevaluate();
-  const auto ca = now.participant.basis()->ca;
+  const auto ca = now.participant.judging_documents()->ca;
   events.emplace_back(Code::permissions_ca_renewed,
                       ErrorDetails{.document = authorities_.name(),
                                    .found = pki::describe(ca->verifier().permissions_cas())});
-  if (const auto what = changed(basis->governance->domain_rule(),
-                                now.participant.basis()->governance->domain_rule()))
+  if (const auto what = changed(documents->governance->domain_rule(),
+                                now.participant.judging_documents()->governance->domain_rule()))
     events.emplace_back(Code::governance_renewed,
                         what->with_default_document(governance_.name()).details());
   if (const auto dropped = drop_withdrawn(now)) events.push_back(*dropped);
@@ -189,7 +189,8 @@ void OwnDocuments::renew_authorities(const Renewal& now, std::vector<Error>& eve
 // A document that waits must be signed by one of the CAs that are in force now.
 std::optional<Error> OwnDocuments::drop_withdrawn(const Renewal& now) {
   if (!governance_waiting_ || !now.participant.pending()) return std::nullopt;
-  const auto judged = judge_governance(now, *now.participant.basis(), *governance_waiting_);
+  const auto judged =
+      judge_governance(now, *now.participant.judging_documents(), *governance_waiting_);
   if (judged) return std::nullopt;
   now.participant.drop_pending();
   governance_waiting_.reset();
@@ -203,20 +204,20 @@ std::optional<Error> OwnDocuments::drop_withdrawn(const Renewal& now) {
 
 Status OwnDocuments::adopt_authorities(const Renewal& now,
                                        const std::vector<pki::Certificate>& next) {
-  auto basis = *now.participant.basis();
-  DDSSEC_ASSIGN_OR_RETURN(basis.ca, PermissionsCa::of(next));
-  if (const auto* const allowed = basis.allowed_algorithms())
+  auto documents = *now.participant.judging_documents();
+  DDSSEC_ASSIGN_OR_RETURN(documents.ca, PermissionsCa::of(next));
+  if (const auto* const allowed = documents.allowed_algorithms())
     for (const auto& ca : next) DDSSEC_RETURN_IF_ERROR(check_authority(*allowed, ca));
   const auto time = now.clock.calendar_seconds();
   const auto fits_governance = [&](BytesView file) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, basis, file));
-    basis = std::move(judged.basis);
+    DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, documents, file));
+    documents = std::move(judged.documents);
     return {};
   };
   DDSSEC_ASSIGN_OR_RETURN(auto&& governance,
                           one_that_fits(governance_in_force_, governance_, fits_governance));
   const auto fits_permissions = [&](BytesView file) -> Status {
-    DDSSEC_RETURN_IF_ERROR(now.documents.permissions(*basis.ca, file, time));
+    DDSSEC_RETURN_IF_ERROR(now.documents.permissions(*documents.ca, file, time));
     return {};
   };
   const auto text = now.holder.text();
@@ -227,11 +228,11 @@ Status OwnDocuments::adopt_authorities(const Renewal& now,
                           one_that_fits(as_bytes(text), permissions_, fits_permissions));
   if (permissions) {
     DDSSEC_ASSIGN_OR_RETURN(auto document,
-                            now.documents.permissions(*basis.ca, *permissions, time));
+                            now.documents.permissions(*documents.ca, *permissions, time));
     DDSSEC_RETURN_IF_ERROR(now.holder.adopt(std::move(document), *permissions, time));
     permissions_.note_read(*permissions);
   }
-  DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(basis)));
+  DDSSEC_RETURN_IF_ERROR(now.participant.set_judging_documents(std::move(documents)));
   if (!governance) return {};
   governance_.note_read(*governance);
   governance_in_force_ = *std::move(governance);
@@ -241,31 +242,31 @@ Status OwnDocuments::adopt_authorities(const Renewal& now,
 // CAs that were there before stay. They are only used to find the algorithm of a CA that
 // authentication trusts.
 void OwnDocuments::renew_identity_authorities(const Renewal& now) {
-  auto basis = *now.participant.basis();
-  if (basis.allowed_algorithms() == nullptr) return;
+  auto documents = *now.participant.judging_documents();
+  if (documents.allowed_algorithms() == nullptr) return;
   const auto ignored =
       identity_authorities_.poll(now.clock.monotonic(), [&](BytesView file) -> Status {
         DDSSEC_ASSIGN_OR_RETURN(auto all, pki::Certificate::bundle_from_pem(file));
-        for (const auto& ca : basis.identity_authorities)
+        for (const auto& ca : documents.identity_authorities)
           if (all.size() < pki::kMaxCertificatesInBundle && std::ranges::find(all, ca) == all.end())
             all.push_back(ca);
-        basis.identity_authorities = std::move(all);
-        return now.participant.set_basis(std::move(basis));
+        documents.identity_authorities = std::move(all);
+        return now.participant.set_judging_documents(std::move(documents));
       });
   static_cast<void>(ignored);
 }
 
 // ---- governance
 
-Result<OwnDocuments::JudgedGovernance> OwnDocuments::judge_governance(const Renewal& now,
-                                                                      const JudgingDocuments& basis,
-                                                                      BytesView file) const {
-  JudgedGovernance out{basis};
-  DDSSEC_ASSIGN_OR_RETURN(auto verified, compile_governance({*basis.ca, now.participant, options_},
-                                                            file, now.clock.calendar_seconds()));
+Result<OwnDocuments::JudgedGovernance> OwnDocuments::judge_governance(
+    const Renewal& now, const JudgingDocuments& documents, BytesView file) const {
+  JudgedGovernance out{documents};
+  DDSSEC_ASSIGN_OR_RETURN(auto verified,
+                          compile_governance({*documents.ca, now.participant, options_}, file,
+                                             now.clock.calendar_seconds()));
   DDSSEC_ASSIGN_OR_RETURN(const auto change, now.participant.check_governance(*verified.rules));
-  out.basis.governance = std::move(verified.rules);
-  out.basis.governance_digest = verified.digest;
+  out.documents.governance = std::move(verified.rules);
+  out.documents.governance_digest = verified.digest;
   out.is_phased = change == LocalParticipant::Change::phased;
   return out;
 }
@@ -274,11 +275,11 @@ Status OwnDocuments::adopt_governance(const Renewal& now, const JudgingDocuments
                                       BytesView file) {
   DDSSEC_ASSIGN_OR_RETURN(auto judged, judge_governance(now, former, file));
   if (judged.is_phased && options_.host_changes_protection) {
-    now.participant.set_pending({judged.basis.governance, judged.basis.governance_digest});
+    now.participant.set_pending({judged.documents.governance, judged.documents.governance_digest});
     governance_waiting_ = to_bytes(file);
     return {};
   }
-  DDSSEC_RETURN_IF_ERROR(now.participant.set_basis(std::move(judged.basis)));
+  DDSSEC_RETURN_IF_ERROR(now.participant.set_judging_documents(std::move(judged.documents)));
   governance_in_force_ = to_bytes(file);
   return {};
 }
@@ -289,12 +290,12 @@ std::optional<Error> OwnDocuments::note_applied(const LocalParticipant& particip
   return Error(Code::governance_renewed,
                {.document = governance_.name(),
                 .field = "revision",
-                .found = std::to_string(participant.basis()->governance->revision())});
+                .found = std::to_string(participant.judging_documents()->governance->revision())});
 }
 
 void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& events) {
   if (governance_waiting_) return;
-  const auto former = now.participant.basis();
+  const auto former = now.participant.judging_documents();
   const auto taken = governance_.poll(
       now.clock.monotonic(), [&](BytesView file) { return adopt_governance(now, *former, file); });
   if (!taken) events.push_back(taken.error());
@@ -307,7 +308,7 @@ void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& even
     return;
   }
   if (const auto what = changed(former->governance->domain_rule(),
-                                now.participant.basis()->governance->domain_rule()))
+                                now.participant.judging_documents()->governance->domain_rule()))
     events.emplace_back(Code::governance_renewed,
                         what->with_default_document(governance_.name()).details());
 }
@@ -317,8 +318,8 @@ void OwnDocuments::renew_governance(const Renewal& now, std::vector<Error>& even
 void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& events) {
   const auto looked = permissions_.poll(now.clock.monotonic(), [&](BytesView file) -> Status {
     const auto time = now.clock.calendar_seconds();
-    const auto basis = now.participant.basis();
-    DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*basis->ca, file, time));
+    const auto documents = now.participant.judging_documents();
+    DDSSEC_ASSIGN_OR_RETURN(auto document, now.documents.permissions(*documents->ca, file, time));
     return now.holder.adopt(std::move(document), file, time);
   });
   if (!looked) events.push_back(looked.error());
@@ -329,7 +330,7 @@ void OwnDocuments::renew_permissions(const Renewal& now, std::vector<Error>& eve
 // Returns the document if it was verified before.
 std::optional<OwnDocuments::ListedFile> OwnDocuments::known(const Renewal& now,
                                                             BytesView file) const {
-  const auto ca = now.participant.basis()->ca;
+  const auto ca = now.participant.judging_documents()->ca;
   const auto digest = sha256(file);
   for (const auto* const all : {&listed_.verified, &listed_.former})
     if (const auto one = std::ranges::find(*all, digest, &ListedFile::file);
@@ -340,7 +341,7 @@ std::optional<OwnDocuments::ListedFile> OwnDocuments::known(const Renewal& now,
 
 // An entry that was signed by no CA of the file does not count.
 void OwnDocuments::verify_some(const Renewal& now, ListedFiles& list) const {
-  const auto ca = now.participant.basis()->ca;
+  const auto ca = now.participant.judging_documents()->ca;
   const auto count =
       verifies_all_ ? list.waiting.size() : std::min(list.waiting.size(), kMaxVerifiedInAPoll);
   const auto end = list.waiting.begin() + static_cast<std::ptrdiff_t>(count);

@@ -102,10 +102,10 @@ class OwnDocuments {
   Status adopt_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may replace the one in force.
   struct JudgedGovernance {
-    JudgingDocuments basis;
+    JudgingDocuments documents;
     bool is_phased = false;
   };
-  Result<JudgedGovernance> judge_governance(const Renewal& now, const JudgingDocuments& basis,
+  Result<JudgedGovernance> judge_governance(const Renewal& now, const JudgingDocuments& documents,
                                             BytesView file) const;
   std::optional<Error> drop_withdrawn(const Renewal& now);
   /// Notes that the document that waited was applied, and returns the event about it. Empty if it

@@ -87,7 +87,7 @@ Result<SharedGrant> PermissionsHolder::grant_in(PermissionsDocument& document, W
 
 // Checks a peer's document. Our own documents are judged before other CAs come into force.
 Status PermissionsHolder::check_signer(const PermissionsDocument& document) const {
-  const auto ca = participant_->basis()->ca;
+  const auto ca = participant_->judging_documents()->ca;
   if (ca->holds(document.signer())) return {};
   return fail(Code::permissions_ca_withdrawn,
               {.document = document_name_,
@@ -97,7 +97,7 @@ Status PermissionsHolder::check_signer(const PermissionsDocument& document) cons
 
 // The caller holds the lock.
 Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
-  if (const auto ca = participant_->basis()->ca; remote_ && ca != accepted_by_) {
+  if (const auto ca = participant_->judging_documents()->ca; remote_ && ca != accepted_by_) {
     DDSSEC_RETURN_IF_ERROR(check_signer(*document_));
     accepted_by_ = ca;
   }
@@ -139,7 +139,7 @@ Result<SharedGrant> PermissionsHolder::grant(WallTime now) {
 // Returns the last end of the documents whose CAs are in the file; empty if there is none. The
 // caller holds the lock.
 std::optional<WallTime> PermissionsHolder::last_end() const {
-  const auto ca = participant_->basis()->ca;
+  const auto ca = participant_->judging_documents()->ca;
   std::optional<WallTime> out;
   const auto add = [&](const GrantOfDocument& one) {
     if (remote_ && !ca->holds(one.document->signer())) return;
@@ -271,7 +271,7 @@ std::optional<GrantOfDocument> PermissionsHolder::extension_of(const GrantOfDocu
   return listed->extension_of(
       {subject_.name, subject_.shown, participant_->domain, participant_->domain_tag,
        *presented.document, presented.grant->grant(), only_by_the_same},
-      *participant_->basis()->ca, now);
+      *participant_->judging_documents()->ca, now);
 }
 
 // True if the peer announced an endpoint that its permissions do not allow, and `others` do. The

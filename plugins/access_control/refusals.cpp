@@ -72,10 +72,10 @@ Error as_announced(const Error& refusal, Action action) {
 }  // namespace
 
 Error topic_not_covered(const LocalParticipant& participant, std::string_view topic) {
-  const auto basis = participant.basis();
+  const auto documents = participant.judging_documents();
   return Error(Code::topic_not_covered,
                {.document = participant.governance_name,
-                .line = basis->governance->domain_rule().line,
+                .line = documents->governance->domain_rule().line,
                 .field = "<topic_access_rules>",
                 .expected = fmt::format("a topic_rule for \"{}\"", shortened(topic)),
                 .found = "none"});
