@@ -50,7 +50,7 @@ Result<PkiDh::LocalIdentity> PkiDh::load_local(const spi::PropertyList& properti
   const WallTime now = services_.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(auto files, IdentityFiles::load(properties, stores_, now));
   const auto no_list = files.revocation_lists.absence();
-  auto identity = std::make_shared<authentication::LocalIdentity>(std::move(files), candidate);
+  auto identity = std::make_shared<OwnIdentity>(std::move(files), candidate);
   DDSSEC_ASSIGN_OR_RETURN(const auto chain, identity->verify(now));
   DDSSEC_ASSIGN_OR_RETURN(const auto handle, table_.add_local(identity, chain));
   if (no_list) services_.events.raise(event_about(our_name(identity->guid()), *no_list));

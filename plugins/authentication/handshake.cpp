@@ -264,7 +264,7 @@ Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeCon
               {.document = "handshake message", .found = message.class_id.substr(0, 64)});
 }
 
-spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local,
+spi::Token with_ocsp_response(spi::Token message, const OwnIdentity& local,
                               const PresentedDocuments& own, WallTime now) {
   if (const auto response = local.ocsp_response_for(own.certificate, now))
     add_field(message, kOcspStatus.name, response->octets);

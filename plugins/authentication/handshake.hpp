@@ -9,7 +9,7 @@
 #include "pki/key_agreement.hpp"
 #include "pki/signature.hpp"
 #include "plugins/authentication/judged_peer.hpp"
-#include "plugins/authentication/local_identity.hpp"
+#include "plugins/authentication/own_identity.hpp"
 #include "plugins/authentication/transcript.hpp"
 #include "plugins/spi/authentication.hpp"
 #include "plugins/spi/shared_secret.hpp"
@@ -24,7 +24,7 @@ struct ReplyKey {
 
 /// The inputs of a step besides the message.
 struct HandshakeContext {
-  const LocalIdentity& local;
+  const OwnIdentity& local;
   Guid remote_guid;
   spi::Challenge own_challenge;  ///< the local challenge1 or challenge2
   /// The peer's challenge from its auth request, if one came.
@@ -93,7 +93,7 @@ Result<HandshakeOutcome> process(const HandshakeState& state, const HandshakeCon
 /// Returns a request or reply with the OCSP response that counts at `now`, if there is one. The
 /// response is not signed, so a message that waits for its answer gets the newest one each time it
 /// is sent.
-spi::Token with_ocsp_response(spi::Token message, const LocalIdentity& local,
+spi::Token with_ocsp_response(spi::Token message, const OwnIdentity& local,
                               const PresentedDocuments& own, WallTime now);
 
 /// True if `request` is the one that was answered to get into `state`. Compares every value that is

@@ -57,7 +57,7 @@ void IdentityTable::set_renewed(spi::IdentityHandle handle, const pki::ChainVali
   set_end(handle.value, local->second, chain.not_after(), chain.first_to_expire());
 }
 
-Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<LocalIdentity> identity,
+Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<OwnIdentity> identity,
                                                      const pki::ChainValid& chain) {
   const std::unique_lock lock(mutex_);
   if (locals_.size() >= max_local_)
@@ -77,7 +77,7 @@ PeerName IdentityTable::Remote::name() const {
           authenticated ? PeerProof::authenticated : PeerProof::claimed};
 }
 
-Result<std::shared_ptr<LocalIdentity>> IdentityTable::local(spi::IdentityHandle handle) const {
+Result<std::shared_ptr<OwnIdentity>> IdentityTable::local(spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
   DDSSEC_ASSIGN_OR_RETURN(const auto local, live_local(handle));
   return local->identity;

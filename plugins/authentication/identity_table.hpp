@@ -39,7 +39,7 @@ struct PairHandshake {
 struct IdentityPair {
   const spi::IdentityHandle local_handle;
   const spi::IdentityHandle remote_handle;
-  const std::shared_ptr<const LocalIdentity> local;
+  const std::shared_ptr<const OwnIdentity> local;
   const Guid remote_guid;
   const spi::Challenge own_challenge;
 
@@ -70,11 +70,11 @@ class IdentityTable {
       : max_local_(max_local), remote_limits_(remote_limits) {}
 
   /// Adds a local identity that expires with `chain`. Error: too_many_local_identities.
-  Result<spi::IdentityHandle> add_local(std::shared_ptr<LocalIdentity> identity,
+  Result<spi::IdentityHandle> add_local(std::shared_ptr<OwnIdentity> identity,
                                         const pki::ChainValid& chain);
   /// Returns a local identity. Errors: unknown_identity, identity_ended, or the reason of its
   /// revocation.
-  Result<std::shared_ptr<LocalIdentity>> local(spi::IdentityHandle handle) const;
+  Result<std::shared_ptr<OwnIdentity>> local(spi::IdentityHandle handle) const;
 
   struct RemoteClaim {
     Guid guid;
@@ -148,7 +148,7 @@ class IdentityTable {
 
   struct OurOwn {
     spi::IdentityHandle handle;
-    std::shared_ptr<LocalIdentity> identity;
+    std::shared_ptr<OwnIdentity> identity;
   };
   /// Returns one local identity, or all (nil). Expired ones are left out.
   std::vector<OurOwn> locals(spi::IdentityHandle local) const;
@@ -191,7 +191,7 @@ class IdentityTable {
     std::optional<Error> revoked = {};  ///< the reason of a revocation
   };
   struct Local : Common {
-    std::shared_ptr<LocalIdentity> identity;
+    std::shared_ptr<OwnIdentity> identity;
     std::map<Guid, std::int64_t> remotes = {};
     RemoteCounts counts = {};
   };

@@ -19,7 +19,7 @@ struct Followed {
 
 // Returns the proof of the peer: its latest certificate if that is valid, otherwise the one that
 // follows on the list.
-Followed followed_peer(const Authenticated& peer, const LocalIdentity& local, WallTime now) {
+Followed followed_peer(const Authenticated& peer, const OwnIdentity& local, WallTime now) {
   const auto trust = local.peer_trust();
   if (auto latest = trust->verify(peer.latest(), now)) return {.peer = *std::move(latest)};
   if (local.ocsp_policy() == OcspPolicy::hard) return {};
@@ -29,7 +29,7 @@ Followed followed_peer(const Authenticated& peer, const LocalIdentity& local, Wa
 
 // Returns the proof of our own certificate: the one that the peer has seen if that is valid,
 // otherwise the one in force, if the peer may know it from its list.
-std::optional<pki::ChainValid> followed_own(const Authenticated& peer, const LocalIdentity& local,
+std::optional<pki::ChainValid> followed_own(const Authenticated& peer, const OwnIdentity& local,
                                             WallTime now) {
   if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
   const auto present = local.certificate();
@@ -51,7 +51,7 @@ Error listed(const pki::ChainValid& chain) {
 // Lets a session go on, if it can. Returns nothing if it goes on, and otherwise a note about the
 // peer's certificate, which may be blank.
 std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
-                                  const LocalIdentity& local, const PluginServices& services) {
+                                  const OwnIdentity& local, const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto found = followed_peer(peer, local, now);
   if (!found.peer) return found.why_not;
@@ -64,14 +64,14 @@ std::optional<std::string> follow(IdentityTable& table, const Authenticated& pee
 
 }  // namespace
 
-bool follow_renewal_list(IdentityTable& table, const Authenticated& peer,
-                         const LocalIdentity& local, const PluginServices& services) {
+bool follow_renewal_list(IdentityTable& table, const Authenticated& peer, const OwnIdentity& local,
+                         const PluginServices& services) {
   return !follow(table, peer, local, services);
 }
 
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,
                           const PluginServices& services) {
-  std::set<const LocalIdentity*> looked;
+  std::set<const OwnIdentity*> looked;
   std::erase_if(ended, [&](IdentityTable::EndedIdentity& one) {
     const auto peer = table.authenticated(one.handle);
     const auto pair = table.pair_of(one.handle);

@@ -5,9 +5,9 @@
 namespace ddssec::authentication {
 namespace {
 
-using Taken = LocalIdentity::AuthoritiesTaken;
+using Taken = OwnIdentity::AuthoritiesTaken;
 
-Taken renew_authorities(LocalIdentity& identity, TrustStores& stores,
+Taken renew_authorities(OwnIdentity& identity, TrustStores& stores,
                         const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto taken = identity.renew_authorities(stores, services.clock);
@@ -19,14 +19,14 @@ Taken renew_authorities(LocalIdentity& identity, TrustStores& stores,
   return *taken;
 }
 
-bool renew_certificate(LocalIdentity& identity, const PluginServices& services) {
+bool renew_certificate(OwnIdentity& identity, const PluginServices& services) {
   const auto renewed = identity.renew_identity(services.clock);
   if (!renewed) services.events.raise(event_about(our_name(identity.guid()), renewed.error()));
   return renewed && *renewed;
 }
 
 // A revocation of our own certificate is reported with the revocations (revocations.cpp).
-void renew_ocsp_response(LocalIdentity& identity, const PluginServices& services) {
+void renew_ocsp_response(OwnIdentity& identity, const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto renewed = identity.renew_ocsp_response(services.clock);
   if (!renewed && renewed.error().code() != Code::ocsp_revoked)
@@ -41,7 +41,7 @@ void renew_ocsp_response(LocalIdentity& identity, const PluginServices& services
                  .found = response ? to_string(response->good.until()) : std::string("passed")})));
 }
 
-Error renewed_until(const LocalIdentity& identity, const pki::ChainValid& chain) {
+Error renewed_until(const OwnIdentity& identity, const pki::ChainValid& chain) {
   return Error(Code::identity_renewed, {.document = identity.identity_path(),
                                         .field = "notAfter",
                                         .found = to_string(chain.not_after()),
@@ -50,7 +50,7 @@ Error renewed_until(const LocalIdentity& identity, const pki::ChainValid& chain)
 
 }  // namespace
 
-void look_at_renewal_list(const LocalIdentity& identity, const PluginServices& services) {
+void look_at_renewal_list(const OwnIdentity& identity, const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto taken = identity.listed().poll(services.clock, *identity.peer_trust());
   if (!taken) services.events.raise(event_about(us, taken.error()));

@@ -13,7 +13,7 @@ using OurOwn = IdentityTable::OurOwn;
 // even if that is only because memory ran out. A peer that is on no list stays until its expiry or
 // its next handshake.
 std::optional<Error> refusal(const pki::Certificate& certificate, const TrustStore& trust,
-                             const LocalIdentity& whose, WallTime now) {
+                             const OwnIdentity& whose, WallTime now) {
   if (!trust.is_on_any_list(certificate)) return std::nullopt;
   const auto verdict = trust.verify(certificate, now);
   if (verdict) return std::nullopt;
@@ -43,7 +43,7 @@ bool is_about_time_or_lists(Code code) {
 // Returns the reason why a peer must leave after CAs were removed from the file: no remaining CA
 // issued its certificate. For a peer that stays, the end of the session is computed again.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
-                                const LocalIdentity& whose, const PluginServices& services) {
+                                const OwnIdentity& whose, const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
   if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
@@ -73,7 +73,7 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const PluginService
 // Returns the same for a peer whose session goes on with a later certificate. The certificate of
 // its handshake may have expired since, but must not have been revoked.
 std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const TrustStore& trust,
-                             const LocalIdentity& whose, WallTime now) {
+                             const OwnIdentity& whose, WallTime now) {
   auto reason = refusal(peer.latest(), trust, whose, now);
   if (reason || !peer.listed) return reason;
   reason = refusal(peer.certificate, trust, whose, now);

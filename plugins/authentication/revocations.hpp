@@ -15,7 +15,7 @@ struct Revocations {
   /// Local and remote identities in use that must be revoked.
   std::vector<IdentityTable::Revoked> identities;
   struct Judgement {
-    std::shared_ptr<LocalIdentity> by;
+    std::shared_ptr<OwnIdentity> by;
     std::uint64_t renewal;
     /// Call it after the identities were marked in the table.
     void note_applied() const { by->note_applied(renewal); }

@@ -38,7 +38,7 @@ spi::Token answer_to(const Sha256Digest& digest) {
 
 }  // namespace
 
-Result<std::optional<spi::Token>> next_offer(const Established& session, const LocalIdentity& local,
+Result<std::optional<spi::Token>> next_offer(const Established& session, const OwnIdentity& local,
                                              std::optional<RenewalOffer>& last, WallTime now) {
   auto own = local.presented();
   if (own == session.own) return std::nullopt;

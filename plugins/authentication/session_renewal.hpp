@@ -16,7 +16,7 @@ struct RenewalOffer {
 /// Returns the next token for the peer of `session`, and records it in `last`. Empty if the session
 /// was made with the documents that `local` presents now, or if these were offered as often as is
 /// sensible. Errors: those of pki::sign.
-Result<std::optional<spi::Token>> next_offer(const Established& session, const LocalIdentity& local,
+Result<std::optional<spi::Token>> next_offer(const Established& session, const OwnIdentity& local,
                                              std::optional<RenewalOffer>& last, WallTime now);
 
 /// A peer's offer that was found to be genuine.

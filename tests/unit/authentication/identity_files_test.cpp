@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "plugins/authentication/local_identity.hpp"
+#include "plugins/authentication/own_identity.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/authentication/authentication_fixture.hpp"
 #include "tests/unit/authentication/local_identities.hpp"
@@ -67,7 +67,7 @@ TEST(IdentityFileErrors, PastedDocuments_AreNotRepeated) {
   EXPECT_THAT(result.error().to_sentence(), testing::Not(testing::HasSubstr("SECRET")));
 }
 
-TEST(LocalIdentity, FilesOfEachUriForm_AreRead) {
+TEST(OwnIdentityFiles, FilesOfEachUriForm_AreRead) {
   const TemporaryFolder folder;
   const auto identity = alice();
   for (const std::string prefix : {"file:", "file://", "  file:"}) {
@@ -81,14 +81,14 @@ TEST(LocalIdentity, FilesOfEachUriForm_AreRead) {
   }
 }
 
-TEST(LocalIdentity, EmptyOptionalProperties_CountAsAbsent) {
+TEST(OwnIdentityFiles, EmptyOptionalProperties_CountAsAbsent) {
   auto properties = alice().properties;
   for (const auto name : {property::kPassword, property::kTrustedCaDir, property::kCrl})
     set(properties, name, "");
   EXPECT_TRUE(create(properties));
 }
 
-TEST(LocalIdentity, MissingProperties_AreNamed) {
+TEST(OwnIdentityFiles, MissingProperties_AreNamed) {
   for (const auto name :
        {property::kIdentityCa, property::kIdentityCertificate, property::kPrivateKey}) {
     auto properties = alice().properties;
@@ -102,7 +102,7 @@ TEST(LocalIdentity, MissingProperties_AreNamed) {
   }
 }
 
-TEST(LocalIdentity, Garbage_IsNamed) {
+TEST(OwnIdentityFiles, Garbage_IsNamed) {
   expect_refused(alice_with(property::kIdentityCa, "data:,x"), Code::certificate_malformed,
                  property::kIdentityCa);
   expect_refused(alice_with(property::kIdentityCertificate, "data:,x"), Code::certificate_malformed,
@@ -114,7 +114,7 @@ TEST(LocalIdentity, Garbage_IsNamed) {
                  property::kPassword);
 }
 
-TEST(LocalIdentity, KeyOfAnotherCertificate_IsRefused) {
+TEST(OwnIdentityFiles, KeyOfAnotherCertificate_IsRefused) {
   expect_refused(alice_with(property::kPrivateKey, "data:," + pem_text(key_of({}, 1))),
                  Code::key_mismatch, property::kPrivateKey);
   expect_refused(
@@ -122,7 +122,7 @@ TEST(LocalIdentity, KeyOfAnotherCertificate_IsRefused) {
       Code::key_mismatch, property::kPrivateKey);
 }
 
-TEST(LocalIdentity, OwnCertificate_MustBeUnderOwnCa) {
+TEST(OwnIdentityFiles, OwnCertificate_MustBeUnderOwnCa) {
   const auto other = make_ca("CN=Other CA");
   expect_refused(alice_with(property::kIdentityCa, "data:," + other.certificate().pem()),
                  Code::issuer_unknown, property::kIdentityCertificate);
@@ -132,12 +132,12 @@ TEST(LocalIdentity, OwnCertificate_MustBeUnderOwnCa) {
                  Code::issuer_unknown, property::kIdentityCertificate);
 }
 
-TEST(LocalIdentity, ACaFileOfNoCa_IsRefused) {
+TEST(OwnIdentityFiles, ACaFileOfNoCa_IsRefused) {
   expect_refused(alice_with(property::kIdentityCa, "data:," + alice().certificate.pem()),
                  Code::not_a_ca, property::kIdentityCa);
 }
 
-TEST(LocalIdentity, ExpiredAndNotYetValid_AreRefused) {
+TEST(OwnIdentityFiles, ExpiredAndNotYetValid_AreRefused) {
   expect_refused(make_identity(test_ca(), "CN=old", {}, {kNow - 48h, kNow - 1s}).properties,
                  Code::certificate_expired, property::kIdentityCertificate);
   expect_refused(make_identity(test_ca(), "CN=new", {}, {kNow + 1s, kNow + 48h}).properties,
@@ -147,7 +147,7 @@ TEST(LocalIdentity, ExpiredAndNotYetValid_AreRefused) {
                  property::kIdentityCertificate);
 }
 
-TEST(LocalIdentity, EncryptedKey_OpensWithThePassword) {
+TEST(OwnIdentityFiles, EncryptedKey_OpensWithThePassword) {
   const auto passphrase = pki::Passphrase::copy_of(as_bytes("sesame")).value();
   const auto pem = alice().key.to_pem(&passphrase).value().expose([](BytesView octets) {
     return std::string(as_text(octets));

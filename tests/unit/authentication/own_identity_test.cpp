@@ -1,5 +1,5 @@
 // Local identities: the documents that the properties name must exist, fit together and be trusted.
-#include "plugins/authentication/local_identity.hpp"
+#include "plugins/authentication/own_identity.hpp"
 
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 Identity alice() { return make_identity(test_ca(), "CN=alice,O=Example"); }
 
-TEST(LocalIdentity, Guid_IsBoundToTheSubject) {
+TEST(OwnIdentity, Guid_IsBoundToTheSubject) {
   TestPlugin plugin;
   const auto identity = alice();
   const auto local = create(identity.properties, plugin);
@@ -27,7 +27,7 @@ TEST(LocalIdentity, Guid_IsBoundToTheSubject) {
 
 // ---- certificate authorities
 
-TEST(LocalIdentity, SubordinateCa_IsTakenAloneAndInABundle) {
+TEST(OwnIdentity, SubordinateCa_IsTakenAloneAndInABundle) {
   const auto root = make_ca("CN=Root");
   const auto sub = root.subordinate("CN=Sub", {}, kYear, test_random()).value();
   const auto identity = make_identity(sub, "CN=alice");
@@ -43,7 +43,7 @@ TEST(LocalIdentity, SubordinateCa_IsTakenAloneAndInABundle) {
   expect_refused(root_only, Code::issuer_unknown, property::kIdentityCertificate);
 }
 
-TEST(LocalIdentity, PeersUnderDifferentCasOfOneBundle_Meet) {
+TEST(OwnIdentity, PeersUnderDifferentCasOfOneBundle_Meet) {
   const auto first = make_ca("CN=First"), second = make_ca("CN=Second");
   const auto bundle = "data:," + first.certificate().pem() + second.certificate().pem();
   auto a = make_identity(first, "CN=alice"), b = make_identity(second, "CN=bob", {}, kYear, 1);

@@ -1,4 +1,4 @@
-#include "plugins/authentication/local_identity.hpp"
+#include "plugins/authentication/own_identity.hpp"
 
 #include <algorithm>
 #include <string>
@@ -17,7 +17,7 @@ namespace property = spi::property;
 
 }  // namespace
 
-LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
+OwnIdentity::OwnIdentity(IdentityFiles files, const Guid& candidate)
     : guid_(adjusted_guid(files.certificate.subject_digest(), candidate)),
       has_trusted_folder_(files.has_trusted_folder),
       watch_(std::move(files.watch)),
@@ -34,7 +34,7 @@ LocalIdentity::LocalIdentity(IdentityFiles files, const Guid& candidate)
           PresentedDocuments{std::move(files.certificate), std::move(files.key), Bytes(1)})),
       ocsp_in_force_(ocsp_response_.in_force()) {}
 
-spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
+spi::Token OwnIdentity::identity_token(spi::CipherMask ciphers) const {
   const auto trust = own_trust();
   const auto own = certificate();
   const auto& anchors = trust->anchors();
@@ -43,11 +43,11 @@ spi::Token LocalIdentity::identity_token(spi::CipherMask ciphers) const {
   return write_identity_token(own, issuer == anchors.end() ? anchors.front() : *issuer, ciphers);
 }
 
-Result<pki::ChainValid> LocalIdentity::verify(const pki::Certificate& own, WallTime now) const {
+Result<pki::ChainValid> OwnIdentity::verify(const pki::Certificate& own, WallTime now) const {
   return with_property(own_trust()->verify(own, now), property::kIdentityCertificate);
 }
 
-std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
+std::vector<Error> OwnIdentity::ends_soon(WallTime now) {
   // An invalid chain is reported by another error.
   const auto chain = verify(now);
   if (!chain) return {};
@@ -67,27 +67,27 @@ std::vector<Error> LocalIdentity::ends_soon(WallTime now) {
   return out;
 }
 
-std::shared_ptr<const TrustStore> LocalIdentity::own_trust() const {
+std::shared_ptr<const TrustStore> OwnIdentity::own_trust() const {
   const std::scoped_lock lock(mutex_);
   return own_trust_;
 }
 
-std::shared_ptr<const TrustStore> LocalIdentity::peer_trust() const {
+std::shared_ptr<const TrustStore> OwnIdentity::peer_trust() const {
   const std::scoped_lock lock(mutex_);
   return peer_trust_;
 }
 
-std::string LocalIdentity::revocation_list_path() const {
+std::string OwnIdentity::revocation_list_path() const {
   const std::scoped_lock lock(renewal_mutex_);
   return revocation_lists_.path();
 }
 
-std::string LocalIdentity::revocation_lists() const {
+std::string OwnIdentity::revocation_lists() const {
   const std::scoped_lock lock(renewal_mutex_);
   return revocation_lists_.description();
 }
 
-Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Clock& clock) {
+Result<bool> OwnIdentity::renew_revocation_lists(TrustStores& stores, const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto trust = own_trust();
   return revocation_lists_.poll(clock, trust->anchors(), [&](const std::vector<pki::Crl>& lists) {
@@ -96,8 +96,8 @@ Result<bool> LocalIdentity::renew_revocation_lists(TrustStores& stores, const Cl
 }
 
 // A new store is opened, because it does not remember which peers the former one trusted.
-Status LocalIdentity::adopt_lists(const std::vector<pki::Crl>& lists, TrustStores& stores,
-                                  WallTime now) {
+Status OwnIdentity::adopt_lists(const std::vector<pki::Crl>& lists, TrustStores& stores,
+                                WallTime now) {
   const auto former = own_trust();
   if (has_trusted_folder_) return fail(Code::trusted_ca_dir_with_crl);
   DDSSEC_RETURN_IF_ERROR(
@@ -112,18 +112,18 @@ Status LocalIdentity::adopt_lists(const std::vector<pki::Crl>& lists, TrustStore
   return {};
 }
 
-std::optional<LocalIdentity::Unapplied> LocalIdentity::unapplied_renewal() const {
+std::optional<OwnIdentity::Unapplied> OwnIdentity::unapplied_renewal() const {
   const std::scoped_lock lock(mutex_);
   if (renewals_ <= applied_renewals_) return std::nullopt;
   return Unapplied{renewals_, authorities_renewal_ > applied_renewals_};
 }
 
-void LocalIdentity::note_applied(std::uint64_t renewal) {
+void OwnIdentity::note_applied(std::uint64_t renewal) {
   const std::scoped_lock lock(mutex_);
   applied_renewals_ = std::max(applied_renewals_, renewal);
 }
 
-Status LocalIdentity::set_permissions(const spi::Token& credential) {
+Status OwnIdentity::set_permissions(const spi::Token& credential) {
   const std::string* document = spi::find_property(credential.properties, "dds.perm.cert");
   if (credential.class_id != spi::class_id::kPermissionsCredential || document == nullptr)
     return fail(Code::permissions_credential_wrong,
@@ -145,7 +145,7 @@ Status LocalIdentity::set_permissions(const spi::Token& credential) {
   return {};
 }
 
-std::shared_ptr<const PresentedDocuments> LocalIdentity::presented() const {
+std::shared_ptr<const PresentedDocuments> OwnIdentity::presented() const {
   const std::scoped_lock lock(mutex_);
   return presented_;
 }
@@ -155,8 +155,8 @@ std::shared_ptr<const PresentedDocuments> LocalIdentity::presented() const {
 // The subject must stay, because the GUID, the permissions and the counts of peers depend on it.
 // The algorithm must stay, because the identity token in discovery names it. An older certificate
 // would end sooner, or bring back a key that was replaced for a reason.
-Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
-                                    WallTime now) const {
+Status OwnIdentity::check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
+                                  WallTime now) const {
   const auto former = certificate();
   const auto& renewed = found.certificate;
   const auto differs = [](std::string_view field, std::string expected, std::string is,
@@ -186,7 +186,7 @@ Status LocalIdentity::check_renewed(const IdentityWatch::Found& found, const Tru
   return {};
 }
 
-Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
+Result<bool> OwnIdentity::renew_identity(const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto former = presented();
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
@@ -204,7 +204,7 @@ Result<bool> LocalIdentity::renew_identity(const Clock& clock) {
 
 // ---- the OCSP response
 
-Result<bool> LocalIdentity::renew_ocsp_response(const Clock& clock) {
+Result<bool> OwnIdentity::renew_ocsp_response(const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   const auto own = certificate();
   const auto trust = own_trust();
@@ -216,14 +216,14 @@ Result<bool> LocalIdentity::renew_ocsp_response(const Clock& clock) {
   return taken;
 }
 
-std::shared_ptr<const OcspInForce> LocalIdentity::ocsp_response_for(
+std::shared_ptr<const OcspInForce> OwnIdentity::ocsp_response_for(
     const pki::Certificate& certificate, WallTime now) const {
   const std::scoped_lock lock(mutex_);
   const auto& one = ocsp_in_force_;
   return one && one->certificate == certificate && one->good.holds_at(now) ? one : nullptr;
 }
 
-std::optional<Error> LocalIdentity::ocsp_revoked() const {
+std::optional<Error> OwnIdentity::ocsp_revoked() const {
   const std::scoped_lock lock(mutex_);
   return ocsp_revoked_;
 }
@@ -231,7 +231,7 @@ std::optional<Error> LocalIdentity::ocsp_revoked() const {
 // ---- other certificate authorities
 
 // Success if a trusted_ca_dir in use contains each of these CAs, as IdentityFiles::load requires.
-Status LocalIdentity::check_in_trusted_folder(
+Status OwnIdentity::check_in_trusted_folder(
     const std::vector<pki::Certificate>& authorities) const {
   if (!has_trusted_folder_) return {};
   const auto folder = peer_trust();
@@ -243,7 +243,7 @@ Status LocalIdentity::check_in_trusted_folder(
 }
 
 // The caller holds mutex_. A new store does not remember which peers the former one trusted.
-void LocalIdentity::trust(std::shared_ptr<const TrustStore> store) {
+void OwnIdentity::trust(std::shared_ptr<const TrustStore> store) {
   own_trust_ = std::move(store);
   if (has_trusted_folder_) return;
   listed_->reevaluate();
@@ -251,8 +251,8 @@ void LocalIdentity::trust(std::shared_ptr<const TrustStore> store) {
   authorities_renewal_ = ++renewals_;
 }
 
-Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustStores& stores,
-                                                                         const Clock& clock) {
+Result<OwnIdentity::AuthoritiesTaken> OwnIdentity::renew_authorities(TrustStores& stores,
+                                                                     const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
   AuthoritiesTaken taken;
   const auto former = own_trust();
@@ -267,8 +267,8 @@ Result<LocalIdentity::AuthoritiesTaken> LocalIdentity::renew_authorities(TrustSt
 }
 
 // Takes other authorities. Returns true if our certificate was renewed together with them.
-Result<bool> LocalIdentity::adopt_authorities(const std::vector<pki::Certificate>& next,
-                                              TrustStores& stores, WallTime now) {
+Result<bool> OwnIdentity::adopt_authorities(const std::vector<pki::Certificate>& next,
+                                            TrustStores& stores, WallTime now) {
   DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(next));
   DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, revocation_lists_.in_force()));
   const auto former = presented();
@@ -286,9 +286,9 @@ Result<bool> LocalIdentity::adopt_authorities(const std::vector<pki::Certificate
   return true;
 }
 
-Status LocalIdentity::adopt_with_identity(const std::vector<pki::Certificate>& next,
-                                          const IdentityWatch::Found& identity, TrustStores& stores,
-                                          WallTime now) {
+Status OwnIdentity::adopt_with_identity(const std::vector<pki::Certificate>& next,
+                                        const IdentityWatch::Found& identity, TrustStores& stores,
+                                        WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, revocation_lists_.read(next, now));
   DDSSEC_RETURN_IF_ERROR(check_renewal(lists.in_force(), revocation_lists_.in_force(), next, now));
   DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, lists.in_force()));
@@ -303,7 +303,7 @@ Status LocalIdentity::adopt_with_identity(const std::vector<pki::Certificate>& n
 
 // ---- descriptions for a person
 
-std::vector<DocumentState> LocalIdentity::documents() const {
+std::vector<DocumentState> OwnIdentity::documents() const {
   const std::scoped_lock lock(renewal_mutex_);
   const auto path = watch_.path();
   std::vector<DocumentState> out = {
@@ -331,7 +331,7 @@ std::vector<DocumentState> LocalIdentity::documents() const {
   return out;
 }
 
-void LocalIdentity::force_poll() {
+void OwnIdentity::force_poll() {
   const std::scoped_lock lock(renewal_mutex_);
   watch_.force_poll();
   authorities_.force_poll();
@@ -342,8 +342,8 @@ void LocalIdentity::force_poll() {
 
 // ---- the documents that are presented
 
-Sha256Digest LocalIdentity::hash_of(const std::shared_ptr<const PresentedDocuments>& presented,
-                                    const Credentials& own) const {
+Sha256Digest OwnIdentity::hash_of(const std::shared_ptr<const PresentedDocuments>& presented,
+                                  const Credentials& own) const {
   Bytes variable = to_bytes(own.participant_data);
   const auto name = own.key_agreement_algorithm;
   variable.insert(variable.end(), name.begin(), name.end());

@@ -23,10 +23,11 @@ struct PresentedDocuments {
   Bytes permissions;
 };
 
-/// A local identity. Thread-safe; immutable except for the documents that it presents and trusts.
-class LocalIdentity {
+/// The identity of a local participant. Thread-safe; immutable except for the documents that it
+/// presents and trusts.
+class OwnIdentity {
  public:
-  LocalIdentity(IdentityFiles files, const Guid& candidate);
+  OwnIdentity(IdentityFiles files, const Guid& candidate);
 
   const Guid& guid() const { return guid_; }
   /// Returns the documents for handshakes that begin now.
