@@ -43,7 +43,7 @@ struct Finding {
   int line = 0;               ///< from 1; 0 if there is none
   std::string path = {};      ///< place in the document, such as /dds/permissions/grant[2]
   std::string hint = {};      ///< empty if the rule's hint applies
-  std::vector<std::string> vendors = {};  ///< products, such as "cyclonedds"; empty for all
+  std::vector<std::string> products = {};  ///< products, such as "cyclonedds"; empty for all
   Severity severity = info(rule).severity;
 };
 

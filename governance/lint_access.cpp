@@ -27,7 +27,7 @@ void check_strangers(LintFindings& out, const DomainPlace& place) {
                              "protect: a stranger's announcement can make "
                              "Cyclone DDS take a participant for an unauthenticated one, so that "
                              "two participants stay apart for good");
-  finding.vendors = {kCyclone};
+  finding.products = {kCyclone};
   out.add(std::move(finding));
 }
 
@@ -42,7 +42,7 @@ void check_controls(LintFindings& out, const DomainPlace& place, std::size_t i) 
   if (controls_access(topic) && place.rule.allow_unauthenticated_participants) {
     auto finding = place.about(
         GOV025, i, fmt::format("{}: access is controlled and strangers are allowed", name));
-    finding.vendors = stock_vendors();
+    finding.products = stock_products();
     out.add(std::move(finding));
   }
   if (controls_access(topic) && is_plain(topic)) {
@@ -52,7 +52,7 @@ void check_controls(LintFindings& out, const DomainPlace& place, std::size_t i) 
                     "data_protection_kind are NONE, so that only the good will of peers keeps "
                     "them out under Cyclone DDS",
                     name));
-    finding.vendors = {kCyclone};
+    finding.products = {kCyclone};
     out.add(std::move(finding));
   }
 }

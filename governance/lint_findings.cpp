@@ -36,12 +36,12 @@ void LintFindings::add(Finding finding) {
   if (++count_[finding.rule] <= kMaxFindingsPerRule) all_.push_back(std::move(finding));
 }
 
-void LintFindings::add(Rule rule, const Note& note, std::vector<std::string> vendors) {
+void LintFindings::add(Rule rule, const Note& note, std::vector<std::string> products) {
   add({.rule = rule,
        .message = note.text,
        .line = note.line,
        .path = note.path,
-       .vendors = std::move(vendors)});
+       .products = std::move(products)});
   count_[rule] += note.more;
 }
 
@@ -52,9 +52,9 @@ void LintFindings::add_if_unportable(Rule rule, const Text& expression, const st
                   .message = to_sentence(expression.text, *found),
                   .line = expression.line,
                   .path = path};
-  if (found->cyclonedds) finding.vendors.push_back(kCyclone);
-  if (found->fastdds) finding.vendors.push_back(kFastDds);
-  if (finding.vendors.empty()) finding.severity = Severity::informational;
+  if (found->cyclonedds) finding.products.push_back(kCyclone);
+  if (found->fastdds) finding.products.push_back(kFastDds);
+  if (finding.products.empty()) finding.severity = Severity::informational;
   add(std::move(finding));
 }
 

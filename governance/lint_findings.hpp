@@ -15,7 +15,7 @@ namespace ddssec::governance {
 inline constexpr auto kCyclone = "cyclonedds";
 inline constexpr auto kFastDds = "fastdds";
 inline constexpr auto kOpenDds = "opendds";
-inline std::vector<std::string> stock_vendors() { return {kCyclone, kFastDds}; }
+inline std::vector<std::string> stock_products() { return {kCyclone, kFastDds}; }
 
 /// The findings of one document, and the effort left for further checks.
 class LintFindings {
@@ -29,7 +29,7 @@ class LintFindings {
   /// Adds a finding unless its rule has kMaxFindingsPerRule.
   void add(Finding finding);
   /// Adds a note of a reader, as a finding of the rule.
-  void add(Rule rule, const Note& note, std::vector<std::string> vendors);
+  void add(Rule rule, const Note& note, std::vector<std::string> products);
   /// Adds GOV012 or PERM013 if the expression is not portable.
   void add_if_unportable(Rule rule, const Text& expression, const std::string& path);
   /// Adds GOV013 or PERM034 if the expression begins like a name of ROS.

@@ -25,7 +25,7 @@ void add_notes(LintFindings& out, const Governance& document) {
         break;
       case NoteKind::no_min:
       case NoteKind::no_max:
-        out.add(GOV004, note, stock_vendors());
+        out.add(GOV004, note, stock_products());
         break;
       case NoteKind::refused_spelling:
         out.add(GOV023, note, {kFastDds});
@@ -40,7 +40,7 @@ void add_notes(LintFindings& out, const Governance& document) {
       case NoteKind::default_namespace:
       case NoteKind::other_attribute:
       case NoteKind::no_algorithms:
-        out.add(GOV006, note, stock_vendors());
+        out.add(GOV006, note, stock_products());
         break;
       case NoteKind::end_tag_blank:
         out.add(GOV001, note, {kCyclone});
@@ -49,7 +49,7 @@ void add_notes(LintFindings& out, const Governance& document) {
         out.add(GOV023, note, {});
         break;
       case NoteKind::kind_spelling:
-        out.add(GOV024, note, stock_vendors());
+        out.add(GOV024, note, stock_products());
         break;
       case NoteKind::accepted_order:
       case NoteKind::no_zone:
@@ -196,7 +196,7 @@ void check_domain_kinds(LintFindings& out, const DomainPlace& place) {
         std::pair("rtps_protection_kind", rule.rtps_protection_kind)}) {
     if (!is_origin_authenticated(kind)) continue;
     auto finding = place.about(GOV030, fmt::format("{} is {}", name, to_string(kind)));
-    finding.vendors = {kOpenDds, kFastDds};
+    finding.products = {kOpenDds, kFastDds};
     out.add(std::move(finding));
   }
 }
@@ -226,7 +226,7 @@ Finding payload_alone(const DomainPlace& place, std::size_t i) {
                   in_quotes(topic.topic_expression), to_string(topic.data_protection_kind));
   if (is_origin_authenticated(rtps)) {  // each receiver knows the sender of all that it gets
     auto out = place.about(GOV031, i, kinds);
-    out.vendors = stock_vendors();
+    out.products = stock_products();
     return out;
   }
   return place.about(
@@ -246,7 +246,7 @@ void check_kinds(LintFindings& out, const DomainPlace& place, std::size_t i) {
     auto finding = place.about(GOV030, i,
                                fmt::format("{}: metadata_protection_kind is {}", name,
                                            to_string(topic.metadata_protection_kind)));
-    finding.vendors = {kOpenDds, kFastDds};
+    finding.products = {kOpenDds, kFastDds};
     out.add(std::move(finding));
   }
   if (is_protected(topic.data_protection_kind) && !is_protected(topic.metadata_protection_kind))
@@ -301,7 +301,7 @@ void check_clear_discovery(LintFindings& out, const DomainPlace& place) {
                          std::ranges::all_of(rules, &TopicRule::enable_discovery_protection);
   if (is_closed || !protects_anything(place.rule)) return;
   auto finding = of_clear_discovery(place);
-  finding.vendors = {kCyclone};
+  finding.products = {kCyclone};
   out.add(std::move(finding));
 }
 

@@ -89,7 +89,7 @@ void check_dates(LintFindings& out, const GrantPlace& place, const PermissionsUs
   if (place.grant().validity.is_read_alike_by_cyclonedds) return;
   auto finding = place.about(PERM002, fmt::format("Cyclone DDS {}", kEndReadAsPast));
   finding.hint = std::string(kEndReadAsPastHint);
-  finding.vendors = {kCyclone};
+  finding.products = {kCyclone};
   out.add(std::move(finding));
 }
 
@@ -117,7 +117,7 @@ void check_repeated_subjects(LintFindings& out, const std::vector<GrantPlace>& p
                              in_quotes(place.grant().subject_name), earlier.line));
     if (!overlap_in_time(earlier, place.grant())) {
       finding.severity = Severity::warning;
-      finding.vendors = {kCyclone};
+      finding.products = {kCyclone};
     }
     out.add(std::move(finding));
   }
@@ -158,7 +158,7 @@ void check_stray_grants(LintFindings& out, const Permissions& document,
         places, [&](const GrantPlace& one) { return &one.grant() == stray.grant; });
     auto finding = place->about(PERM010, to_sentence(stray));
     finding.hint = std::string(kStrayGrantHint);
-    finding.vendors = {kCyclone};
+    finding.products = {kCyclone};
     out.add(std::move(finding));
   }
 }
@@ -171,7 +171,7 @@ void check_spelling(LintFindings& out, const GrantPlace& place) {
     finding.hint = fmt::format("write <subject_name>{}</subject_name>", found->right);
   else
     finding.severity = Severity::error;
-  finding.vendors = std::move(found->vendors);
+  finding.products = std::move(found->products);
   out.add(std::move(finding));
 }
 
@@ -182,7 +182,7 @@ void check_letters(LintFindings& out, const GrantPlace& place) {
   finding.hint =
       "name participants in ASCII, or give Fast DDS a document of its own: it reads the letters "
       "themselves, and Cyclone DDS their escapes such as \\C3\\A9";
-  finding.vendors = std::move(found->vendors);
+  finding.products = std::move(found->products);
   out.add(std::move(finding));
 }
 
@@ -214,7 +214,7 @@ void check_subject(LintFindings& out, const std::vector<GrantPlace>& places,
                    : fmt::format("{} means the certificate's subject {} in other words",
                                  in_quotes(grant.subject_name), in_quotes(certificate.subject())));
   finding.hint = hint;
-  finding.vendors =
+  finding.products =
       not_recognising(grant, certificate.subject(), pki::subject_in_utf8(certificate));
   out.add(std::move(finding));
 }

@@ -51,7 +51,7 @@ void check_unread_conditions(LintFindings& out, const GrantPlace& place) {
       auto finding = place.about_rule(
           PERM014, i + 1,
           fmt::format("rule {} has {}: Cyclone DDS and Fast DDS ignore them", i + 1, what));
-      finding.vendors = stock_vendors();
+      finding.products = stock_products();
       finding.severity = severity;
       out.add(std::move(finding));
     };
@@ -84,7 +84,7 @@ void check_partitions_by_rule(LintFindings& out, const GrantPlace& place,
         place.about(PERM015, entry,
                     fmt::format("{}: {} matches it for other partitions, and Fast DDS stops there",
                                 in_quotes(entry.topic->text), rule_name(earlier)));
-    finding.vendors = {kFastDds};
+    finding.products = {kFastDds};
     out.add(std::move(finding));
   }
 }
@@ -108,7 +108,7 @@ void check_joined_partitions(LintFindings& out, const GrantPlace& place,
                     "topic of a rule in the partitions of all its elements",
                     in_quotes(entry.topic->text), in_quotes(first->topic->text)));
     finding.hint = "write a rule of its own for each list of partitions";
-    finding.vendors = {kFastDds};
+    finding.products = {kFastDds};
     out.add(std::move(finding));
   }
 }
@@ -161,7 +161,7 @@ void check_half_denied(LintFindings& out, const GrantPlace& place, std::size_t a
                   "DDS refuses the topic altogether",
                   at + 1, publish ? "publishing" : "subscribing to", in_quotes(*witness),
                   publish ? "subscribing to" : "publishing"));
-  finding.vendors = {kCyclone};
+  finding.products = {kCyclone};
   out.add(std::move(finding));
 }
 
@@ -209,7 +209,7 @@ void check_open_denial(LintFindings& out, const GrantPlace& place,
                     rule_name(entry), in_quotes(entry.topic->text), rule_name(*later),
                     in_quotes(later->topic->text),
                     in_quotes(later->criteria->partitions->front().text)));
-    finding.vendors = {kCyclone};
+    finding.products = {kCyclone};
     out.add(std::move(finding));
     return;  // one example for each direction
   }
@@ -243,7 +243,7 @@ void check_topic_denied_with_partitions(LintFindings& out, const GrantPlace& pla
       fmt::format("deny_rule {} lists partitions: Cyclone DDS refuses the topic {} altogether, "
                   "also in partitions that a later rule allows",
                   at + 1, in_quotes(*witness)));
-  finding.vendors = {kCyclone};
+  finding.products = {kCyclone};
   finding.hint =
       "name the partitions that are allowed in an allow_rule, and leave the deny_rule out";
   out.add(std::move(finding));
@@ -259,7 +259,7 @@ void check_denied_partitions(LintFindings& out, const GrantPlace& place) {
         PERM021, i + 1,
         fmt::format("deny_rule {} lists partitions: Fast DDS denies its topics in all of them",
                     i + 1));
-    finding.vendors = {kFastDds};
+    finding.products = {kFastDds};
     out.add(std::move(finding));
   }
 }
@@ -272,7 +272,7 @@ void check_default(LintFindings& out, const GrantPlace& place) {
                         "also those that were not thought of"));
   if (std::ranges::any_of(grant.rules, &GrantRule::allow)) return;
   auto finding = place.about(PERM023, "there is no allow_rule");
-  finding.vendors = {kFastDds};
+  finding.products = {kFastDds};
   out.add(std::move(finding));
 }
 
@@ -333,7 +333,7 @@ void check_closed_domains(LintFindings& out, const GrantPlace& place) {
         fmt::format("deny_rule {} without topics closes domain {}: ddssec's plugins refuse the "
                     "participant there, Cyclone DDS and Fast DDS let it join by an allow_rule",
                     i + 1, to_text(domains)));
-    finding.vendors = stock_vendors();
+    finding.products = stock_products();
     out.add(std::move(finding));
   }
 }

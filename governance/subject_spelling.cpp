@@ -89,9 +89,9 @@ std::optional<SpellingProblem> misspelt(const Grant& grant) {
   if (!name) return SpellingProblem{in_quotes(grant.subject_name) + " is no subject name"};
   if (!is_written_alike(*name) || has_letters_beyond_ascii(*name)) return std::nullopt;
   const auto right = text_in_certificate(*name);
-  auto vendors = not_recognising(grant, right, right);
-  if (vendors.empty()) return std::nullopt;
-  return SpellingProblem{why_not_recognised(grant, *name), right, std::move(vendors)};
+  auto products = not_recognising(grant, right, right);
+  if (products.empty()) return std::nullopt;
+  return SpellingProblem{why_not_recognised(grant, *name), right, std::move(products)};
 }
 
 // Cyclone DDS compares letters beyond ASCII as RFC 2253 escapes them, Fast DDS as they are
@@ -101,15 +101,15 @@ std::optional<SpellingProblem> letters_beyond_ascii(const Grant& grant) {
   if (grant.subject_is_expression || !name || !has_letters_beyond_ascii(*name)) return std::nullopt;
   const bool is_escaped = std::ranges::none_of(grant.subject_name, is_beyond_ascii);
   const auto text = text_in_certificate(*name);
-  auto vendors = not_recognising(grant, with_escapes(text), text);
-  if (vendors.empty()) return std::nullopt;
+  auto products = not_recognising(grant, with_escapes(text), text);
+  if (products.empty()) return std::nullopt;
   auto message =
       fmt::format("the subject name {} has letters beyond ASCII, {}: {} the certificate by it",
                   in_quotes(grant.subject_name), is_escaped ? "escaped" : "not escaped",
-                  vendors.size() > 1            ? "Cyclone DDS and Fast DDS do not recognise"
-                  : vendors.front() == kCyclone ? "Cyclone DDS does not recognise"
-                                                : "Fast DDS does not recognise");
-  return SpellingProblem{std::move(message), {}, std::move(vendors)};
+                  products.size() > 1            ? "Cyclone DDS and Fast DDS do not recognise"
+                  : products.front() == kCyclone ? "Cyclone DDS does not recognise"
+                                                 : "Fast DDS does not recognise");
+  return SpellingProblem{std::move(message), {}, std::move(products)};
 }
 
 }  // namespace ddssec::governance

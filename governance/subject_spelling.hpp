@@ -14,7 +14,7 @@ namespace ddssec::governance {
 struct SpellingProblem {
   std::string message = {};
   std::string right = {};  ///< what to write; empty if no text is right for all
-  std::vector<std::string> vendors = {};
+  std::vector<std::string> products = {};
 };
 
 /// Returns the stock products that do not apply the grant to a certificate with this subject, given

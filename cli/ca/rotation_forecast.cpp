@@ -75,7 +75,7 @@ bool may_be_stock(const fs::path& folder) {
   if (!configuration) return true;
   const auto plugins = doctor::host_plugins(*configuration, {});
   return plugins.empty() || !std::ranges::all_of(plugins, [](const doctor::HostPlugin& plugin) {
-           return plugin.maker == doctor::HostPlugin::Maker::ddssec &&
+           return plugin.product == doctor::HostPlugin::PluginProduct::ddssec &&
                   fs::path(plugin.library).is_absolute();
          });
 }

@@ -17,7 +17,7 @@
 #include "governance/doctor/ca_list.hpp"
 #include "governance/doctor/diagnosis.hpp"
 #include "governance/doctor/domains_of_folder.hpp"
-#include "governance/doctor/vendor_decision.hpp"
+#include "governance/doctor/product_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/read.hpp"
 #include "governance/refusal_advice.hpp"
@@ -217,7 +217,7 @@ void note_stock_products(const doctor::LoadedFolder& folder, Report& report) {
 void note_refused_topic(const Question& question, Report& report) {
   const auto& [folder, action, request, domain, now] = question;
   if (!folder.permissions.model || !folder.governance.model || !folder.certificate) return;
-  const auto cyclonedds = doctor::Vendor::cyclonedds;
+  const auto cyclonedds = doctor::Product::cyclonedds;
   const auto* const rules = doctor::domain_rule_as(cyclonedds, *folder.governance.model, domain);
   const auto* const controlled =
       rules != nullptr ? doctor::topic_rule_as(cyclonedds, *rules, request.topic) : nullptr;
@@ -238,7 +238,7 @@ void note_refused_topic(const Question& question, Report& report) {
                               request.topic),
        .document = folder.paths.permissions.string(),
        .line = first->line,
-       .vendors = {"cyclonedds"},
+       .products = {"cyclonedds"},
        .severity = Severity::warning});
 }
 
@@ -247,7 +247,7 @@ void note_refused_topic(const Question& question, Report& report) {
 void note_drop_in(const Question& question, Report& report) {
   const auto& folder = question.folder;
   if (!folder.governance.model || runs_drop_in(folder)) return;
-  constexpr auto kDdssec = doctor::Vendor::ddssec;
+  constexpr auto kDdssec = doctor::Product::ddssec;
   const auto* const rules =
       doctor::domain_rule_as(kDdssec, *folder.governance.model, question.domain);
   const auto* const rule =

@@ -29,11 +29,11 @@ namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
 
 // "A=cyclonedds" sets products[0] and "B=..." products[1]; a name alone sets both.
-Status set_vendor(const std::string& word, doctor::NamedProduct (&products)[2]) {
+Status set_product(const std::string& word, doctor::NamedProduct (&products)[2]) {
   const bool is_a = word.starts_with("A=");
   const bool is_b = word.starts_with("B=");
-  const auto product = doctor::product_from(is_a || is_b ? word.substr(2) : word);
-  if (!product) return unknown_vendor_error(word, "A= or B= and ");
+  const auto product = doctor::named_product_from(is_a || is_b ? word.substr(2) : word);
+  if (!product) return unknown_product_error(word, "A= or B= and ");
   if (!is_b) products[0] = *product;
   if (!is_a) products[1] = *product;
   return {};
@@ -42,9 +42,9 @@ Status set_vendor(const std::string& word, doctor::NamedProduct (&products)[2]) 
 // A participant that runs this product.
 doctor::Party party(const doctor::LoadedFolder& folder, const doctor::NamedProduct& product,
                     const std::string& name, Report& report) {
-  doctor::Party out{folder, product.vendor, name};
-  if (product.vendor != doctor::Vendor::ddssec)
-    out.lineup.of(product.vendor) = version_of(product, report);
+  doctor::Party out{folder, product.name, name};
+  if (product.name != doctor::Product::ddssec)
+    out.lineup.of(product.name) = version_of(product, report);
   return out;
 }
 
@@ -107,13 +107,13 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   return out;
 }
 
-Report unpredictable(const fs::path& file, doctor::Vendor vendor) {
+Report unpredictable(const fs::path& file, doctor::Product product) {
   auto report = cli::report_of(
       Error(Code::file_unreadable,
             {.document = file,
              .note = fmt::format("{0} may start with it, and ddssec does not read it as {0} does: "
                                  "whether they would talk is not known",
-                                 doctor::family(vendor)),
+                                 doctor::family(product)),
              .hint = "ddssec doctor says what is wrong with it"}));
   report.exit = Exit::unreadable;
   return report;
@@ -122,11 +122,11 @@ Report unpredictable(const fs::path& file, doctor::Vendor vendor) {
 // Explains why there is no answer: the product accepts a file that ddssec cannot judge, such as a
 // certificate with a key of another curve, so a "no" could be seriously wrong. Empty if an answer
 // is possible.
-std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::Vendor vendor) {
+std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::Product product) {
   const auto& certificate = folder.certificate;
-  if (const auto* file = doctor::unpredictable_file(folder, vendor))
-    return unpredictable(*file, vendor);
-  if (vendor != doctor::Vendor::cyclonedds || certificate ||
+  if (const auto* file = doctor::unpredictable_file(folder, product))
+    return unpredictable(*file, product);
+  if (product != doctor::Product::cyclonedds || certificate ||
       !doctor::is_key_of_another_curve(certificate.error()))
     return std::nullopt;
   auto details = certificate.error().details();
@@ -155,10 +155,11 @@ void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders
 
 // The first meeting of two participants needs no renewal list, so these findings do not change the
 // answer.
-void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::Vendor> (&sides)[2],
-                           const doctor::Settings& settings, Report& report) {
-  for (const auto& [folder, vendor] : sides) {
-    if (vendor != doctor::Vendor::ddssec) continue;
+void warn_of_renewal_lists(
+    const std::pair<const doctor::LoadedFolder*, doctor::Product> (&sides)[2],
+    const doctor::Settings& settings, Report& report) {
+  for (const auto& [folder, product] : sides) {
+    if (product != doctor::Product::ddssec) continue;
     doctor::Diagnosis lists(settings.lineup);
     check_renewal_list(*folder, settings, lists);
     for (const auto& one : lists.checks())
@@ -168,9 +169,9 @@ void warn_of_renewal_lists(const std::pair<const doctor::LoadedFolder*, doctor::
 
 Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& context) {
   const fs::path folders[] = {arguments.text("A"), arguments.text("B")};
-  doctor::NamedProduct products[] = {{doctor::Vendor::ddssec}, {doctor::Vendor::ddssec}};
+  doctor::NamedProduct products[] = {{doctor::Product::ddssec}, {doctor::Product::ddssec}};
   for (const auto& word : arguments.all("--vendor"))
-    DDSSEC_RETURN_IF_ERROR(set_vendor(word, products));
+    DDSSEC_RETURN_IF_ERROR(set_product(word, products));
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, wanted_directions(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const auto topics, topics_of(arguments));
   for (const auto& folder : folders) DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
@@ -184,9 +185,9 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   const auto& b = *kept[1];
   // If ddssec is among the products, the answer is no, because it refuses to start with such files.
   const bool are_stock = std::ranges::none_of(
-      products, [](const auto& one) { return one.vendor == doctor::Vendor::ddssec; });
+      products, [](const auto& one) { return one.name == doctor::Product::ddssec; });
   for (const auto& [folder, product] : {std::pair{&a, &products[0]}, std::pair{&b, &products[1]}})
-    if (auto unknown = are_stock ? unpredictable(*folder, product->vendor) : std::nullopt)
+    if (auto unknown = are_stock ? unpredictable(*folder, product->name) : std::nullopt)
       return Answer<MeetingView>{{}, *std::move(unknown), false};
   Report report;
   DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&a, &b}, now, report));
@@ -218,7 +219,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
                        [&](const Finding& note) { return asked || note.rule != Rule::DOC083; });
   const doctor::Settings settings{.now = now, .domain = domain, .lineup = installed_lineup()};
   if (!arguments.has("--vendor")) warn_of_readings({&a, &b}, settings, report);
-  warn_of_renewal_lists({{&a, products[0].vendor}, {&b, products[1].vendor}}, settings, report);
+  warn_of_renewal_lists({{&a, products[0].name}, {&b, products[1].name}}, settings, report);
   return Answer<MeetingView>{std::move(view), std::move(report)};
 }
 

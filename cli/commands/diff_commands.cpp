@@ -48,7 +48,7 @@ void warn_of_open_ranges(Report& report, Rule rule, const std::vector<governance
                     .document = file,
                     .line = note.line,
                     .path = note.path,
-                    .vendors = {"cyclonedds", "fastdds"}};
+                    .products = {"cyclonedds", "fastdds"}};
     report.findings.push_back(std::move(finding));
   }
 }

@@ -40,21 +40,21 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace doctor = governance::doctor;
-using doctor::Vendor;
+using doctor::Product;
 
 // Findings about products without a column (OpenDDS) are shown unless --vendor is given.
 bool concerns(const Finding& finding, const Products& products) {
-  return finding.vendors.empty() || std::ranges::any_of(finding.vendors, [&](const auto& word) {
-           const auto vendor = doctor::vendor_from(word);
-           return vendor ? std::ranges::find(products.vendors, *vendor) != products.vendors.end()
-                         : products.vendors.size() == doctor::kVendors.size();
+  return finding.products.empty() || std::ranges::any_of(finding.products, [&](const auto& word) {
+           const auto product = doctor::product_from(word);
+           return product ? std::ranges::find(products.list, *product) != products.list.end()
+                          : products.list.size() == doctor::kProducts.size();
          });
 }
 
 Json verdicts_json(const doctor::Outcomes& outcomes, const Products& products) {
   Json out = Json::object();
-  for (const auto vendor : products.vendors)
-    out[doctor::id(vendor, products.lineup)] = to_string(outcomes.of(vendor));
+  for (const auto product : products.list)
+    out[doctor::id(product, products.lineup)] = to_string(outcomes.of(product));
   return out;
 }
 
@@ -64,14 +64,14 @@ constexpr std::size_t kColumnWidth = 19;
 std::string row(std::string_view title, const doctor::Outcomes& outcomes, const Products& products,
                 std::size_t title_width) {
   auto out = fmt::format("{:<{}} ", title, title_width);
-  for (const auto vendor : products.vendors)
-    out += fmt::format("{:<{}}", to_string(outcomes.of(vendor)), kColumnWidth);
+  for (const auto product : products.list)
+    out += fmt::format("{:<{}}", to_string(outcomes.of(product)), kColumnWidth);
   return out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
 }
 
 bool is_good(const doctor::Outcomes& outcomes, const Products& products) {
   return std::ranges::all_of(
-      products.vendors, [&](Vendor vendor) { return outcomes.of(vendor) == doctor::Outcome::ok; });
+      products.list, [&](Product product) { return outcomes.of(product) == doctor::Outcome::ok; });
 }
 
 std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
@@ -80,8 +80,8 @@ std::string table(const doctor::Diagnosis& diagnosis, std::string_view title,
   for (const auto& check : diagnosis.checks())
     if (!is_good(check.outcomes, products)) width = std::max(width, check.title.size());
   auto out = fmt::format("{:<{}} ", title, width);
-  for (const auto vendor : products.vendors)
-    out += fmt::format("{:<{}}", doctor::id(vendor, products.lineup), kColumnWidth);
+  for (const auto product : products.list)
+    out += fmt::format("{:<{}}", doctor::id(product, products.lineup), kColumnWidth);
   out = out.substr(0, out.find_last_not_of(' ') + 1) + '\n';
   // One line stands for all checks that are good for every product. The JSON has each of them.
   std::size_t good = 0;
@@ -135,7 +135,7 @@ struct ShownDiagnosis {
 
   std::vector<std::string> vendors() const {
     std::vector<std::string> out;
-    for (const auto vendor : products.vendors) out.push_back(doctor::id(vendor, products.lineup));
+    for (const auto product : products.list) out.push_back(doctor::id(product, products.lineup));
     return out;
   }
   std::vector<ShownCheck> checks() const {
@@ -215,8 +215,8 @@ struct FieldsOf<doctor::HostPlugin> {
         computed<T>(
             "maker",
             [](const T& one) {
-              using enum T::Maker;
-              return if_any(one.maker == ddssec ? "ddssec" : one.maker == other ? "other" : "");
+              using enum T::PluginProduct;
+              return if_any(one.product == ddssec ? "ddssec" : one.product == other ? "other" : "");
             },
             {.note = "ddssec, other; null: not found", .words = "ddssec|other"}),
         computed<T>("version", [](const T& one) { return if_any(one.version); }));
@@ -252,7 +252,7 @@ struct DoctorResult {
           "with this LD_LIBRARY_PATH{} Cyclone DDS would load\n",
           is_configured ? "" : ", and CYCLONEDDS_URI set to the folder's cyclonedds.xml,");
     for (const auto& plugin : plugins)
-      out += fmt::format("  {:<15} {}{}{}\n", plugin.role, maker_of(plugin),
+      out += fmt::format("  {:<15} {}{}{}\n", plugin.role, product_of(plugin),
                          plugin.file.empty() ? "" : ": " + plugin.file.string(),
                          plugin.missing.empty() ? ""
                                                 : fmt::format(" (cannot be loaded without {})",
@@ -276,8 +276,8 @@ std::vector<ProductMeeting> meetings_of(Report& report, const doctor::Party (&pa
   std::vector<ProductMeeting> out;
   std::vector<std::string> said;
   const auto& lineup = products.lineup;
-  for (const auto a : products.vendors)
-    for (const auto b : products.vendors) {
+  for (const auto a : products.list)
+    for (const auto b : products.list) {
       const MeetingView view{
           .meeting = meet_with_properties({self.folder, a, self.name, lineup},
                                           {peer.folder, b, peer.name, lineup}, settings),
@@ -313,7 +313,7 @@ DiagnosedPeer peer_of(
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   out.meetings =
-      meetings_of(report, {{self, Vendor::ddssec, names[0]}, {peer, Vendor::ddssec, names[1]}},
+      meetings_of(report, {{self, Product::ddssec, names[0]}, {peer, Product::ddssec, names[1]}},
                   settings, products, arguments.has("--vendor"));
   return out;
 }

@@ -191,23 +191,23 @@ struct Verdicts {
   bool ddssec = false, cyclonedds = false, fastdds = false;
   doctor::Lineup lineup = installed_lineup();
 
-  std::string_view of(doctor::Vendor vendor) const {
-    const bool accepts = vendor == doctor::Vendor::cyclonedds ? cyclonedds
-                         : vendor == doctor::Vendor::fastdds  ? fastdds
-                                                              : ddssec;
+  std::string_view of(doctor::Product product) const {
+    const bool accepts = product == doctor::Product::cyclonedds ? cyclonedds
+                         : product == doctor::Product::fastdds  ? fastdds
+                                                                : ddssec;
     return accepts ? "accepts" : "refuses";
   }
   Json json() const {
     Json out = Json::object();
-    for (const auto vendor : doctor::kVendors) out[doctor::id(vendor, lineup)] = of(vendor);
+    for (const auto product : doctor::kProducts) out[doctor::id(product, lineup)] = of(product);
     return out;
   }
   // For example "Cyclone DDS 0.10.2 refuses it, Fast DDS 2.9.1 accepts it".
   std::string in_words() const {
-    const auto words = [&](doctor::Vendor vendor) {
-      return fmt::format("{} {} it", doctor::name(vendor, lineup), of(vendor));
+    const auto words = [&](doctor::Product product) {
+      return fmt::format("{} {} it", doctor::name(product, lineup), of(product));
     };
-    return words(doctor::Vendor::cyclonedds) + ", " + words(doctor::Vendor::fastdds);
+    return words(doctor::Product::cyclonedds) + ", " + words(doctor::Product::fastdds);
   }
 };
 constexpr FieldOptions kVerdicts{.note = "by vendor: accepts, refuses"};
@@ -265,43 +265,43 @@ Result<SignatureVerdicts> signature_verdicts(const fs::path& file, const fs::pat
   const auto by_another = measured(doctor::Variant::permissions_by_itself, verdicts.lineup);
   const bool is_other_signer =
       !out.ddssec && out.ddssec.error().code() == Code::smime_signer_not_permissions_ca;
-  const auto accepts = [&](doctor::Vendor vendor) {
-    return verify_signature_as(vendor, octets, anchors, {}, now) &&
-           !(is_other_signer && by_another.of(vendor) == doctor::Outcome::fail);
+  const auto accepts = [&](doctor::Product product) {
+    return verify_signature_as(product, octets, anchors, {}, now) &&
+           !(is_other_signer && by_another.of(product) == doctor::Outcome::fail);
   };
   verdicts.ddssec = out.ddssec.has_value();
-  verdicts.cyclonedds = accepts(doctor::Vendor::cyclonedds);
-  verdicts.fastdds = accepts(doctor::Vendor::fastdds);
+  verdicts.cyclonedds = accepts(doctor::Product::cyclonedds);
+  verdicts.fastdds = accepts(doctor::Product::fastdds);
   return out;
 }
 
 // Names the products for which a grant's spelling of the subject does not match the certificate, as
 // measured with each.
-void name_vendors(std::vector<Finding>& findings, const governance::Permissions& document,
-                  const pki::Certificate& certificate) {
+void name_products(std::vector<Finding>& findings, const governance::Permissions& document,
+                   const pki::Certificate& certificate) {
   for (auto& finding : findings) {
     if (finding.rule != Rule::PERM011 || finding.severity >= Severity::error) continue;
     const auto grant = std::ranges::find(document.grants, finding.line, &governance::Grant::line);
     if (grant == document.grants.end()) continue;
     const auto outcomes =
         doctor::reads_subject(grant->subject_name, certificate, installed_lineup());
-    finding.vendors.clear();
-    if (outcomes.cyclonedds != doctor::Outcome::ok) finding.vendors.emplace_back("cyclonedds");
+    finding.products.clear();
+    if (outcomes.cyclonedds != doctor::Outcome::ok) finding.products.emplace_back("cyclonedds");
     if (outcomes.fastdds != doctor::Outcome::ok || grant->subject_has_line_breaks)
-      finding.vendors.emplace_back("fastdds");
+      finding.products.emplace_back("fastdds");
   }
 }
 
-Result<std::vector<Finding>> lint_for_vendors(const governance::Governance& document,
-                                              const Arguments&, WallTime) {
+Result<std::vector<Finding>> lint_for_products(const governance::Governance& document,
+                                               const Arguments&, WallTime) {
   return lint(document);
 }
-Result<std::vector<Finding>> lint_for_vendors(const governance::Permissions& document,
-                                              const Arguments& arguments, WallTime now) {
+Result<std::vector<Finding>> lint_for_products(const governance::Permissions& document,
+                                               const Arguments& arguments, WallTime now) {
   if (!arguments.has("--cert")) return lint(document, {.now = now});
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, certificate_of(arguments.text("--cert")));
   auto findings = lint(document, {.now = now, .certificate = &certificate});
-  name_vendors(findings, document, certificate);
+  name_products(findings, document, certificate);
   return findings;
 }
 
@@ -322,7 +322,7 @@ Result<Verified> verify(const Arguments& arguments, const Context& context) {
   const auto& signer = proof->signer();
   Verified out{Verification{file, signer.subject(), to_hex(signer.fingerprint()),
                             proof->signer_not_after(), all.verdicts}};
-  DDSSEC_ASSIGN_OR_RETURN(auto findings, lint_for_vendors(document, arguments, now));
+  DDSSEC_ASSIGN_OR_RETURN(auto findings, lint_for_products(document, arguments, now));
   add_findings(out.report, std::move(findings), file);
   return out;
 }

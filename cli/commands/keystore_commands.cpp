@@ -205,7 +205,7 @@ Status warn_of_overlap(const ParticipantSpec& spec, const CaPaths& identity, con
        .message = fmt::format("{}: {}", details.found, details.note),
        .hint = "let participants run ddssec's plugins; or choose names of which none has all the "
                "parts of another",
-       .vendors = {"cyclonedds"}});
+       .products = {"cyclonedds"}});
   return {};
 }
 

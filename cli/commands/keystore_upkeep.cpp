@@ -236,11 +236,11 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
     doctor::check_lint(loaded, settings, diagnosis);
     check_renewal_list(loaded, settings, diagnosis);
     VerifiedEnclave enclave{name, domain};
-    for (const auto vendor : doctor::kVendors) {
-      const auto outcome = diagnosis.outcomes().of(vendor);
+    for (const auto product : doctor::kProducts) {
+      const auto outcome = diagnosis.outcomes().of(product);
       if (outcome != doctor::Outcome::ok) report.exit = Exit::no;
-      enclave.verdicts[doctor::id(vendor, lineup)] = to_string(outcome);
-      enclave.words += fmt::format("  {}: {}", doctor::id(vendor, lineup), to_string(outcome));
+      enclave.verdicts[doctor::id(product, lineup)] = to_string(outcome);
+      enclave.words += fmt::format("  {}: {}", doctor::id(product, lineup), to_string(outcome));
     }
     add_findings_of(diagnosis, report);
     check_belongs(keystore, loaded, name, report);

@@ -43,7 +43,7 @@ Finding response_finding(const fs::path& file, const Error& error) {
 }
 
 bool demands(const doctor::Party& party) {
-  if (party.vendor != doctor::Vendor::ddssec) return false;
+  if (party.product != doctor::Product::ddssec) return false;
   const auto policy = spi::ocsp_policy(readable_properties(party.folder.paths));
   return policy && *policy == spi::OcspPolicy::hard;
 }
@@ -52,7 +52,7 @@ bool demands(const doctor::Party& party) {
 // one. A participant does not send a response that it does not itself accept as good.
 std::string missing_response_reason(const doctor::Party& party, const LoadedFolder& judge,
                                     WallTime now) {
-  if (party.vendor != doctor::Vendor::ddssec) return party.product() + " sends none";
+  if (party.product != doctor::Product::ddssec) return party.product_name() + " sends none";
   const auto file = response_file(party.folder, readable_properties(party.folder.paths));
   auto response = response_of(party.folder, file, party.folder, now);
   if (response) response = response_of(party.folder, file, judge, now);

@@ -41,7 +41,7 @@ Status start_embedded(const fs::path& folder, const doctor::Settings& settings) 
 }
 
 bool starts(const doctor::Diagnosis& diagnosis) {
-  return diagnosis.outcomes().of(doctor::Vendor::ddssec) < Outcome::late;
+  return diagnosis.outcomes().of(doctor::Product::ddssec) < Outcome::late;
 }
 
 // An error about a value names the property, and an error about a file names the file.
@@ -201,7 +201,7 @@ void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor:
                   .line = details.line};
   if (is_in_use) return out.report({.ddssec = Outcome::fail}, std::move(finding));
   finding.severity = Severity::warning;
-  finding.vendors = {"ddssec"};
+  finding.products = {"ddssec"};
   out.report({}, std::move(finding));
 }
 

@@ -141,7 +141,7 @@ void check_participant(const LoadedFolder& folder, const governance::DomainRule&
                             status.error().details().line);
   if (is_in_use) return out.report({.ddssec = Outcome::fail}, std::move(finding));
   finding.severity = Severity::warning;
-  finding.vendors = {"ddssec"};
+  finding.products = {"ddssec"};
   out.report({}, std::move(finding));
 }
 
@@ -156,7 +156,7 @@ void check_topics(const LoadedFolder& folder, const governance::DomainRule& rule
       continue;
     }
     finding->severity = Severity::warning;
-    finding->vendors = {"ddssec"};
+    finding->products = {"ddssec"};
     out.report({}, std::move(*finding));
   }
 }
@@ -187,8 +187,8 @@ void warn_of_unset_variable(const LoadedFolder& folder, const doctor::Settings& 
                   .hint = export_line(folder.paths.folder) +
                           " where the application starts; nothing to do for the embedded "
                           "participant, and where only the folder is to be judged",
-                  .vendors = {doctor::id(doctor::Vendor::cyclonedds, settings.lineup),
-                              doctor::id(doctor::Vendor::ddssec, settings.lineup)},
+                  .products = {doctor::id(doctor::Product::cyclonedds, settings.lineup),
+                               doctor::id(doctor::Product::ddssec, settings.lineup)},
                   .severity = Severity::warning});
 }
 
@@ -210,7 +210,7 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
            .document = file,
            .hint = fmt::format("export {}={} where the application starts", variable,
                                shell_word(fs::absolute(file, ignored).lexically_normal().string())),
-           .vendors = {doctor::id(doctor::Vendor::fastdds, settings.lineup)},
+           .products = {doctor::id(doctor::Product::fastdds, settings.lineup)},
            .severity = Severity::warning});
 }
 
@@ -233,7 +233,7 @@ bool runs_drop_in(const LoadedFolder& folder) {
                                : std::vector<doctor::HostPlugin>();
   if (plugins.empty()) plugins = doctor::plugins_of_node(places);
   return std::ranges::all_of(plugins, [](const doctor::HostPlugin& plugin) {
-    return plugin.maker == doctor::HostPlugin::Maker::ddssec;
+    return plugin.product == doctor::HostPlugin::PluginProduct::ddssec;
   });
 }
 

@@ -114,7 +114,7 @@ void refuse_beyond_folder(const doctor::Party& party, const doctor::Settings& se
   const auto diagnosis = diagnosis_beyond_folder(party.folder, settings);
   for (const auto& check : diagnosis.checks()) {
     const bool is_compared = check.rule == Rule::DOC091;
-    if (is_compared || check.outcomes.of(party.vendor) != Outcome::fail) continue;
+    if (is_compared || check.outcomes.of(party.product) != Outcome::fail) continue;
     for (const auto& finding : check.findings)
       if (finding.severity == Severity::error) refuse(out, finding);
   }
@@ -126,7 +126,7 @@ void refuse_topics(const doctor::Party& a, const doctor::Party& b, doctor::Meeti
   const doctor::Party* const parties[] = {&a, &b};
   for (int i = 0; i < 2; ++i) {
     const auto& party = *parties[i];
-    if (party.vendor != doctor::Vendor::ddssec || !runs_drop_in(party.folder)) continue;
+    if (party.product != doctor::Product::ddssec || !runs_drop_in(party.folder)) continue;
     for (auto& topic : out.topics) {
       if (topic.rules[i] == nullptr || out.rules[i] == nullptr) continue;
       for (auto& direction : topic.directions) {
@@ -168,7 +168,7 @@ doctor::Meeting meet_with_properties(const doctor::Party& a, const doctor::Party
   refuse_topics(a, b, out);
   for (auto& finding : demanded_responses(a, b, settings.now)) refuse(out, std::move(finding));
   const auto needs_keys = [&](const doctor::Party& party) {
-    return party.vendor == doctor::Vendor::ddssec &&
+    return party.product == doctor::Product::ddssec &&
            is_protected(required_protection(party.folder, settings.domain));
   };
   if (needs_keys(a) && needs_keys(b)) compare(a, b, settings.domain, out);

@@ -12,7 +12,7 @@ namespace ddssec::cli {
 
 /// Products with one version each.
 struct Products {
-  std::vector<governance::doctor::Vendor> vendors;
+  std::vector<governance::doctor::Product> list;
   governance::doctor::Lineup lineup;
 };
 
@@ -29,7 +29,7 @@ governance::doctor::Version version_of(const governance::doctor::NamedProduct& p
 /// Returns the installed versions, without notes.
 governance::doctor::Lineup installed_lineup();
 
-/// Returns the error usage for an unknown --vendor. `before` and the vendors are the valid values.
-std::unexpected<Error> unknown_vendor_error(const std::string& word, std::string_view before);
+/// Returns the error usage for an unknown --vendor. `before` and the products are the valid values.
+std::unexpected<Error> unknown_product_error(const std::string& word, std::string_view before);
 
 }  // namespace ddssec::cli

@@ -87,7 +87,7 @@ void check_renewal_list(const LoadedFolder& folder, const doctor::Settings& sett
   Finding finding{.rule = Rule::DOC115,
                   .message = {},
                   .document = file.string(),
-                  .vendors = {doctor::id(doctor::Vendor::ddssec, settings.lineup)}};
+                  .products = {doctor::id(doctor::Product::ddssec, settings.lineup)}};
   const auto list = [&]() -> Result<pki::RenewalList> {
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxRenewalListOctets));
     return pki::RenewalList::parse(octets);

@@ -67,7 +67,7 @@ void check_file(const fs::path& file, doctor::Diagnosis& out) {
                     .message = fmt::format("{} = {}: {}", weakening.property, value,
                                            weakening.consequence),
                     .document = file.string(),
-                    .vendors = {"ddssec"}});
+                    .products = {"ddssec"}});
   }
 }
 

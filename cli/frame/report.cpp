@@ -39,7 +39,7 @@ struct Diagnostic {
   int line;
   std::string path;
   std::string hint;
-  std::vector<std::string> vendors;
+  std::vector<std::string> products;
 };
 
 // For an error in the command line, the details say everything, so the code's summary is left out.
@@ -76,7 +76,7 @@ Diagnostic diagnostic(const Finding& finding) {
           finding.line,
           finding.path,
           finding.hint.empty() ? std::string(row.hint) : finding.hint,
-          finding.vendors};
+          finding.products};
 }
 
 std::vector<Diagnostic> diagnostics_of(const Report& report) {
@@ -99,7 +99,7 @@ std::string to_text(const Diagnostic& d, bool color) {
   if (!d.file.empty())
     out += fmt::format("  --> {}{}\n", printable(d.file),
                        d.line > 0 ? fmt::format(":{}", d.line) : std::string());
-  if (!d.vendors.empty()) out += fmt::format("  concerns: {}\n", fmt::join(d.vendors, ", "));
+  if (!d.products.empty()) out += fmt::format("  concerns: {}\n", fmt::join(d.products, ", "));
   return out + fmt::format("  hint: {}\n", printable(d.hint));
 }
 
@@ -110,7 +110,7 @@ Json to_json(const Diagnostic& d) {
   if (d.line > 0) out["line"] = d.line;
   if (!d.path.empty()) out["path"] = d.path;
   out["hint"] = d.hint;
-  if (!d.vendors.empty()) out["vendors"] = d.vendors;
+  if (!d.products.empty()) out["vendors"] = d.products;
   return out;
 }
 

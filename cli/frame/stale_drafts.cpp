@@ -44,57 +44,57 @@ std::optional<std::uint64_t> take_number(std::string_view& text) {
 }
 
 // The process that made a file, by the file's name.
-struct Maker {
+struct DraftProcess {
   std::uint64_t pid = 0, name_space = 0;
 };
 
 // Reads "PID.NAMESPACE." from the front of `text` and leaves the rest.
-std::optional<Maker> take_maker(std::string_view& text) {
+std::optional<DraftProcess> take_process(std::string_view& text) {
   const auto pid = take_number(text);
   const auto name_space = pid ? take_number(text) : std::nullopt;
   if (!name_space || *pid == 0 || *pid > std::uint64_t{std::numeric_limits<pid_t>::max()})
     return std::nullopt;
-  return Maker{*pid, *name_space};
+  return DraftProcess{*pid, *name_space};
 }
 
-bool is_gone(const Maker& maker, std::time_t modified) {
+bool is_gone(const DraftProcess& process, std::time_t modified) {
   const auto own = pid_namespace();
-  if (own != 0 && maker.name_space == own)
-    return ::kill(static_cast<pid_t>(maker.pid), 0) != 0 && errno == ESRCH;
+  if (own != 0 && process.name_space == own)
+    return ::kill(static_cast<pid_t>(process.pid), 0) != 0 && errno == ESRCH;
   return modified + kDay < std::time(nullptr);
 }
 
-// The maker of a draft, from the text after the target's name and a dot.
-std::optional<Maker> maker_of_draft(std::string_view rest) {
-  const auto maker = take_maker(rest);
-  if (!maker) return std::nullopt;
+// The process of a draft, from the text after the target's name and a dot.
+std::optional<DraftProcess> process_of_draft(std::string_view rest) {
+  const auto process = take_process(rest);
+  if (!process) return std::nullopt;
   if (rest != "new" && (!take_number(rest) || rest != "new")) return std::nullopt;
-  return maker;
+  return process;
 }
 
-std::optional<Maker> maker_of_folder(std::string_view rest) {
-  const auto maker = take_maker(rest);
+std::optional<DraftProcess> process_of_folder(std::string_view rest) {
+  const auto process = take_process(rest);
   constexpr std::size_t kRandomLetters = 6;  // as NewFolder makes them
-  const bool is_ours = maker && rest.size() == kRandomLetters && rest.find('.') == rest.npos;
-  return is_ours ? maker : std::nullopt;
+  const bool is_ours = process && rest.size() == kRandomLetters && rest.find('.') == rest.npos;
+  return is_ours ? process : std::nullopt;
 }
 
 // True if a leftover belongs to this user, and its process has ended.
-bool may_go(const struct stat& status, const Maker& maker) {
-  return status.st_uid == ::geteuid() && is_gone(maker, status.st_mtime);
+bool may_go(const struct stat& status, const DraftProcess& process) {
+  return status.st_uid == ::geteuid() && is_gone(process, status.st_mtime);
 }
 
-bool may_go(const fs::path& file, const Maker& maker) {
+bool may_go(const fs::path& file, const DraftProcess& process) {
   struct stat status {};
-  return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && may_go(status, maker);
+  return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && may_go(status, process);
 }
 
 // The folder that is checked is the one that is emptied, even if its name leads elsewhere
 // meanwhile.
-void remove_leftover(int parent, const char* name, const Maker& maker) {
+void remove_leftover(int parent, const char* name, const DraftProcess& process) {
   const auto folder = open_folder_in(parent, name);
   struct stat status {};
-  if (!folder || ::fstat(folder.number(), &status) != 0 || !may_go(status, maker)) return;
+  if (!folder || ::fstat(folder.number(), &status) != 0 || !may_go(status, process)) return;
   remove_contents(folder.number());
   ::unlinkat(parent, name, AT_REMOVEDIR);
 }
@@ -122,8 +122,8 @@ void remove_drafts_of(std::span<const fs::path> targets) {
       for (auto end = name.rfind('.'); end != name.npos && end > 0;
            end = name.rfind('.', end - 1)) {
         if (!wanted.contains(name.substr(0, end + 1))) continue;
-        const auto maker = maker_of_draft(std::string_view(name).substr(end + 1));
-        if (maker && may_go(path, *maker)) ::unlink(path.c_str());
+        const auto process = process_of_draft(std::string_view(name).substr(end + 1));
+        if (process && may_go(path, *process)) ::unlink(path.c_str());
       }
     });
 }
@@ -148,8 +148,8 @@ void remove_unfinished_folders(const fs::path& target) {
   for_each_entry(folder_of(target), [&](const fs::path& path) {
     const auto name = path.filename().string();
     if (!name.starts_with(beginning)) return;
-    const auto maker = maker_of_folder(std::string_view(name).substr(beginning.size()));
-    if (maker) remove_leftover(parent, name.c_str(), *maker);
+    const auto process = process_of_folder(std::string_view(name).substr(beginning.size()));
+    if (process) remove_leftover(parent, name.c_str(), *process);
   });
 }
 

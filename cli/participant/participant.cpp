@@ -83,7 +83,7 @@ void warn_of_rights(const ParticipantSpec& spec, const std::string& document, Re
   for (auto& finding : lint(rights)) {
     const bool is_known = std::ranges::find(report.findings, finding.message, &Finding::message) !=
                           report.findings.end();
-    const bool is_read_otherwise = spec.permissions && !finding.vendors.empty();
+    const bool is_read_otherwise = spec.permissions && !finding.products.empty();
     if (is_known || (!is_about_topics(finding.rule) && !is_read_otherwise)) continue;
     finding.document = document;
     finding.severity = std::min(finding.severity, Severity::warning);

@@ -70,7 +70,7 @@ void warn_of_rights(const ParticipantSpec& spec, const std::string& document, Re
 /// Returns the permissions document of the spec for this certificate. It is the document in the
 /// spec, if there is one: it must have a grant for the subject that is valid at `now`, and no
 /// grants for others unless the spec accepts them. Otherwise it is a document with one grant and
-/// default DENY. Its subject is the certificate's own text, which every vendor accepts. Errors:
+/// default DENY. Its subject is the certificate's own text, which every product accepts. Errors:
 /// foreign_grant, those of read_permissions and find_grant.
 Result<std::string> permissions_xml(const ParticipantSpec& spec,
                                     const pki::Certificate& certificate, WallTime now);

@@ -44,7 +44,7 @@ struct Constructs {
   bool has_problem(const Subject& subject) const {
     return std::ranges::any_of(subjects, [&](const auto& own) {
       return own.second.key == subject.key &&
-             std::ranges::includes(own.second.problem.vendors, subject.problem.vendors);
+             std::ranges::includes(own.second.problem.products, subject.problem.products);
     });
   }
 
@@ -125,9 +125,9 @@ class Collector {
   static std::string sentence_about(const SpellingProblem& problem) {
     if (problem.right.empty()) return problem.message;
     return fmt::format("{}: {} no certificate by it", problem.message,
-                       problem.vendors.size() > 1            ? "Cyclone DDS and Fast DDS recognise"
-                       : problem.vendors.front() == kCyclone ? "Cyclone DDS recognises"
-                                                             : "Fast DDS recognises");
+                       problem.products.size() > 1            ? "Cyclone DDS and Fast DDS recognise"
+                       : problem.products.front() == kCyclone ? "Cyclone DDS recognises"
+                                                              : "Fast DDS recognises");
   }
   // A participant whose subject a product does not recognise has no rights there.
   void add_subject(const Constructs::Subject& subject, bool changes, bool is_new) {

@@ -9,7 +9,7 @@
 #include "governance/decision.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured_outcomes.hpp"
-#include "governance/doctor/vendor_decision.hpp"
+#include "governance/doctor/product_decision.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance::doctor {
@@ -58,7 +58,7 @@ void check_one_way(const DenialScene& scene, const Grant& grant) {
     const bool subscribe = compiled.judge_topic(Action::subscribe, topic).allowed;
     const auto* rule = first_rule_naming(grant, scene.settings.domain, topic);
     if ((!publish && !subscribe) || rule == nullptr || rule->allow) continue;
-    const auto product = name(Vendor::cyclonedds, scene.settings.lineup);
+    const auto product = name(Product::cyclonedds, scene.settings.lineup);
     return scene.out.report(
         outcomes,
         {.rule = Rule::DOC053,
@@ -93,7 +93,7 @@ void check_denied_partitions(const DenialScene& scene, const Grant& grant) {
   const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
   for (const auto& topic : sample_topics(grant))
     for (const auto action : {Action::publish, Action::subscribe}) {
-      const auto decision = judge_as(Vendor::fastdds, compiled, domain, action, {.topic = topic});
+      const auto decision = judge_as(Product::fastdds, compiled, domain, action, {.topic = topic});
       const bool is_for_partitions = decision.criteria != nullptr && decision.criteria->partitions;
       if (!is_for_partitions || decision.rule->allow) continue;
       if (!compiled.judge_topic(action, topic).allowed) continue;
@@ -103,7 +103,7 @@ void check_denied_partitions(const DenialScene& scene, const Grant& grant) {
            .message = fmt::format("grant \"{}\" denies to {} topic \"{}\" in some partitions and "
                                   "allows it in others: {} denies it in all of them",
                                   grant.name, to_string(action), topic,
-                                  name(Vendor::fastdds, scene.settings.lineup)),
+                                  name(Product::fastdds, scene.settings.lineup)),
            .document = scene.file(),
            .line = decision.rule->line,
            .hint = std::string(kHintOfPartitions)});
@@ -127,13 +127,13 @@ void check_open_denials(const DenialScene& scene, const Grant& grant) {
   for (const auto& topic : sample_topics(grant))
     for (const auto action : {Action::publish, Action::subscribe}) {
       if (compiled.judge_topic(action, topic).allowed) continue;
-      const auto outcome = [&](Vendor vendor) {
-        return judge_as(vendor, compiled, domain, action, {.topic = topic}).allowed
+      const auto outcome = [&](Product product) {
+        return judge_as(product, compiled, domain, action, {.topic = topic}).allowed
                    ? Outcome::unsafe
                    : Outcome::ok;
       };
-      const Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds),
-                              .fastdds = outcome(Vendor::fastdds)};
+      const Outcomes outcomes{.cyclonedds = outcome(Product::cyclonedds),
+                              .fastdds = outcome(Product::fastdds)};
       if (outcomes.all_ok()) continue;
       return scene.out.report(
           outcomes,
@@ -153,7 +153,7 @@ void check_open_denials(const DenialScene& scene, const Grant& grant) {
 
 bool is_controlled(const DomainRule* domain, Action action, std::string_view topic) {
   const auto* const rule =
-      domain != nullptr ? topic_rule_as(Vendor::fastdds, *domain, topic) : nullptr;
+      domain != nullptr ? topic_rule_as(Product::fastdds, *domain, topic) : nullptr;
   return rule != nullptr && (action == Action::publish ? rule->enable_write_access_control
                                                        : rule->enable_read_access_control);
 }
@@ -168,13 +168,13 @@ void check_rules_of_other_domains(const DenialScene& scene, const Grant& grant) 
   };
   if (!scene.folder.governance.model || std::ranges::none_of(grant.rules, is_for_others)) return;
   const auto* const governance =
-      domain_rule_as(Vendor::fastdds, *scene.folder.governance.model, domain);
+      domain_rule_as(Product::fastdds, *scene.folder.governance.model, domain);
   const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
   for (const auto& topic : sample_topics(grant))
     for (const auto action : {Action::publish, Action::subscribe}) {
       if (!is_controlled(governance, action, topic)) continue;
       const auto judged = [&](const auto& judge) {
-        return judge(Vendor::fastdds, compiled, domain, action, Request{.topic = topic});
+        return judge(Product::fastdds, compiled, domain, action, Request{.topic = topic});
       };
       const auto local = judged(judge_local_as);
       if (local.allowed || local.rule == nullptr || !judged(judge_as).allowed) continue;
@@ -184,7 +184,7 @@ void check_rules_of_other_domains(const DenialScene& scene, const Grant& grant) 
            .message = fmt::format("grant \"{}\" allows to {} topic \"{}\" in domain {}, and {} "
                                   "refuses it by the rule at line {}, which is for other domains",
                                   grant.name, to_string(action), topic, domain,
-                                  name(Vendor::fastdds, scene.settings.lineup), local.rule->line),
+                                  name(Product::fastdds, scene.settings.lineup), local.rule->line),
            .document = scene.file(),
            .line = local.rule->line});
     }

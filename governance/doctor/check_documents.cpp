@@ -176,7 +176,7 @@ void report_ca_file(const LoadedFolder& folder, const Subject& subject, Diagnosi
       {.rule = Rule::DOC032,
        .message = fmt::format("{}; {} reads the first certificate of {} only, and both stock "
                               "products need the path up to a self-signed CA; it holds {}",
-                              who_signed(subject), name(Vendor::cyclonedds, subject.lineup),
+                              who_signed(subject), name(Product::cyclonedds, subject.lineup),
                               folder.paths.permissions_ca.filename().string(), cas_of(folder)),
        .document = subject.path},
       subject.about);
@@ -420,7 +420,7 @@ void check_size_for_fastdds(const LoadedFolder& folder, const Settings& settings
        .message = fmt::format(
            "the signed permissions have {} octets, with the certificate {}: participants of {} do "
            "not authenticate one for which these are more than about {} octets",
-           folder.permissions.file.size(), size, name(Vendor::fastdds, settings.lineup),
+           folder.permissions.file.size(), size, name(Product::fastdds, settings.lineup),
            kMaxFastDdsHandshakeOctets),
        .document = folder.paths.permissions});
 }

@@ -76,7 +76,7 @@ void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, c
       measured(is_protected(rule.rtps_protection_kind) ? Variant::governance_unauthenticated
                                                        : Variant::governance_unauthenticated_open,
                lineup);
-  const auto fastdds = name(Vendor::fastdds, lineup);
+  const auto fastdds = name(Product::fastdds, lineup);
   out.report(who,
              {.rule = Rule::DOC055,
               .message = "<allow_unauthenticated_participants> is true: Cyclone DDS then talks "
@@ -87,7 +87,7 @@ void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, c
                                     std::string(to_string(rule.rtps_protection_kind))),
               .document = folder.paths.governance,
               .line = rule.line,
-              .vendors = {id(Vendor::cyclonedds, lineup), id(Vendor::fastdds, lineup)},
+              .products = {id(Product::cyclonedds, lineup), id(Product::fastdds, lineup)},
               .severity = who.all_ok() ? Severity::warning : Severity::error});
 }
 

@@ -35,13 +35,13 @@ void report_key(const LoadedFolder& folder, const fs::path& path, const Error& e
                 const Settings& settings, Diagnosis& out) {
   const auto outcomes = outcomes_of_key(folder.paths, path, error, settings.lineup);
   std::string who = "ddssec's plugins", unjudged;
-  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds}) {
-    const auto outcome = outcomes.of(vendor);
-    if (outcome == Outcome::fail) who += " and " + name(vendor, settings.lineup);
+  for (const auto product : {Product::cyclonedds, Product::fastdds}) {
+    const auto outcome = outcomes.of(product);
+    if (outcome == Outcome::fail) who += " and " + name(product, settings.lineup);
     if (outcome == Outcome::unsafe)
       unjudged +=
           fmt::format("; {} may start with it, and what else is wrong with it is not judged",
-                      name(vendor, settings.lineup));
+                      name(product, settings.lineup));
   }
   out.report(outcomes, {.rule = Rule::DOC014,
                         .message = fmt::format("{}: {}; {} refuse it{}", name_of(path),
@@ -96,14 +96,14 @@ void check_password(const LoadedFolder& folder, const Settings& settings, Diagno
   out.pass(Rule::DOC013);
   Outcomes outcomes;
   std::string who;
-  const auto look_at = [&](Vendor vendor, Outcome& outcome) {
-    if (folder.password->is_given_to(vendor)) return;
+  const auto look_at = [&](Product product, Outcome& outcome) {
+    if (folder.password->is_given_to(product)) return;
     outcome = Outcome::fail;
-    who += (who.empty() ? "" : " and ") + name(vendor, settings.lineup);
+    who += (who.empty() ? "" : " and ") + name(product, settings.lineup);
   };
-  look_at(Vendor::cyclonedds, outcomes.cyclonedds);
-  look_at(Vendor::fastdds, outcomes.fastdds);
-  look_at(Vendor::ddssec, outcomes.ddssec);
+  look_at(Product::cyclonedds, outcomes.cyclonedds);
+  look_at(Product::fastdds, outcomes.fastdds);
+  look_at(Product::ddssec, outcomes.ddssec);
   if (who.empty()) return;
   out.report(outcomes, {.rule = Rule::DOC013,
                         .message = fmt::format("{} is encrypted, and {} {} given no password that "

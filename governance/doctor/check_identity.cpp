@@ -47,9 +47,9 @@ void for_each_certificate(const LoadedFolder& folder, Look look) {
 // "Cyclone DDS 0.10.2", "Cyclone DDS 0.10.2 and Fast DDS 2.9.1": the products that refuse.
 std::string who_refuses(const Outcomes& outcomes, const Lineup& lineup) {
   std::string out;
-  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds})
-    if (outcomes.of(vendor) != Outcome::ok)
-      out += (out.empty() ? "" : " and ") + name(vendor, lineup);
+  for (const auto product : {Product::cyclonedds, Product::fastdds})
+    if (outcomes.of(product) != Outcome::ok)
+      out += (out.empty() ? "" : " and ") + name(product, lineup);
   return out;
 }
 
@@ -221,8 +221,8 @@ std::string needs_other_ca_file(const LoadedFolder& folder, const Lineup& lineup
       "{} of {} was issued by \"{}\"; {} needs that CA, self-signed, as the first "
       "certificate of {}, and {} the whole path up to a self-signed CA; it holds {}",
       name_of(folder.paths.certificate), folder.certificate->subject(),
-      folder.certificate->issuer(), name(Vendor::cyclonedds, lineup),
-      name_of(folder.paths.identity_ca), name(Vendor::fastdds, lineup),
+      folder.certificate->issuer(), name(Product::cyclonedds, lineup),
+      name_of(folder.paths.identity_ca), name(Product::fastdds, lineup),
       subjects(*folder.identity_cas));
 }
 
@@ -388,8 +388,8 @@ void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
 }
 
 // The certificate's status according to the lists that the product reads.
-Status status_by_lists(const LoadedFolder& folder, Vendor vendor, WallTime now) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, folder.chain(vendor));
+Status status_by_lists(const LoadedFolder& folder, Product product, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, folder.chain(product));
   const auto proof = verifier.verify(*folder.certificate, now);
   return proof ? Status() : std::unexpected(proof.error());
 }
@@ -424,7 +424,7 @@ void check_crl_form(const LoadedFolder& folder, const Lineup& lineup, Diagnosis&
 // OpenSSL of this machine decides here as it does for them.
 void check_delta_list(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   const auto stock = folder.certificate && folder.identity_cas
-                         ? status_by_lists(folder, Vendor::cyclonedds, now)
+                         ? status_by_lists(folder, Product::cyclonedds, now)
                          : Status();
   const auto outcome = stock ? Outcome::unsafe : Outcome::fail;
   const auto why = stock ? std::string(
@@ -454,8 +454,8 @@ void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& li
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
   check_crl_form(folder, lineup, out);
   if (!folder.chain()) return;  // check_chain reports it
-  const auto ours = status_by_lists(folder, Vendor::ddssec, now);
-  const auto stock = status_by_lists(folder, Vendor::cyclonedds, now);
+  const auto ours = status_by_lists(folder, Product::ddssec, now);
+  const auto stock = status_by_lists(folder, Product::cyclonedds, now);
   const auto revoked = failing(is_revoked(stock), is_revoked(ours));
   const auto unusable = failing(is_about_the_list(stock), is_about_the_list(ours));
   if (revoked.all_ok()) out.pass(Rule::DOC024);

@@ -8,15 +8,15 @@
 #include "governance/decision.hpp"
 #include "governance/dialect.hpp"
 #include "governance/doctor/checks.hpp"
-#include "governance/doctor/vendor_decision.hpp"
+#include "governance/doctor/product_decision.hpp"
 #include "governance/product_reading.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance::doctor {
 namespace {
 
-constexpr std::pair<Vendor, StockProduct> kProducts[] = {
-    {Vendor::cyclonedds, StockProduct::cyclonedds}, {Vendor::fastdds, StockProduct::fastdds}};
+constexpr std::pair<Product, StockProduct> kStockProductPairs[] = {
+    {Product::cyclonedds, StockProduct::cyclonedds}, {Product::fastdds, StockProduct::fastdds}};
 
 // A topic for which the product does less than ddssec.
 struct Loss {
@@ -102,11 +102,11 @@ void each_expression(const Grant& grant, bool partitions, Each&& each) {
 // The grant as ddssec and as the product read it.
 class Rights {
  public:
-  Rights(const LoadedFolder& folder, const Settings& settings, const Grant& ours, Vendor vendor,
+  Rights(const LoadedFolder& folder, const Settings& settings, const Grant& ours, Product product,
          Grant theirs)
       : folder_(folder),
         settings_(settings),
-        vendor_(vendor),
+        product_(product),
         changed_(std::make_shared<const Permissions>(Permissions{.grants = {std::move(theirs)}})),
         ours_(folder.permissions.model, ours, settings.domain),
         theirs_(changed_, changed_->grants.front(), settings.domain) {}
@@ -148,13 +148,13 @@ class Rights {
     const std::string_view all[] = {partition};
     const Request request{.topic = topic, .partitions = all};
     return !ours_.judge(action, request).allowed && theirs_.judge(action, request).allowed &&
-           judge_as(vendor_, ours_, settings_.domain, action, request).allowed &&
+           judge_as(product_, ours_, settings_.domain, action, request).allowed &&
            !is_refused_otherwise(topic) && is_controlled(action, topic);
   }
 
   // Cyclone DDS makes no topic that the first rule with its name denies.
   bool is_refused_otherwise(const std::string& topic) const {
-    if (vendor_ != Vendor::cyclonedds) return false;
+    if (product_ != Product::cyclonedds) return false;
     const auto* const rule = first_rule_naming(ours_.grant(), settings_.domain, topic);
     return rule != nullptr && !rule->allow;
   }
@@ -166,7 +166,7 @@ class Rights {
   bool is_controlled(Action action, const std::string& topic) const {
     const auto* const domain = domain_rule();
     const auto* const rule =
-        domain != nullptr ? topic_rule_as(Vendor::ddssec, *domain, topic) : nullptr;
+        domain != nullptr ? topic_rule_as(Product::ddssec, *domain, topic) : nullptr;
     return rule == nullptr || (action == Action::publish ? rule->enable_write_access_control
                                                          : rule->enable_read_access_control);
   }
@@ -176,7 +176,7 @@ class Rights {
     const auto find = [&](const std::string& name) {
       return [&](const Text& text) {
         if (reason.text.empty() &&
-            matches_as(Vendor::ddssec, text, name) != matches_as(vendor_, text, name))
+            matches_as(Product::ddssec, text, name) != matches_as(product_, text, name))
           reason = text;
       };
     };
@@ -199,20 +199,20 @@ class Rights {
 
   const LoadedFolder& folder_;
   const Settings& settings_;
-  Vendor vendor_;
+  Product product_;
   bool is_complete_ = true;
   std::shared_ptr<const Permissions> changed_;
   CompiledGrant ours_, theirs_;
 };
 
-void report(const Loss& loss, Vendor vendor, const std::filesystem::path& document,
+void report(const Loss& loss, Product product, const std::filesystem::path& document,
             const Settings& settings, Diagnosis& out) {
   Outcomes outcomes;
-  (vendor == Vendor::cyclonedds ? outcomes.cyclonedds : outcomes.fastdds) = Outcome::unsafe;
+  (product == Product::cyclonedds ? outcomes.cyclonedds : outcomes.fastdds) = Outcome::unsafe;
   out.report(outcomes,
              {.rule = Rule::DOC107,
               .message = fmt::format(
-                  "{} does not read \"{}\"{} as ddssec does: {}", name(vendor, settings.lineup),
+                  "{} does not read \"{}\"{} as ddssec does: {}", name(product, settings.lineup),
                   loss.expression.text.substr(0, 256),
                   loss.expression.is_padded ? " between line breaks or blanks" : "", loss.because),
               .document = document,
@@ -225,13 +225,13 @@ void check_readings(const LoadedFolder& folder, const Settings& settings, Diagno
   const auto* const rule =
       folder.governance.model ? folder.governance.model->find(settings.domain) : nullptr;
   const auto* const grant = grant_of(folder, settings.now);
-  for (const auto& [vendor, product] : kProducts) {
-    if (const auto theirs = rule != nullptr ? rewritten_expressions(*rule, product) : std::nullopt)
+  for (const auto& [product, stock] : kStockProductPairs) {
+    if (const auto theirs = rule != nullptr ? rewritten_expressions(*rule, stock) : std::nullopt)
       if (const auto loss = Rules(*rule, *theirs).loss())
-        report(*loss, vendor, folder.paths.governance, settings, out);
-    if (auto theirs = grant != nullptr ? rewritten_expressions(*grant, product) : std::nullopt)
-      if (const auto loss = Rights(folder, settings, *grant, vendor, *std::move(theirs)).loss())
-        report(*loss, vendor, folder.paths.permissions, settings, out);
+        report(*loss, product, folder.paths.governance, settings, out);
+    if (auto theirs = grant != nullptr ? rewritten_expressions(*grant, stock) : std::nullopt)
+      if (const auto loss = Rights(folder, settings, *grant, product, *std::move(theirs)).loss())
+        report(*loss, product, folder.paths.permissions, settings, out);
   }
 }
 

@@ -12,8 +12,8 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/domains_of_folder.hpp"
 #include "governance/doctor/measured_outcomes.hpp"
+#include "governance/doctor/product_decision.hpp"
 #include "governance/doctor/subject_form.hpp"
-#include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/topic_sets.hpp"
 #include "pki/subject_name.hpp"
@@ -100,8 +100,8 @@ Spelling spelling_for(const pki::Certificate& certificate, const Lineup& lineup)
   return {
       fmt::format("\"{}\" for {} and \"{}\" for {}: with letters beyond ASCII no text is right "
                   "for both",
-                  escaped, name(Vendor::cyclonedds, lineup), in_utf8,
-                  name(Vendor::fastdds, lineup)),
+                  escaped, name(Product::cyclonedds, lineup), in_utf8,
+                  name(Product::fastdds, lineup)),
       "issue the participant with a name in ASCII letters, or sign permissions with a grant for "
       "each of the two texts"};
 }
@@ -131,19 +131,19 @@ constexpr std::string_view kHintOfZones = "write both dates of the grant in UTC,
 // Reports that Fast DDS applies a grant now and the other products do not, or the reverse.
 void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) {
   const auto now = scene.settings.now;
-  const auto is_valid = [&](Vendor vendor) {
+  const auto is_valid = [&](Product product) {
     return std::ranges::any_of(all, [&](const Candidate& one) {
-      return validity_as(vendor, one.grant->validity).contains(now);
+      return validity_as(product, one.grant->validity).contains(now);
     });
   };
-  const bool is_valid_for_fastdds = is_valid(Vendor::fastdds);
-  if (is_valid_for_fastdds == is_valid(Vendor::ddssec)) return;
+  const bool is_valid_for_fastdds = is_valid(Product::fastdds);
+  if (is_valid_for_fastdds == is_valid(Product::ddssec)) return;
   const auto& grant = *all.front().grant;
   scene.out.report({.fastdds = is_valid_for_fastdds ? Outcome::unsafe : Outcome::fail},
                    {.rule = Rule::DOC042,
                     .message = fmt::format(
                         "grant \"{}\": {} ignores the zones of the dates, and so {} it now, {}",
-                        grant.name, name(Vendor::fastdds, scene.settings.lineup),
+                        grant.name, name(Product::fastdds, scene.settings.lineup),
                         is_valid_for_fastdds ? "takes" : "does not take", to_string(now)),
                     .document = scene.file(),
                     .line = grant.line,
@@ -157,7 +157,7 @@ void check_cyclones_end(const Scene& scene, const Grant& grant) {
       {.cyclonedds = Outcome::fail},
       {.rule = Rule::DOC040,
        .message = fmt::format("grant \"{}\": {} {}", grant.name,
-                              name(Vendor::cyclonedds, scene.settings.lineup), kEndReadAsPast),
+                              name(Product::cyclonedds, scene.settings.lineup), kEndReadAsPast),
        .document = scene.file(),
        .line = grant.line,
        .hint = std::string(kEndReadAsPastHint)});
@@ -172,7 +172,7 @@ void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   if (first->validity.contains(now)) return check_cyclones_end(scene, *first);
   const bool early = now < first->validity.not_before;
   auto outcomes = any ? measured(Variant::grant_second, scene.settings.lineup) : kAllFail;
-  if (validity_as(Vendor::fastdds, first->validity).contains(now)) outcomes.fastdds = Outcome::ok;
+  if (validity_as(Product::fastdds, first->validity).contains(now)) outcomes.fastdds = Outcome::ok;
   scene.out.report(
       outcomes, {.rule = Rule::DOC040,
                  .message = fmt::format(
@@ -191,7 +191,7 @@ void check_local_time(const Scene& scene, const Grant& grant) {
   const auto is_near = [&](WallTime time) {
     return time - kFarthestZone < now && now < time + kFarthestZone;
   };
-  const auto read = validity_as(Vendor::fastdds, grant.validity);
+  const auto read = validity_as(Product::fastdds, grant.validity);
   const bool starts = is_near(read.not_before);
   if (!starts && !is_near(read.not_after)) return scene.out.pass(Rule::DOC042);
   scene.out.report(
@@ -221,7 +221,7 @@ void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all)
        .message = fmt::format("the grant for \"{}\" stands first: {} takes it for \"{}\", whose "
                               "attributes are among its own, and not the grant for that subject",
                               taken->grant->subject_name.substr(0, 256),
-                              name(Vendor::cyclonedds, scene.settings.lineup),
+                              name(Product::cyclonedds, scene.settings.lineup),
                               scene.folder.certificate->subject()),
        .document = scene.file(),
        .line = taken->grant->line,
@@ -273,7 +273,7 @@ void report_no_allow_rule(const Scene& scene, const Grant& grant) {
        .message = fmt::format(
            "grant \"{}\" has no allow_rule, without which {} makes no participant, "
            "although <enable_join_access_control> is false in domain {}",
-           grant.name, name(Vendor::fastdds, scene.settings.lineup), scene.settings.domain),
+           grant.name, name(Product::fastdds, scene.settings.lineup), scene.settings.domain),
        .document = scene.file(),
        .line = grant.line,
        .hint = "add an allow_rule, for any topic, and sign the permissions again"});
@@ -282,16 +282,16 @@ void report_no_allow_rule(const Scene& scene, const Grant& grant) {
 void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
   const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
   const bool asks = governance == nullptr || governance->enable_join_access_control;
-  const auto outcome = [&](Vendor vendor, Outcome if_refused) {
-    const bool joins = judge_participant_as(vendor, compiled, scene.settings.domain).allowed;
+  const auto outcome = [&](Product product, Outcome if_refused) {
+    const bool joins = judge_participant_as(product, compiled, scene.settings.domain).allowed;
     return joins ? Outcome::ok : if_refused;
   };
   if (!asks && lacks_allow_rule(grant)) return report_no_allow_rule(scene, grant);
   const auto refused = measured(Variant::grant_other_domain, scene.settings.lineup);
   const auto fastdds = lacks_allow_rule(grant) ? Outcome::fail : refused.fastdds;
-  Outcomes outcomes{.cyclonedds = outcome(Vendor::cyclonedds, refused.cyclonedds),
-                    .fastdds = outcome(Vendor::fastdds, fastdds),
-                    .ddssec = outcome(Vendor::ddssec, Outcome::fail)};
+  Outcomes outcomes{.cyclonedds = outcome(Product::cyclonedds, refused.cyclonedds),
+                    .fastdds = outcome(Product::fastdds, fastdds),
+                    .ddssec = outcome(Product::ddssec, Outcome::fail)};
   // DOC052 reports that Fast DDS takes every default as DENY.
   if (compiled.judge_participant().allowed && grant.default_allow) outcomes.fastdds = Outcome::ok;
   if (!asks || outcomes.all_ok()) return scene.out.pass(Rule::DOC051);
@@ -313,7 +313,7 @@ void check_default(const Scene& scene, const Grant& grant) {
       outcomes, {.rule = Rule::DOC052,
                  .message = fmt::format("grant \"{}\" ends with <default>ALLOW</default>, which "
                                         "{} takes as DENY",
-                                        grant.name, name(Vendor::fastdds, scene.settings.lineup)),
+                                        grant.name, name(Product::fastdds, scene.settings.lineup)),
                  .document = scene.file(),
                  .line = grant.line});
 }

@@ -16,9 +16,9 @@ std::string title_of(Rule rule, std::string_view about) {
 
 std::vector<std::string> concerned(const Outcomes& outcomes, const Lineup& lineup) {
   std::vector<std::string> out;
-  for (const auto vendor : kVendors)
-    if (outcomes.of(vendor) != Outcome::ok) out.push_back(id(vendor, lineup));
-  return out.size() == kVendors.size() ? std::vector<std::string>() : out;
+  for (const auto product : kProducts)
+    if (outcomes.of(product) != Outcome::ok) out.push_back(id(product, lineup));
+  return out.size() == kProducts.size() ? std::vector<std::string>() : out;
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ void Diagnosis::pass(Rule rule, std::string_view about) { check_for(rule, about)
 
 void Diagnosis::report(Outcomes outcomes, Finding finding, std::string_view about) {
   auto& check = check_for(finding.rule, about);
-  if (finding.vendors.empty()) finding.vendors = concerned(outcomes, lineup_);
+  if (finding.products.empty()) finding.products = concerned(outcomes, lineup_);
   check.outcomes = check.outcomes.worse(outcomes);
   check.findings.push_back(std::move(finding));
 }

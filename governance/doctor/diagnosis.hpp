@@ -51,7 +51,8 @@ class Diagnosis {
 
   /// Adds a check without findings.
   void pass(Rule rule, std::string_view about = {});
-  /// Adds a finding. Its vendors are filled in from the outcomes unless these are the same for all.
+  /// Adds a finding. Its products are filled in from the outcomes unless these are the same for
+  /// all.
   void report(Outcomes outcomes, Finding finding, std::string_view about = {});
   /// Adds the checks of `other`. Checks that exist already get its outcomes and findings in
   /// addition.

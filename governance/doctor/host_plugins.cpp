@@ -15,7 +15,7 @@ namespace ddssec::governance::doctor {
 namespace {
 
 namespace fs = std::filesystem;
-using Maker = HostPlugin::Maker;
+using PluginProduct = HostPlugin::PluginProduct;
 
 constexpr std::string_view kOurMark = "ddssec_";
 constexpr std::string_view kVersionMark = "ddssec plugin version ";  // plugins/cyclonedds
@@ -102,8 +102,8 @@ HostPlugin plugin_of(const Kind& kind, std::string library, const LoaderPlaces& 
   if (out.file.empty()) return out;
   out.is_cut_off = search.found.state == LibraryState::cut_off;
   const auto octets = library_octets(out.file);
-  out.maker = octets.find(kOurMark) != octets.npos ? Maker::ddssec : Maker::other;
-  if (out.maker != Maker::ddssec) return out;
+  out.product = octets.find(kOurMark) != octets.npos ? PluginProduct::ddssec : PluginProduct::other;
+  if (out.product != PluginProduct::ddssec) return out;
   out.version = version_in(octets);
   out.missing = missing_for(out.file, octets, places);
   return out;
@@ -122,7 +122,7 @@ std::optional<std::string> path_attribute(std::string_view attributes) {
 std::string listed(const std::vector<HostPlugin>& plugins) {
   std::string out;
   for (const auto& plugin : plugins)
-    out += fmt::format("{}{}: {}{}", out.empty() ? "" : ", ", plugin.role, maker_of(plugin),
+    out += fmt::format("{}{}: {}{}", out.empty() ? "" : ", ", plugin.role, product_of(plugin),
                        plugin.file.empty() ? "" : fmt::format(" ({})", plugin.file.string()));
   return out;
 }
@@ -225,16 +225,16 @@ void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPla
                   "stock plugins, not ddssec's: {}",
                   listed(plugins)),
       plugins, places);
-  finding.vendors = {"ddssec"};
+  finding.products = {"ddssec"};
   finding.hint += "; nothing to do for the embedded participant, which loads no plugins";
   out.report({}, std::move(finding));
 }
 
 }  // namespace
 
-std::string maker_of(const HostPlugin& plugin) {
-  if (plugin.maker == Maker::none) return "not found";
-  if (plugin.maker == Maker::other) return "stock, not ddssec's";
+std::string product_of(const HostPlugin& plugin) {
+  if (plugin.product == PluginProduct::none) return "not found";
+  if (plugin.product == PluginProduct::other) return "stock, not ddssec's";
   return plugin.version.empty() ? "ddssec" : "ddssec " + plugin.version;
 }
 
@@ -270,32 +270,32 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
                         bool were_ours_meant, Diagnosis& out) {
   if (plugins.empty()) return;
   const auto is_missing_path = [](const HostPlugin& plugin) {
-    return plugin.maker == Maker::none && is_path(plugin.library);
+    return plugin.product == PluginProduct::none && is_path(plugin.library);
   };
   // DOC102 reports a missing library that is named by a path; LD_LIBRARY_PATH is not its cause.
   if (std::ranges::any_of(plugins, is_missing_path)) return;
   if (const auto one = std::ranges::find_if(plugins, &HostPlugin::is_cut_off); one != plugins.end())
     return out.report({.cyclonedds = Outcome::fail, .ddssec = Outcome::fail},
                       cut_off(one->file, plugins, places));
-  std::set<Maker> makers;
+  std::set<PluginProduct> products;
   std::set<std::string> versions;
   for (const auto& plugin : plugins) {
-    makers.insert(plugin.maker);
-    if (plugin.maker == Maker::ddssec) versions.insert(plugin.version);
+    products.insert(plugin.product);
+    if (plugin.product == PluginProduct::ddssec) versions.insert(plugin.version);
   }
-  if (makers.size() > 1 && makers.contains(Maker::none))
+  if (products.size() > 1 && products.contains(PluginProduct::none))
     return out.report(
         {.cyclonedds = Outcome::fail, .ddssec = Outcome::fail},
         finding_of("Cyclone DDS would not find all of its plugins: " + listed(plugins), plugins,
                    places));
   // Such plugins work together, but without the refusals and reports that only ddssec's provide.
-  if (makers.size() > 1 || versions.size() > 1)
+  if (products.size() > 1 || versions.size() > 1)
     return out.report(
         {.ddssec = Outcome::unsafe},
         finding_of(fmt::format("Cyclone DDS would load plugins of two {}: {}",
-                               makers.size() > 1 ? "products" : "versions", listed(plugins)),
+                               products.size() > 1 ? "products" : "versions", listed(plugins)),
                    plugins, places));
-  if (!makers.contains(Maker::ddssec))
+  if (!products.contains(PluginProduct::ddssec))
     return check_stock_plugins(plugins, places, were_ours_meant, out);
   out.pass(Rule::DOC068);
   check_loadable(plugins, out);

@@ -14,11 +14,11 @@ namespace ddssec::governance::doctor {
 
 /// One plugin of the configuration, and the library that the loader would find for it.
 struct HostPlugin {
-  enum class Maker : std::uint8_t { none, ddssec, other };
+  enum class PluginProduct : std::uint8_t { none, ddssec, other };
   std::string_view role;       ///< authentication, access control, cryptography
   std::string library;         ///< the `path` of its <Library>
   std::filesystem::path file;  ///< empty if it was not found
-  Maker maker = Maker::none;
+  PluginProduct product = PluginProduct::none;
   std::string version = {};  ///< the version of a ddssec library; empty if unknown
   /// Libraries that a ddssec library needs and the loader would not find.
   std::vector<std::string> missing = {};
@@ -27,7 +27,7 @@ struct HostPlugin {
   std::filesystem::path obstacle = {};
 };
 /// Returns "ddssec 0.2.0", "stock, not ddssec's" or "not found".
-std::string maker_of(const HostPlugin& plugin);
+std::string product_of(const HostPlugin& plugin);
 
 /// Returns the three plugins of a configuration; empty if it does not configure security, or names
 /// a library with a variable in it. Nothing is loaded.

@@ -45,8 +45,8 @@ std::vector<fs::path> library_folders(std::string_view library_path) {
   return out;
 }
 
-std::optional<Version> installed_version(Vendor vendor, const std::vector<fs::path>& folders) {
-  if (vendor == Vendor::ddssec) return std::nullopt;
+std::optional<Version> installed_version(Product product, const std::vector<fs::path>& folders) {
+  if (product == Product::ddssec) return std::nullopt;
   std::optional<Version> out;
   for (const auto& folder : folders) {
     std::error_code error;
@@ -55,8 +55,8 @@ std::optional<Version> installed_version(Vendor vendor, const std::vector<fs::pa
       const auto look = [&](std::string_view library) {
         out = std::max(out, version_of(file, library));
       };
-      if (vendor == Vendor::cyclonedds) std::ranges::for_each(kCycloneDds, look);
-      if (vendor == Vendor::fastdds) std::ranges::for_each(kFastDds, look);
+      if (product == Product::cyclonedds) std::ranges::for_each(kCycloneDds, look);
+      if (product == Product::fastdds) std::ranges::for_each(kFastDds, look);
     }
     if (out) return out;
   }

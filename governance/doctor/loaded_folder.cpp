@@ -87,9 +87,9 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
   out.file = *std::move(file);
   out.form = pki::examine_document(out.file);
   const auto& [cas, ca_file] = trust;
-  out.cyclonedds_verdict = verify_signature_as(Vendor::cyclonedds, out.file, cas, ca_file, now);
-  out.fastdds_verdict = verify_signature_as(Vendor::fastdds, out.file, cas, ca_file, now);
-  out.our_verdict = verify_signature_as(Vendor::ddssec, out.file, cas, ca_file, now);
+  out.cyclonedds_verdict = verify_signature_as(Product::cyclonedds, out.file, cas, ca_file, now);
+  out.fastdds_verdict = verify_signature_as(Product::fastdds, out.file, cas, ca_file, now);
+  out.our_verdict = verify_signature_as(Product::ddssec, out.file, cas, ca_file, now);
   auto model = read(out.form.unverified_text, out.form.first_line);
   if (!model) {
     out.parsed = error_in_file(model.error(), path);
@@ -119,14 +119,14 @@ Status with_signer_named(Status verdict, BytesView file, std::vector<pki::Certif
 
 }  // namespace
 
-Status verify_signature_as(Vendor judge, BytesView file, const Certificates& cas, BytesView ca_file,
-                           WallTime now) {
-  if (!cas && cas.error().code() == Code::key_not_allowed && judge != Vendor::ddssec)
+Status verify_signature_as(Product judge, BytesView file, const Certificates& cas,
+                           BytesView ca_file, WallTime now) {
+  if (!cas && cas.error().code() == Code::key_not_allowed && judge != Product::ddssec)
     return pki::verify_as_stock_products(
-        file, ca_file, judge == Vendor::cyclonedds ? 1 : pki::kMaxCertificatesInBundle, now);
+        file, ca_file, judge == Product::cyclonedds ? 1 : pki::kMaxCertificatesInBundle, now);
   if (!cas) return std::unexpected(cas.error());
-  if (judge != Vendor::ddssec) {
-    const auto read = judge == Vendor::cyclonedds ? std::vector{cas->front()} : *cas;
+  if (judge != Product::ddssec) {
+    const auto read = judge == Product::cyclonedds ? std::vector{cas->front()} : *cas;
     return with_signer_named(pki::verify_as_stock_products(file, read, now), file, read, now);
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(*cas));
@@ -145,11 +145,11 @@ bool LoadedFolder::is_empty() const {
          !may_exist(paths.permissions);
 }
 
-Result<pki::ChainVerifier> LoadedFolder::chain(Vendor judge) const {
+Result<pki::ChainVerifier> LoadedFolder::chain(Product judge) const {
   if (!identity_cas) return std::unexpected(identity_cas.error());
   if (!has_usable_lists(judge)) return std::unexpected(crls.error());
   auto lists = crls ? *crls : crls_with_deltas;
-  if (judge != Vendor::ddssec && lists.size() > 1) lists.erase(lists.begin() + 1, lists.end());
+  if (judge != Product::ddssec && lists.size() > 1) lists.erase(lists.begin() + 1, lists.end());
   return with_file(pki::ChainVerifier::make(*identity_cas, std::move(lists)), paths.identity_ca);
 }
 

@@ -49,8 +49,8 @@ struct LoadedDocument {
   const Error& unread() const { return parsed_without ? parsed.error() : parsed_without.error(); }
   /// Success if the product can parse it; its parser may be more lenient than ddssec's. Otherwise
   /// the error is ddssec's.
-  Status read_by(Vendor vendor) const {
-    return vendor != Vendor::ddssec && model ? Status() : parsed;
+  Status read_by(Product product) const {
+    return product != Product::ddssec && model ? Status() : parsed;
   }
 };
 
@@ -58,10 +58,10 @@ struct LoadedDocument {
 struct PasswordGiven {
   bool has_cyclonedds = false, has_fastdds = false, has_ddssec = false;
 
-  bool is_given_to(Vendor vendor) const {
-    return vendor == Vendor::cyclonedds ? has_cyclonedds
-           : vendor == Vendor::fastdds  ? has_fastdds
-                                        : has_ddssec;
+  bool is_given_to(Product product) const {
+    return product == Product::cyclonedds ? has_cyclonedds
+           : product == Product::fastdds  ? has_fastdds
+                                          : has_ddssec;
   }
 };
 
@@ -90,20 +90,20 @@ struct LoadedFolder {
   /// True if none of the files exists: a participant without security.
   bool is_empty() const;
   /// True if the product can read the file with revocation lists, or if there is none.
-  bool has_usable_lists(Vendor judge) const {
-    return crls || (judge != Vendor::ddssec && !crls_with_deltas.empty());
+  bool has_usable_lists(Product judge) const {
+    return crls || (judge != Product::ddssec && !crls_with_deltas.empty());
   }
   /// Returns the chain verifier with which this participant judges certificates. If its file has
   /// several revocation lists, stock products read the first one (measured). Errors: those of the
   /// needed parts, or of ChainVerifier::make.
-  Result<pki::ChainVerifier> chain(Vendor judge = Vendor::ddssec) const;
+  Result<pki::ChainVerifier> chain(Product judge = Product::ddssec) const;
 };
 
 /// Success if a product accepts the signed file with a permissions CA file, whose content is
 /// `ca_file`. Cyclone DDS reads only the first certificate of that file. Stock products take keys
 /// that ddssec refuses. Errors: the reason why `cas` cannot be read; those of
 /// pki::verify_as_stock_products or DocumentVerifier::verify.
-Status verify_signature_as(Vendor judge, BytesView file,
+Status verify_signature_as(Product judge, BytesView file,
                            const Result<std::vector<pki::Certificate>>& cas, BytesView ca_file,
                            WallTime now);
 

@@ -8,13 +8,13 @@ namespace {
 using enum Outcome;
 
 struct Column {
-  Vendor vendor;
+  Product product;
   KnownVersion known;
 };
 
 constexpr Column kColumns[] = {
-#define COLUMN(vendor, major, minor, patch, source) \
-  {Vendor::vendor, {{major, minor, patch}, Source::source}},
+#define COLUMN(product, major, minor, patch, source) \
+  {Product::product, {{major, minor, patch}, Source::source}},
 #define ROW(...)
 #include "governance/doctor/measured_outcomes.def"
 #undef ROW
@@ -29,11 +29,11 @@ constexpr Outcome kRows[][std::size(kColumns)] = {
 #undef COLUMN
 };
 
-// The column of the version that represents `version`; the versions of a vendor are ascending.
-std::size_t column_for(Vendor vendor, Version version) {
+// The column of the version that represents `version`; the versions of a product are ascending.
+std::size_t column_for(Product product, Version version) {
   std::size_t best = std::size(kColumns);
   for (std::size_t i = 0; i < std::size(kColumns); ++i)
-    if (kColumns[i].vendor == vendor &&
+    if (kColumns[i].product == product &&
         (best == std::size(kColumns) || kColumns[i].known.version <= version))
       best = i;
   return best;
@@ -41,21 +41,21 @@ std::size_t column_for(Vendor vendor, Version version) {
 
 }  // namespace
 
-std::vector<KnownVersion> known_versions(Vendor vendor) {
+std::vector<KnownVersion> known_versions(Product product) {
   std::vector<KnownVersion> out;
   for (const auto& column : kColumns)
-    if (column.vendor == vendor) out.push_back(column.known);
+    if (column.product == product) out.push_back(column.known);
   return out;
 }
 
-KnownVersion stand_in(Vendor vendor, Version version) {
-  return kColumns[column_for(vendor, version)].known;
+KnownVersion stand_in(Product product, Version version) {
+  return kColumns[column_for(product, version)].known;
 }
 
 Outcomes measured(Variant variant, const Lineup& lineup) {
   const auto& row = kRows[static_cast<std::size_t>(variant)];
-  return {.cyclonedds = row[column_for(Vendor::cyclonedds, lineup.cyclonedds)],
-          .fastdds = row[column_for(Vendor::fastdds, lineup.fastdds)]};
+  return {.cyclonedds = row[column_for(Product::cyclonedds, lineup.cyclonedds)],
+          .fastdds = row[column_for(Product::fastdds, lineup.fastdds)]};
 }
 
 }  // namespace ddssec::governance::doctor

@@ -10,7 +10,7 @@ namespace ddssec::governance::doctor {
 /// The folders of tests/cli/golden_folders.py with which the products were started. Each is named
 /// after its special feature.
 enum class Variant : std::uint8_t {
-#define COLUMN(vendor, major, minor, patch, source)
+#define COLUMN(product, major, minor, patch, source)
 #define ROW(name, ...) name,
 #include "governance/doctor/measured_outcomes.def"
 #undef ROW
@@ -31,11 +31,11 @@ struct KnownVersion {
 };
 
 /// Returns the versions of the table, ascending. Empty for ddssec.
-std::vector<KnownVersion> known_versions(Vendor vendor);
+std::vector<KnownVersion> known_versions(Product product);
 
 /// Returns the version of the table that represents `version` of a stock product: the newest that
 /// is not newer, or the oldest of all.
-KnownVersion stand_in(Vendor vendor, Version version);
+KnownVersion stand_in(Product product, Version version);
 
 /// Returns the outcomes for the variant with the versions that represent the lineup; ok for ddssec.
 Outcomes measured(Variant variant, const Lineup& lineup);

@@ -9,8 +9,8 @@
 #include "governance/doctor/chain_outcomes.hpp"
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/meeting_steps.hpp"
+#include "governance/doctor/product_decision.hpp"
 #include "governance/doctor/subject_form.hpp"
-#include "governance/doctor/vendor_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/refusal_advice.hpp"
 #include "pki/certificate_source.hpp"
@@ -26,18 +26,19 @@ Status judge_certificate(const Party& judge, const Party& subject, WallTime now)
   const auto& certificate = subject.folder.certificate;
   if (!certificate) return std::unexpected(certificate.error());
   if (!judge.folder.identity_cas) return std::unexpected(judge.folder.identity_cas.error());
-  if (!judge.folder.has_usable_lists(judge.vendor))
+  if (!judge.folder.has_usable_lists(judge.product))
     return std::unexpected(judge.folder.crls.error());
   // Stock products also take CAs with which ddssec makes no verifier.
-  const auto verifier = judge.folder.chain(judge.vendor);
+  const auto verifier = judge.folder.chain(judge.product);
   const auto proof = verifier ? verifier->verify(*certificate, now)
                               : Result<pki::ChainValid>(std::unexpected(verifier.error()));
   const auto outcomes =
       chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);
-  if (outcomes.of(judge.vendor) == Outcome::ok) return {};
+  if (outcomes.of(judge.product) == Outcome::ok) return {};
   if (!proof) return std::unexpected(proof.error());
-  return fail(Code::issuer_unknown, {.expected = "\"" + certificate->issuer() + "\", self-signed",
-                                     .note = judge.product() + " reads fewer CA files than ours"});
+  return fail(Code::issuer_unknown,
+              {.expected = "\"" + certificate->issuer() + "\", self-signed",
+               .note = judge.product_name() + " reads fewer CA files than ours"});
 }
 
 std::string ca_subjects(const Result<std::vector<pki::Certificate>>& cas) {
@@ -86,7 +87,7 @@ void judge_authentication(const MeetingScene& scene, int judge) {
     out.reason = status.error().message();
     // DOC090 reports unreadable files to their owner.
     const auto& certificate = other.folder.certificate;
-    if (certificate && self.folder.identity_cas && self.folder.has_usable_lists(self.vendor))
+    if (certificate && self.folder.identity_cas && self.folder.has_usable_lists(self.product))
       add_finding(
           scene, Rule::DOC080, out,
           fmt::format("{} does not accept {}'s certificate ({} serial {}, issued by "
@@ -103,40 +104,40 @@ void judge_authentication(const MeetingScene& scene, int judge) {
 // Fast DDS also accepts the one-line form in the permissions of a remote participant.
 bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificate,
                           const Party& judge) {
-  if (judge.vendor == Vendor::fastdds && grant.subject_name == certificate.subject_one_line())
+  if (judge.product == Product::fastdds && grant.subject_name == certificate.subject_one_line())
     return true;
-  if (judge.vendor == Vendor::ddssec) return is_for(grant, pki::SubjectName::of(certificate));
+  if (judge.product == Product::ddssec) return is_for(grant, pki::SubjectName::of(certificate));
   const auto outcomes = reads_subject(grant.subject_name, certificate, judge.lineup);
-  return outcomes.of(judge.vendor) != Outcome::fail;
+  return outcomes.of(judge.product) != Outcome::fail;
 }
 
 Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
   const auto& document = subject.folder.permissions;
   if (!document.readable) return document.readable;
-  if (judge.vendor == Vendor::ddssec && document.file.size() > pki::kMaxSentPermissionsOctets)
+  if (judge.product == Product::ddssec && document.file.size() > pki::kMaxSentPermissionsOctets)
     return fail(Code::permissions_too_large,
                 {.expected = fmt::format("at most {} octets", pki::kMaxSentPermissionsOctets),
                  .found = fmt::format("{} octets", document.file.size())});
-  const bool is_fastdds = judge.vendor == Vendor::fastdds && subject.vendor == Vendor::fastdds;
+  const bool is_fastdds = judge.product == Product::fastdds && subject.product == Product::fastdds;
   if (is_fastdds && handshake_octets(subject.folder) > kMaxFastDdsHandshakeOctets)
     return fail(Code::permissions_too_large,
                 {.expected = fmt::format("at most {} octets with the certificate",
                                          kMaxFastDdsHandshakeOctets),
                  .found = fmt::format("{} octets", handshake_octets(subject.folder)),
                  .note = "Fast DDS does not authenticate a Fast DDS participant with more"});
-  DDSSEC_RETURN_IF_ERROR(verify_signature_as(judge.vendor, document.file,
+  DDSSEC_RETURN_IF_ERROR(verify_signature_as(judge.product, document.file,
                                              judge.folder.permissions_cas,
                                              judge.folder.permissions_ca_file, now));
-  DDSSEC_RETURN_IF_ERROR(document.read_by(judge.vendor));
+  DDSSEC_RETURN_IF_ERROR(document.read_by(judge.product));
   if (!subject.folder.certificate) return std::unexpected(subject.folder.certificate.error());
   const auto& certificate = *subject.folder.certificate;
   for (const auto& grant : document.model->grants)
     if (reads_remote_subject(grant, certificate, judge)) {
-      if (validity_as(judge.vendor, grant.validity).contains(now)) return {};
+      if (validity_as(judge.product, grant.validity).contains(now)) return {};
       if (!grant.validity.contains(now)) continue;
       return fail(Code::grant_expired,
                   {.line = grant.line,
-                   .note = judge.vendor == Vendor::cyclonedds
+                   .note = judge.product == Product::cyclonedds
                                ? "Cyclone DDS reads <not_after> as a time that has passed"
                                : "Fast DDS ignores the zones of the validity"});
     }
@@ -157,7 +158,7 @@ const Grant* applied_grant(const MeetingScene& scene, int about) {
     return std::ranges::any_of(kBoth, [&](int judge) {
       const auto& party = scene.party(judge);
       return reads_remote_subject(grant, *folder.certificate, party) &&
-             validity_as(party.vendor, grant.validity).contains(scene.settings.now);
+             validity_as(party.product, grant.validity).contains(scene.settings.now);
     });
   });
   return found == grants.end() ? nullptr : &*found;
@@ -185,7 +186,7 @@ void note_taken_by_cyclonedds(const MeetingScene& scene, int judge, const Error&
 // Fast DDS announces the first certificate of its permissions CA file, and compares what another
 // Fast DDS announces with its own (measured with 2.9.1). No other product announces one.
 std::string why_announced_cas_differ(const Party& judge, const Party& subject) {
-  if (judge.vendor != Vendor::fastdds || subject.vendor != Vendor::fastdds) return {};
+  if (judge.product != Product::fastdds || subject.product != Product::fastdds) return {};
   const auto own = pki::ca_announced_by_fastdds(judge.folder.permissions_ca_file);
   const auto other = pki::ca_announced_by_fastdds(subject.folder.permissions_ca_file);
   if (!own || !other || own == other) return {};
@@ -218,7 +219,7 @@ void judge_permissions(const MeetingScene& scene, int judge) {
     out.reason = status.error().message();
     out.line = status.error().details().line;
     constexpr auto kForeign = Code::smime_signer_not_permissions_ca;
-    if (other.folder.certificate && self.vendor != Vendor::cyclonedds)
+    if (other.folder.certificate && self.product != Product::cyclonedds)
       note_taken_by_cyclonedds(scene, judge, status.error());
     if (other.folder.permissions.readable && other.folder.certificate &&
         self.folder.permissions_cas)
@@ -246,7 +247,7 @@ void judge_join(const MeetingScene& scene, int judge, int about) {
     out.reason = fmt::format("no <domain_rule> covers domain {}", scene.settings.domain);
   } else if (rule->enable_join_access_control && grant != nullptr) {
     const auto decision =
-        judge_participant_as(scene.party(judge).vendor, *grant, scene.settings.domain);
+        judge_participant_as(scene.party(judge).product, *grant, scene.settings.domain);
     out.ok = decision.allowed;
     out.grant = grant->grant().name;
     out.document = folder.paths.permissions.string();
@@ -265,7 +266,7 @@ void judge_join(const MeetingScene& scene, int judge, int about) {
 void compare_governance(const MeetingScene& scene) {
   for (const int i : kBoth)
     if (scene.folder(i).governance.model)
-      scene.out.rules[i] = domain_rule_as(scene.party(i).vendor, *scene.folder(i).governance.model,
+      scene.out.rules[i] = domain_rule_as(scene.party(i).product, *scene.folder(i).governance.model,
                                           scene.settings.domain);
   if (scene.out.rules[0] == nullptr || scene.out.rules[1] == nullptr) return;
   scene.out.differences = differences(*scene.out.rules[0], *scene.out.rules[1]);
@@ -279,8 +280,8 @@ void compare_governance(const MeetingScene& scene) {
 
 // False if the initiator is Fast DDS and the replier Cyclone DDS. Fast DDS then proposes
 // DH+MODP-2048-256 in a form that Cyclone DDS cannot read (2.9.1 and 0.10.2).
-bool handshake_works(Vendor initiator, Vendor replier) {
-  return !(initiator == Vendor::fastdds && replier == Vendor::cyclonedds);
+bool handshake_works(Product initiator, Product replier) {
+  return !(initiator == Product::fastdds && replier == Product::cyclonedds);
 }
 
 std::string handshake_sentence(const Party& starts, const Party& waits, bool by_chance) {
@@ -305,11 +306,11 @@ void judge_handshake_from(const MeetingScene& scene, int starts) {
       .rule = Rule::DOC083,
       .message = handshake_sentence(first, second, scene.out.starter == Starter::chance),
       .document = first.folder.paths.certificate.string()};
-  if (!handshake_works(first.vendor, second.vendor)) {
+  if (!handshake_works(first.product, second.product)) {
     scene.out.handshake_works = false;
     scene.out.findings.push_back(std::move(finding));
-  } else if (scene.out.starter != Starter::chance && first.vendor == Vendor::ddssec &&
-             second.vendor == Vendor::ddssec) {
+  } else if (scene.out.starter != Starter::chance && first.product == Product::ddssec &&
+             second.product == Product::ddssec) {
     finding.severity = Severity::informational;
     scene.out.notes.push_back(std::move(finding));
   }
@@ -337,27 +338,27 @@ constexpr Version kCycloneDdsNotTried{11, 0, 0};
 void judge_discovery(const MeetingScene& scene, int fast) {
   const auto& self = scene.party(fast);
   const auto& other = scene.party(1 - fast);
-  if (self.vendor != Vendor::fastdds || other.vendor == Vendor::fastdds) return;
+  if (self.product != Product::fastdds || other.product == Product::fastdds) return;
   Finding finding{.rule = Rule::DOC094, .message = {}};
   if (self.lineup.fastdds < kFastDdsThatWaits) {
     finding.message = fmt::format(
         "this is predicted for {}: secured, Fast DDS 2.10 and later discovers nothing of Cyclone "
         "DDS 0.10, with its own plugins or with ddssec's",
-        self.product());
-  } else if (other.vendor == Vendor::ddssec) {
+        self.product_name());
+  } else if (other.product == Product::ddssec) {
     finding.message = fmt::format(
         "secured, {} discovers nothing of Cyclone DDS 0.10 with ddssec's plugins in it, only of "
         "ddssec's embedded participant",
-        self.product());
+        self.product_name());
   } else if (other.lineup.cyclonedds >= kCycloneDdsNotTried) {
     finding.message = fmt::format(
         "whether {} and {} find each other, secured, was not tried: Fast DDS 2.10 and "
         "later discovers nothing of Cyclone DDS 0.10",
-        self.product(), other.product());
+        self.product_name(), other.product_name());
   } else {
     scene.out.discovery_works = false;
-    finding.message = fmt::format("secured, {} ({}) discovers nothing of {} ({})", self.product(),
-                                  self.name, other.product(), other.name);
+    finding.message = fmt::format("secured, {} ({}) discovers nothing of {} ({})",
+                                  self.product_name(), self.name, other.product_name(), other.name);
     finding.severity = Severity::error;
     scene.out.findings.push_back(std::move(finding));
     return;

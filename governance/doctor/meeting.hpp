@@ -13,12 +13,12 @@ namespace ddssec::governance::doctor {
 /// One of the two participants.
 struct Party {
   const LoadedFolder& folder;
-  Vendor vendor = Vendor::ddssec;
+  Product product = Product::ddssec;
   std::string name;    ///< its name in messages
   Lineup lineup = {};  ///< the version of its product
 
   /// Returns a name such as "Cyclone DDS 0.10.2".
-  std::string product() const { return doctor::name(vendor, lineup); }
+  std::string product_name() const { return doctor::name(product, lineup); }
 };
 
 /// The decision of one party on one question, and the deciding line.

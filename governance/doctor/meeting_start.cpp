@@ -16,17 +16,17 @@ std::string files_missing(const LoadedFolder& folder) {
 }
 
 // True if the check concerns single topics or peers: the participant starts and uses the others.
-bool is_about_some(const Check& check, Vendor vendor) {
-  return check.outcomes.of(vendor) == Outcome::late &&
+bool is_about_some(const Check& check, Product product) {
+  return check.outcomes.of(product) == Outcome::late &&
          (check.rule == Rule::DOC052 || check.rule == Rule::DOC053 || check.rule == Rule::DOC109 ||
           check.rule == Rule::DOC110);
 }
 
 // A finding of the party's own diagnosis that prevents its start.
-const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
+const Finding* first_obstacle(const Diagnosis& diagnosis, Product product) {
   for (const auto& check : diagnosis.checks())
-    if (check.outcomes.of(vendor) >= Outcome::late && !check.findings.empty() &&
-        !is_about_some(check, vendor))
+    if (check.outcomes.of(product) >= Outcome::late && !check.findings.empty() &&
+        !is_about_some(check, product))
       return &check.findings.front();
   return nullptr;
 }
@@ -34,7 +34,7 @@ const Finding* first_obstacle(const Diagnosis& diagnosis, Vendor vendor) {
 // If only the CA's own list revokes a participant, its peers accept it until they get the list.
 void note_revocation(const MeetingScene& scene, const Party& party, const Diagnosis& diagnosis) {
   for (const auto& check : diagnosis.checks()) {
-    if (check.rule != Rule::DOC024 || check.outcomes.of(party.vendor) != Outcome::unsafe) continue;
+    if (check.rule != Rule::DOC024 || check.outcomes.of(party.product) != Outcome::unsafe) continue;
     for (auto finding : check.findings) {
       finding.message = fmt::format("{}: {}", party.name, finding.message);
       finding.severity = Severity::warning;
@@ -52,9 +52,9 @@ void note_places(const MeetingScene& scene, const Party& party, const Diagnosis&
   for (const auto& check : diagnosis.checks()) {
     if (check.rule != Rule::DOC007) continue;
     for (auto finding : check.findings) {
-      if (is_about_fastdds(finding) != (party.vendor == Vendor::fastdds)) continue;
+      if (is_about_fastdds(finding) != (party.product == Product::fastdds)) continue;
       finding.message = fmt::format("{}: {}", party.name, finding.message);
-      finding.vendors.clear();
+      finding.products.clear();
       scene.out.notes.push_back(std::move(finding));
     }
   }
@@ -80,14 +80,14 @@ void judge_start(const MeetingScene& scene, int index) {
   auto settings = scene.settings;
   settings.lineup = party.lineup;
   const auto diagnosis = diagnose(folder, settings);
-  if (const auto* why = first_obstacle(diagnosis, party.vendor)) {
+  if (const auto* why = first_obstacle(diagnosis, party.product)) {
     out.ok = false;
     out.reason = fmt::format("{}: {}", info(why->rule).id, why->message);
     out.document = why->document;
     out.line = why->line;
     add_finding(scene, Rule::DOC090, out,
-                fmt::format("{} cannot start on its own with {}: {}", party.name, party.product(),
-                            out.reason),
+                fmt::format("{} cannot start on its own with {}: {}", party.name,
+                            party.product_name(), out.reason),
                 why->hint.empty() ? std::string(info(why->rule).hint) : why->hint);
   }
   note_revocation(scene, party, diagnosis);

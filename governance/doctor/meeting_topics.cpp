@@ -10,7 +10,7 @@
 #include "governance/doctor/checks.hpp"
 #include "governance/doctor/measured_outcomes.hpp"
 #include "governance/doctor/meeting_steps.hpp"
-#include "governance/doctor/vendor_decision.hpp"
+#include "governance/doctor/product_decision.hpp"
 #include "governance/grant.hpp"
 #include "governance/refusal_advice.hpp"
 #include "governance/topic_sets.hpp"
@@ -43,12 +43,12 @@ class Comparison {
 
 const TopicRule* topic_rule(const MeetingScene& scene, int index, std::string_view topic) {
   const auto* domain = scene.out.rules[index];
-  return domain == nullptr ? nullptr : topic_rule_as(scene.party(index).vendor, *domain, topic);
+  return domain == nullptr ? nullptr : topic_rule_as(scene.party(index).product, *domain, topic);
 }
 
-std::string matching_expression(Vendor vendor, const Criteria& criteria, std::string_view topic) {
+std::string matching_expression(Product product, const Criteria& criteria, std::string_view topic) {
   const auto found = std::ranges::find_if(
-      criteria.topics, [&](const Text& text) { return matches_as(vendor, text, topic); });
+      criteria.topics, [&](const Text& text) { return matches_as(product, text, topic); });
   return found == criteria.topics.end() ? "" : found->text;
 }
 
@@ -84,7 +84,7 @@ PartyDecision by_grant(const MeetingScene& scene, const Question& question) {
   const std::vector<std::string_view> partitions(asked.begin(), asked.end());
   const Request request{.topic = question.topic, .partitions = partitions};
   const auto judge = question.judge == question.about ? judge_local_as : judge_as;
-  const auto decision = judge(scene.party(question.judge).vendor, *compiled, scene.settings.domain,
+  const auto decision = judge(scene.party(question.judge).product, *compiled, scene.settings.domain,
                               question.action, request);
   const auto advice =
       scene.named ? advice_on(*compiled, question.action, request, decision) : RefusalAdvice();
@@ -101,8 +101,8 @@ PartyDecision by_grant(const MeetingScene& scene, const Question& question) {
   }
   out.rule = static_cast<int>(decision.rule - grant.rules.data()) + 1;
   if (decision.criteria != nullptr)
-    out.expression =
-        matching_expression(scene.party(question.judge).vendor, *decision.criteria, question.topic);
+    out.expression = matching_expression(scene.party(question.judge).product, *decision.criteria,
+                                         question.topic);
   out.is_allow_rule = decision.rule->allow;
   out.reason = fmt::format("grant \"{}\" rule {} ({}) {} \"{}\"", grant.name, out.rule,
                            out.is_allow_rule ? "allow" : "deny", out.operation, out.expression);
@@ -142,14 +142,14 @@ Obstacle unmatched_writer(const MeetingScene& scene, const TopicMeeting& topic, 
   const auto& other = scene.party(1 - writer);
   const bool payload_only =
       is_protected(rule.data_protection_kind) && !is_protected(rule.metadata_protection_kind);
-  if (self.vendor != Vendor::fastdds || other.vendor != Vendor::cyclonedds || !payload_only)
+  if (self.product != Product::fastdds || other.product != Product::cyclonedds || !payload_only)
     return {};
-  return {
-      .reason = fmt::format("data_protection_kind {} with metadata_protection_kind NONE: a {} "
-                            "writer never matches a {} reader then",
-                            to_string(rule.data_protection_kind), self.product(), other.product()),
-      .document = scene.folder(1).paths.governance.string(),
-      .line = topic.rules[1]->line};
+  return {.reason = fmt::format("data_protection_kind {} with metadata_protection_kind NONE: a {} "
+                                "writer never matches a {} reader then",
+                                to_string(rule.data_protection_kind), self.product_name(),
+                                other.product_name()),
+          .document = scene.folder(1).paths.governance.string(),
+          .line = topic.rules[1]->line};
 }
 
 // Cyclone DDS 0.10 refuses to create a topic by the first rule that names it in either direction.
@@ -158,7 +158,7 @@ Obstacle refused_topic(const MeetingScene& scene, const TopicMeeting& topic, int
   const auto& party = scene.party(index);
   const auto* governance = topic.rules[index];
   const auto* compiled = scene.grants[index].get();
-  const bool asks = party.vendor == Vendor::cyclonedds && governance != nullptr &&
+  const bool asks = party.product == Product::cyclonedds && governance != nullptr &&
                     compiled != nullptr && governance->enable_read_access_control &&
                     governance->enable_write_access_control &&
                     measured(Variant::grant_deny_one_way, party.lineup).cyclonedds != Outcome::ok;
@@ -168,7 +168,7 @@ Obstacle refused_topic(const MeetingScene& scene, const TopicMeeting& topic, int
   if (rule == nullptr || rule->allow) return {};
   return {.reason = fmt::format("{} at {} refuses to create the topic: the first rule of grant "
                                 "\"{}\" that names it, in whatever direction, is a deny_rule",
-                                party.product(), party.name, grant.name),
+                                party.product_name(), party.name, grant.name),
           .rule = Rule::DOC053,
           .document = party.folder.paths.permissions.string(),
           .line = rule->line};
@@ -184,9 +184,9 @@ bool is_partition_expression(const std::string& partition) {
 Obstacle expressions_only(const MeetingScene& scene) {
   const auto& asked = scene.settings.partitions;
   if (asked.empty() || !std::ranges::all_of(asked, is_partition_expression)) return {};
-  const auto is_fastdds = [&](int i) { return scene.party(i).vendor == Vendor::fastdds; };
+  const auto is_fastdds = [&](int i) { return scene.party(i).product == Product::fastdds; };
   const auto matches_itself = [](const std::string& partition) {
-    return matches_as(Vendor::fastdds, {.text = partition}, partition);
+    return matches_as(Product::fastdds, {.text = partition}, partition);
   };
   if (std::ranges::all_of(kBoth, is_fastdds) && std::ranges::any_of(asked, matches_itself))
     return {};
@@ -203,9 +203,9 @@ Obstacle expressions_only(const MeetingScene& scene) {
 Obstacle unequal_to_itself(const MeetingScene& scene) {
   const auto& asked = scene.settings.partitions;
   const bool is_read_by_fastdds =
-      std::ranges::any_of(kBoth, [&](int i) { return scene.party(i).vendor == Vendor::fastdds; });
+      std::ranges::any_of(kBoth, [&](int i) { return scene.party(i).product == Product::fastdds; });
   const bool any = std::ranges::any_of(asked, [](const std::string& partition) {
-    return matches_as(Vendor::fastdds, {.text = partition}, partition);
+    return matches_as(Product::fastdds, {.text = partition}, partition);
   });
   if (asked.empty() || !is_read_by_fastdds || any) return {};
   return {.reason = fmt::format("both are{}: Fast DDS reads that as an expression, which does not "
@@ -275,7 +275,7 @@ std::vector<std::string> partitions_of(const CompiledGrant& grant, Action action
                                        std::string_view topic) {
   std::vector<std::string> out;
   for (const auto* criteria : grant.allowed(action)) {
-    if (!criteria->partitions || matching_expression(Vendor::ddssec, *criteria, topic).empty())
+    if (!criteria->partitions || matching_expression(Product::ddssec, *criteria, topic).empty())
       continue;
     for (const auto& text : *criteria->partitions)
       if (!text.text.empty()) out.push_back(text.text);
@@ -363,7 +363,7 @@ void report_obstacles(const MeetingScene& scene, const TopicMeeting& topic) {
 void note_unguarded(const MeetingScene& scene, const TopicMeeting& topic) {
   for (const int i : kBoth) {
     const auto* rule = topic.rules[i];
-    if (rule == nullptr || scene.party(i).vendor != Vendor::ddssec) continue;
+    if (rule == nullptr || scene.party(i).product != Product::ddssec) continue;
     const bool controlled = rule->enable_read_access_control || rule->enable_write_access_control;
     if (!controlled || is_protected(rule->metadata_protection_kind) ||
         is_protected(rule->data_protection_kind))

@@ -11,12 +11,14 @@ namespace {
 constexpr std::array<std::string_view, 3> kNames{"cyclonedds", "fastdds", "ddssec"};
 constexpr std::array<std::string_view, 3> kFamilies{"Cyclone DDS", "Fast DDS", "ddssec's plugins"};
 
-std::string_view short_name(Vendor vendor) { return kNames.at(static_cast<std::size_t>(vendor)); }
+std::string_view short_name(Product product) {
+  return kNames.at(static_cast<std::size_t>(product));
+}
 
-std::optional<Vendor> vendor_named(std::string_view text) {
-  if (text == "ours") return Vendor::ddssec;
-  const auto found = std::ranges::find(kVendors, text, short_name);
-  return found == kVendors.end() ? std::nullopt : std::optional(*found);
+std::optional<Product> product_named(std::string_view text) {
+  if (text == "ours") return Product::ddssec;
+  const auto found = std::ranges::find(kProducts, text, short_name);
+  return found == kProducts.end() ? std::nullopt : std::optional(*found);
 }
 
 }  // namespace
@@ -39,31 +41,31 @@ std::optional<Version> version_from(std::string_view text) {
   return std::nullopt;
 }
 
-std::string id(Vendor vendor, const Lineup& lineup) {
-  if (vendor == Vendor::ddssec) return std::string(short_name(vendor));
-  return fmt::format("{}@{}", short_name(vendor), to_string(lineup.of(vendor)));
+std::string id(Product product, const Lineup& lineup) {
+  if (product == Product::ddssec) return std::string(short_name(product));
+  return fmt::format("{}@{}", short_name(product), to_string(lineup.of(product)));
 }
 
-std::string_view family(Vendor vendor) { return kFamilies.at(static_cast<std::size_t>(vendor)); }
+std::string_view family(Product product) { return kFamilies.at(static_cast<std::size_t>(product)); }
 
-std::string name(Vendor vendor, const Lineup& lineup) {
-  if (vendor == Vendor::ddssec) return std::string(family(vendor));
-  return fmt::format("{} {}", family(vendor), to_string(lineup.of(vendor)));
+std::string name(Product product, const Lineup& lineup) {
+  if (product == Product::ddssec) return std::string(family(product));
+  return fmt::format("{} {}", family(product), to_string(lineup.of(product)));
 }
 
-std::optional<NamedProduct> product_from(std::string_view text) {
+std::optional<NamedProduct> named_product_from(std::string_view text) {
   const auto at = text.find('@');
-  const auto vendor = vendor_named(text.substr(0, at));
-  if (!vendor) return std::nullopt;
-  if (at == text.npos) return NamedProduct{*vendor};
+  const auto product = product_named(text.substr(0, at));
+  if (!product) return std::nullopt;
+  if (at == text.npos) return NamedProduct{*product};
   const auto version = version_from(text.substr(at + 1));
-  if (!version || *vendor == Vendor::ddssec) return std::nullopt;
-  return NamedProduct{*vendor, version};
+  if (!version || *product == Product::ddssec) return std::nullopt;
+  return NamedProduct{*product, version};
 }
 
-std::optional<Vendor> vendor_from(std::string_view text) {
-  const auto product = product_from(text);
-  return product ? std::optional(product->vendor) : std::nullopt;
+std::optional<Product> product_from(std::string_view text) {
+  const auto named = named_product_from(text);
+  return named ? std::optional(named->name) : std::nullopt;
 }
 
 std::string_view to_string(Outcome outcome) {

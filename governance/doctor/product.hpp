@@ -12,12 +12,12 @@ namespace ddssec::governance::doctor {
 
 /// A DDS product with its security plugins. Its behaviour was measured with the product itself
 /// (governance/doctor/measured_outcomes.def).
-enum class Vendor : std::uint8_t {
+enum class Product : std::uint8_t {
   cyclonedds,  ///< Cyclone DDS with its own plugins
   fastdds,     ///< Fast DDS
   ddssec,      ///< the plugins of ddssec
 };
-inline constexpr std::array kVendors{Vendor::cyclonedds, Vendor::fastdds, Vendor::ddssec};
+inline constexpr std::array kProducts{Product::cyclonedds, Product::fastdds, Product::ddssec};
 
 /// A product's version.
 struct Version {
@@ -37,19 +37,19 @@ struct Lineup {
   Version fastdds = {2, 9, 1};
 
   /// Returns the version of the stock product; ddssec has none.
-  Version& of(Vendor vendor) { return vendor == Vendor::fastdds ? fastdds : cyclonedds; }
-  const Version& of(Vendor vendor) const {
-    return vendor == Vendor::fastdds ? fastdds : cyclonedds;
+  Version& of(Product product) { return product == Product::fastdds ? fastdds : cyclonedds; }
+  const Version& of(Product product) const {
+    return product == Product::fastdds ? fastdds : cyclonedds;
   }
   bool operator==(const Lineup&) const = default;
 };
 
 /// Returns "cyclonedds@0.10.2", "fastdds@2.9.1" or "ddssec", with the versions of the lineup.
-std::string id(Vendor vendor, const Lineup& lineup = {});
+std::string id(Product product, const Lineup& lineup = {});
 /// Returns a text such as "Cyclone DDS 0.10.2".
-std::string name(Vendor vendor, const Lineup& lineup = {});
+std::string name(Product product, const Lineup& lineup = {});
 /// Returns "Cyclone DDS", "Fast DDS" or "ddssec's plugins".
-std::string_view family(Vendor vendor);
+std::string_view family(Product product);
 
 /// How Fast DDS finds its default profiles. Fast DDS 3 renamed both; version 3.1 was not run to
 /// confirm that.
@@ -70,15 +70,15 @@ inline constexpr std::size_t kMaxFastDdsHandshakeOctets = 63'000;
 
 /// A product by its name and, if given, its version.
 struct NamedProduct {
-  Vendor vendor;
+  Product name;
   std::optional<Version> version = std::nullopt;
   bool operator==(const NamedProduct&) const = default;
 };
 /// Reads NAME or NAME@VERSION; empty for anything else. ddssec has no version. "ours", its name in
 /// ddssec 0.3 and earlier, is understood, too.
-std::optional<NamedProduct> product_from(std::string_view text);
-/// Returns the vendor; empty if `text` names none.
-std::optional<Vendor> vendor_from(std::string_view text);
+std::optional<NamedProduct> named_product_from(std::string_view text);
+/// Returns the product; empty if `text` names none.
+std::optional<Product> product_from(std::string_view text);
 
 /// The outcome with one product, from good to bad.
 enum class Outcome : std::uint8_t {
@@ -98,8 +98,10 @@ struct Outcomes {
 
   /// Returns the same outcome for all products.
   static constexpr Outcomes all(Outcome outcome) { return {outcome, outcome, outcome}; }
-  constexpr Outcome of(Vendor vendor) const {
-    return vendor == Vendor::cyclonedds ? cyclonedds : vendor == Vendor::fastdds ? fastdds : ddssec;
+  constexpr Outcome of(Product product) const {
+    return product == Product::cyclonedds ? cyclonedds
+           : product == Product::fastdds  ? fastdds
+                                          : ddssec;
   }
   /// Returns the worse of both, for each product.
   Outcomes worse(const Outcomes& other) const;

@@ -76,23 +76,25 @@ bool is_other_control_character(const ErrorDetails& details) {
   return !details.found.ends_with(" 00");
 }
 
-bool starts_with(Vendor vendor, const Error& error) {
-  return vendor == Vendor::cyclonedds ? cyclonedds_starts_with(error) : fastdds_starts_with(error);
+bool starts_with(Product product, const Error& error) {
+  return product == Product::cyclonedds ? cyclonedds_starts_with(error)
+                                        : fastdds_starts_with(error);
 }
 
 template <class Model>
-bool is_unpredictable(const LoadedDocument<Model>& document, Vendor vendor, const Lineup& lineup) {
-  const bool is_cyclonedds = vendor == Vendor::cyclonedds;
+bool is_unpredictable(const LoadedDocument<Model>& document, Product product,
+                      const Lineup& lineup) {
+  const bool is_cyclonedds = product == Product::cyclonedds;
   const auto& verdict = is_cyclonedds ? document.cyclonedds_verdict : document.fastdds_verdict;
   if (!document.readable || !verdict) return false;
   if (document.form.ambiguous) return true;
   const bool is_refused = std::ranges::any_of(document.left_out, [&](Variant variant) {
-    return measured(variant, lineup).of(vendor) == Outcome::fail;
+    return measured(variant, lineup).of(product) == Outcome::fail;
   });
   if (is_refused) return false;
   // Fast DDS reads only the first piece of a value in pieces.
   if (document.model && !document.parsed) return !is_cyclonedds && document.has_joined_values;
-  return !document.model && !document.parsed && starts_with(vendor, document.unread());
+  return !document.model && !document.parsed && starts_with(product, document.unread());
 }
 
 }  // namespace
@@ -157,7 +159,7 @@ bool is_key_of_explicit_curve(const Error& error) {
   return error.code() == Code::key_not_allowed && error.details().found == "EC of 256 bits";
 }
 
-const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
+const fs::path* unpredictable_file(const LoadedFolder& folder, Product product,
                                    const Lineup& lineup) {
   const auto& paths = folder.paths;
   const auto is_labelled = [&](const auto& piece, const fs::path& path) {
@@ -166,19 +168,19 @@ const fs::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
   };
   // Fast DDS accepts more kinds of keys than ddssec reads.
   const auto has_other_key = [&](const auto& piece, const fs::path& path) {
-    return vendor == Vendor::fastdds && !piece && piece.error().code() == Code::key_not_allowed &&
+    return product == Product::fastdds && !piece && piece.error().code() == Code::key_not_allowed &&
            outcomes_of_key(paths, path, piece.error(), lineup).fastdds < Outcome::late;
   };
-  if (vendor == Vendor::ddssec) return nullptr;
+  if (product == Product::ddssec) return nullptr;
   if (has_other_key(folder.identity_cas, paths.identity_ca)) return &paths.identity_ca;
   if (has_other_key(folder.certificate, paths.certificate)) return &paths.certificate;
   if (is_labelled(folder.identity_cas, paths.identity_ca)) return &paths.identity_ca;
   if (is_labelled(folder.certificate, paths.certificate)) return &paths.certificate;
   if (is_labelled(folder.permissions_cas, paths.permissions_ca)) return &paths.permissions_ca;
-  if (vendor == Vendor::cyclonedds && !folder.key && is_key_of_explicit_curve(folder.key.error()))
+  if (product == Product::cyclonedds && !folder.key && is_key_of_explicit_curve(folder.key.error()))
     return &paths.key;
-  if (is_unpredictable(folder.governance, vendor, lineup)) return &paths.governance;
-  if (is_unpredictable(folder.permissions, vendor, lineup)) return &paths.permissions;
+  if (is_unpredictable(folder.governance, product, lineup)) return &paths.governance;
+  if (is_unpredictable(folder.permissions, product, lineup)) return &paths.permissions;
   return nullptr;
 }
 

@@ -27,7 +27,7 @@ bool is_key_of_explicit_curve(const Error& error);
 
 /// Returns the file with which the product starts although ddssec cannot predict the effect, or
 /// nullptr.
-const std::filesystem::path* unpredictable_file(const LoadedFolder& folder, Vendor vendor,
+const std::filesystem::path* unpredictable_file(const LoadedFolder& folder, Product product,
                                                 const Lineup& lineup = {});
 
 }  // namespace ddssec::governance::doctor

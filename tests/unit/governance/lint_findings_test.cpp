@@ -39,7 +39,7 @@ TEST(Findings, PlacesOfANoteThatHaveNone_AreCountedToo) {
   const auto all = findings.take();
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].line, 7);
-  EXPECT_EQ(all[0].vendors, std::vector<std::string>{"fastdds"});
+  EXPECT_EQ(all[0].products, std::vector<std::string>{"fastdds"});
   EXPECT_EQ(all[0].message,
             "no zone (and " + std::to_string(41 - kMaxFindingsPerRule) + " more like this)");
 }

@@ -107,11 +107,11 @@ TEST(LintGovernance, TopicsWithoutARule_HaveAnExample) {
 TEST(LintGovernance, ExpressionsThatProductsReadDifferently_AreFound) {
   const auto differs = only(with_rules({strict("rt/[^ab]"), strict("*")}));
   EXPECT_EQ(differs.rule, ddssec::Rule::GOV012);
-  EXPECT_EQ(differs.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(differs.products, std::vector<std::string>{"cyclonedds"});
   EXPECT_EQ(differs.message,
             "\"rt/[^ab]\": a bracket expression holds \"^\"; Cyclone DDS matches \"rt/a\", "
             "which ddssec does not");
-  EXPECT_EQ(only(with_rules({strict("rt\\a"), strict("*")})).vendors,
+  EXPECT_EQ(only(with_rules({strict("rt\\a"), strict("*")})).products,
             (std::vector<std::string>{"cyclonedds", "fastdds"}));
   EXPECT_EQ(only(with_rules({strict("rt]a"), strict("*")})).severity, Severity::informational);
 }
@@ -153,7 +153,7 @@ TEST(LintGovernance, OriginAuthentication_IsNoted) {
     rule.topic_rules[0].metadata_protection_kind = encrypt_with_origin_authentication;
   }));
   EXPECT_EQ(found.rule, ddssec::Rule::GOV030);
-  EXPECT_EQ(found.vendors, (std::vector<std::string>{"opendds", "fastdds"}));
+  EXPECT_EQ(found.products, (std::vector<std::string>{"opendds", "fastdds"}));
   EXPECT_EQ(of(ddssec::Rule::GOV030, changed_strict([](DomainRule& rule) {
                  rule.rtps_protection_kind = sign_with_origin_authentication;
                  rule.discovery_protection_kind = sign_with_origin_authentication;
@@ -262,7 +262,7 @@ TEST(LintGovernance, ClearDiscoveryBesideProtectedTopics_IsFound) {
   const auto mixed = of_flags({true, false, true, false});
   ASSERT_EQ(mixed.size(), 1u);
   EXPECT_EQ(mixed[0].severity, Severity::warning);
-  EXPECT_EQ(mixed[0].vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(mixed[0].products, std::vector<std::string>{"cyclonedds"});
   EXPECT_TRUE(mixed[0].message.starts_with(
       "\"t1\" and 1 more: enable_discovery_protection is false, so that clear discovery stays "));
   EXPECT_TRUE(mixed[0].path.ends_with("topic_rule[2]"));
@@ -288,7 +288,7 @@ TEST(LintGovernance, ClearDiscovery_IsReportedOnlyBesideWhatIsProtected) {
         of_kinds(none, none, encrypt, none), of_kinds(none, none, none, encrypt)}) {
     ASSERT_EQ(found.size(), 1u);
     EXPECT_TRUE(found[0].message.starts_with("discovery_protection_kind is NONE beside "));
-    EXPECT_EQ(found[0].vendors, std::vector<std::string>{"cyclonedds"});
+    EXPECT_EQ(found[0].products, std::vector<std::string>{"cyclonedds"});
   }
 }
 
@@ -308,7 +308,7 @@ TEST(LintGovernance, StrangersBesideWhatIsProtected_AreReported) {
   const auto found = of_kinds(true, none, sign, none);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].severity, Severity::warning);
-  EXPECT_EQ(found[0].vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(found[0].products, std::vector<std::string>{"cyclonedds"});
   EXPECT_EQ(of_kinds(true, encrypt, none, none).size(), 1u);
   EXPECT_TRUE(of_kinds(false, encrypt, sign, none).empty());
   EXPECT_TRUE(of_kinds(true, none, none, none).empty()) << "GOV040 says so";
@@ -360,10 +360,10 @@ TEST(LintGovernance, DataProtectionAlone_IsFound) {
   EXPECT_TRUE(found_under(sign).message.contains("each participant that may join"));
   for (const auto rtps : {none, sign}) {
     EXPECT_EQ(found_under(rtps).severity, ddssec::Severity::warning);
-    EXPECT_TRUE(found_under(rtps).vendors.empty());
+    EXPECT_TRUE(found_under(rtps).products.empty());
   }
   const auto bound = found_under(sign_with_origin_authentication);
-  EXPECT_EQ(bound.vendors, (std::vector<std::string>{"cyclonedds", "fastdds"}));
+  EXPECT_EQ(bound.products, (std::vector<std::string>{"cyclonedds", "fastdds"}));
   EXPECT_FALSE(bound.message.contains("dispose"));
 }
 
@@ -378,7 +378,7 @@ TEST(LintGovernance, AccessControlWithoutProtection_IsFound) {
   const auto found = plain([](auto&) {});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].severity, Severity::warning);
-  EXPECT_EQ(found[0].vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(found[0].products, std::vector<std::string>{"cyclonedds"});
   // If messages are protected, a participant has one key for everything that it sends.
   EXPECT_EQ(plain([](DomainRule& rule) { rule.rtps_protection_kind = encrypt; }).size(), 1u);
   EXPECT_EQ(plain([](DomainRule& rule) {
@@ -435,7 +435,7 @@ TEST(LintGovernance, OrderOfElements_IsFoundForFastDds) {
   xml = replaced(xml, "</data_protection_kind>", "</data_protection_kind>" + first);
   const auto found = only(*governance_from(xml));
   EXPECT_EQ(found.rule, ddssec::Rule::GOV001);
-  EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
+  EXPECT_EQ(found.products, std::vector<std::string>{"fastdds"});
 }
 
 TEST(LintGovernance, FindingsOfOneKind_HaveABound) {

@@ -45,7 +45,7 @@ TEST(LintPermissionsProducts, SubjectBetweenLineBreaks_FastDdsDoesNotRecogniseIt
   for (const auto* own : {static_cast<const pki::Certificate*>(nullptr), &certificate()}) {
     const auto found = finding(ddssec::Rule::PERM011, xml, {.certificate = own});
     ASSERT_TRUE(found);
-    EXPECT_EQ(found->vendors, Vendors{"fastdds"});
+    EXPECT_EQ(found->products, Vendors{"fastdds"});
     EXPECT_NE(found->message.find("between line breaks"), std::string::npos);
   }
 }
@@ -54,7 +54,7 @@ TEST(LintPermissionsProducts, EndThatCycloneDdsReadsAsPast_IsNamed) {
   for (const char* end : {"2263-01-01T00:00:00Z", "9999-01-01T00:00:00Z", "2037-01-01T24:00:00Z"}) {
     const auto found = finding(ddssec::Rule::PERM002, with("<not_after>", "</not_after>", end));
     ASSERT_TRUE(found) << end;
-    EXPECT_EQ(found->vendors, Vendors{"cyclonedds"});
+    EXPECT_EQ(found->products, Vendors{"cyclonedds"});
     EXPECT_EQ(found->severity, Severity::warning);
   }
   EXPECT_FALSE(
@@ -67,7 +67,7 @@ TEST(LintPermissionsProducts, DenyRuleWithoutTopics_ClosesTheDomainToDdssecAlone
   first.insert(first.find("<allow_rule>"), denial);
   const auto found = finding(ddssec::Rule::PERM027, first);
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->vendors, (Vendors{"cyclonedds", "fastdds"}));
+  EXPECT_EQ(found->products, (Vendors{"cyclonedds", "fastdds"}));
   EXPECT_NE(found->message.find("closes domain 0"), std::string::npos);
   last.insert(last.find("<default>"), denial);
   EXPECT_FALSE(finding(ddssec::Rule::PERM027, last));

@@ -81,7 +81,7 @@ TEST(LintPermissions, ARenewedGrant_IsDeadForCycloneOnly) {
   const auto found = only(read_again({.grants = {grant, next}}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM010);
   EXPECT_EQ(found.severity, Severity::warning);
-  EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(found.products, std::vector<std::string>{"cyclonedds"});
 }
 
 TEST(LintPermissions, DefaultsAndGrantsThatAllowNothing_AreFound) {

@@ -27,7 +27,7 @@ TEST(LintRights, PartitionsThatProductsReadDifferently_AreFound) {
   };
   const auto found = only(in("[^a]"));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM013);
-  EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(found.products, std::vector<std::string>{"cyclonedds"});
   EXPECT_TRUE(lint_but_joining(in("[a]")).empty());
 }
 
@@ -51,7 +51,7 @@ TEST(LintRights, RulesThatDifferInPartitionsOnly_AreFound) {
   second.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto found = only(with_rules({first, second}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM015);
-  EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
+  EXPECT_EQ(found.products, std::vector<std::string>{"fastdds"});
 }
 
 TEST(LintRights, PartitionsThatDifferWithinOneRule_AreFound) {
@@ -62,7 +62,7 @@ TEST(LintRights, PartitionsThatDifferWithinOneRule_AreFound) {
   joined.publish[1].partitions = std::vector<Text>{{"x", 0}};
   const auto found = only(with_rules({joined}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM015);
-  EXPECT_EQ(found.vendors, std::vector<std::string>{"fastdds"});
+  EXPECT_EQ(found.products, std::vector<std::string>{"fastdds"});
   EXPECT_EQ(found.message,
             "\"b\": other partitions than for \"a\" in the same rule, and Fast DDS allows each "
             "topic of a rule in the partitions of all its elements");
@@ -71,7 +71,7 @@ TEST(LintRights, PartitionsThatDifferWithinOneRule_AreFound) {
 TEST(LintRights, DeniedInOneDirectionAndAllowedInTheOther_IsFound) {
   const auto found = only(with_rules({rule(false, {"rtc*"}), rule(true, {}, {"rt*"})}));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM020);
-  EXPECT_EQ(found.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(found.products, std::vector<std::string>{"cyclonedds"});
   EXPECT_EQ(
       found.message,
       "deny_rule 1 denies publishing \"rtc\", and a later allow_rule allows subscribing to it: "
@@ -90,12 +90,12 @@ TEST(LintRights, DenialsAndPartitions_AreFoundForEachProduct) {
   deny.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto listed = only(with_rules({deny, rule(true, {"b"})}));
   EXPECT_EQ(listed.rule, ddssec::Rule::PERM021);
-  EXPECT_EQ(listed.vendors, std::vector<std::string>{"fastdds"});
+  EXPECT_EQ(listed.products, std::vector<std::string>{"fastdds"});
   auto allow = rule(true, {"*"});
   allow.publish[0].partitions = std::vector<Text>{{"x", 0}};
   const auto open = only(with_rules({rule(false, {"a"}), allow}));
   EXPECT_EQ(open.rule, ddssec::Rule::PERM021);
-  EXPECT_EQ(open.vendors, std::vector<std::string>{"cyclonedds"});
+  EXPECT_EQ(open.products, std::vector<std::string>{"cyclonedds"});
 }
 
 // Measured with Cyclone DDS 0.10.2: the first rule that names the topic decides for all its
@@ -107,7 +107,7 @@ TEST(LintRights, DenialInOnePartition_RefusesTheTopicInCyclone) {
   const auto found = lint_but_joining(with_rules({deny, rule(true, {"*"}, {"*"})}));
   const auto is_cyclones = [](const Finding& finding) {
     return finding.rule == ddssec::Rule::PERM021 &&
-           finding.vendors == std::vector<std::string>{"cyclonedds"};
+           finding.products == std::vector<std::string>{"cyclonedds"};
   };
   const auto told = std::ranges::find_if(found, is_cyclones);
   ASSERT_NE(told, found.end());

@@ -6,17 +6,17 @@ namespace {
 
 struct Subject {
   const char *text, *right;
-  std::vector<std::string> vendors;
+  std::vector<std::string> products;
 };
 class SubjectSpelling : public ::testing::TestWithParam<Subject> {};
 
-// Both vendors' products behaved like this when measured.
+// Both products' products behaved like this when measured.
 TEST_P(SubjectSpelling, EachSpelling_IsCorrected) {
-  const auto& [text, right, vendors] = GetParam();
+  const auto& [text, right, products] = GetParam();
   const auto found = only(changed([&](Grant& g) { g.subject_name = text; }));
   EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
   EXPECT_EQ(found.hint, std::string("write <subject_name>") + right + "</subject_name>");
-  EXPECT_EQ(found.vendors, vendors);
+  EXPECT_EQ(found.products, products);
 }
 
 using Vendors = std::vector<std::string>;
@@ -43,11 +43,11 @@ TEST(SubjectFindings, CorrectSubjects_HaveNoFinding) {
 }
 
 TEST(SubjectFindings, SubjectBeyondAscii_NamesTheProductThatDoesNotRecogniseIt) {
-  for (const auto& [subject, vendor] :
+  for (const auto& [subject, product] :
        {std::pair{"CN=caf\xc3\xa9", "cyclonedds"}, std::pair{"CN=caf\\C3\\A9", "fastdds"}}) {
     const auto found = only(changed([&](Grant& grant) { grant.subject_name = subject; }));
     EXPECT_EQ(found.rule, ddssec::Rule::PERM011);
-    EXPECT_EQ(found.vendors, std::vector<std::string>{vendor});
+    EXPECT_EQ(found.products, std::vector<std::string>{product});
   }
   EXPECT_TRUE(
       lint_but_joining(changed([](Grant& grant) { grant.subject_name = "CN=cafe"; })).empty());

@@ -68,7 +68,7 @@ void expect_finding(const std::string& text, Rule rule, Outcome outcome, const s
   EXPECT_THAT(found[0].message, HasSubstr("fastdds.xml"));
   EXPECT_THAT(found[0].message, HasSubstr(words));
   EXPECT_EQ(found[0].document, "/a/fastdds.xml");
-  EXPECT_THAT(found[0].vendors, ElementsAre("fastdds@2.9.1"));
+  EXPECT_THAT(found[0].products, ElementsAre("fastdds@2.9.1"));
   EXPECT_EQ(diagnosis.outcomes().fastdds, outcome) << found[0].message;
   EXPECT_EQ(diagnosis.outcomes().cyclonedds, Outcome::ok);
   EXPECT_EQ(diagnosis.outcomes().ddssec, Outcome::ok);

@@ -32,11 +32,11 @@ TEST_F(DiagnosisTest, FaultsOfEveryPiece_AreFoundTogether) {
   EXPECT_EQ(finding_of(all, Rule::DOC010).document, folder.permissions);
 }
 
-TEST_F(DiagnosisTest, Vendors_AreNamedOnlyIfTheyDiffer) {
+TEST_F(DiagnosisTest, Products_AreNamedOnlyIfTheyDiffer) {
   auto grant = grant_for("CN=talker");
   grant.default_allow = true;
   const auto all = diagnosis(participant("talker", strict_governance(), {.grants = {grant}}));
-  EXPECT_THAT(finding_of(all, Rule::DOC052).vendors, ElementsAre("fastdds@2.9.1"));
+  EXPECT_THAT(finding_of(all, Rule::DOC052).products, ElementsAre("fastdds@2.9.1"));
   EXPECT_EQ(all.outcomes(), (Outcomes{.fastdds = Outcome::late}));
   auto nothing = grant;
   nothing.rules.clear();

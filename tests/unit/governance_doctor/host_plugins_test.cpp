@@ -11,7 +11,7 @@
 namespace ddssec::governance::doctor::libraries {
 namespace {
 
-using Maker = HostPlugin::Maker;
+using PluginProduct = HostPlugin::PluginProduct;
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -19,17 +19,17 @@ using testing::IsEmpty;
 
 TEST_F(HostPlugins, SeveralFolders_AreThoseThatTheLoaderFindsFirst) {
   path({"nowhere", "ours", "old"});
-  EXPECT_THAT(makers(), ElementsAre("ddssec 1.2.3", "ddssec 1.2.3", "ddssec 1.2.3"));
+  EXPECT_THAT(products(), ElementsAre("ddssec 1.2.3", "ddssec 1.2.3", "ddssec 1.2.3"));
   EXPECT_EQ(found()[0].file, root_ / "ours/libdds_security_auth.so");
   EXPECT_EQ(found()[1].role, "access control");
   EXPECT_THAT(rules_of(said()), IsEmpty());
   path({"old", "ours"});
-  EXPECT_THAT(makers(), ElementsAre("ddssec", "ddssec", "ddssec"));
+  EXPECT_THAT(products(), ElementsAre("ddssec", "ddssec", "ddssec"));
 }
 
 TEST_F(HostPlugins, AnotherProductsPlugins_AreNoFaultWhereNothingNamesOurs) {
   path({});
-  EXPECT_EQ(found()[2].maker, Maker::other);
+  EXPECT_EQ(found()[2].product, PluginProduct::other);
   EXPECT_EQ(found()[2].file, root_ / "system/private/libdds_security_crypto.so");
   EXPECT_THAT(rules_of(said()), IsEmpty());
   EXPECT_THAT(said().checks(), IsEmpty());
@@ -98,7 +98,7 @@ TEST_F(HostPlugins, NameWithAPath_CountsAsItIs) {
   auto text = std::string(kConfiguration);
   const std::string name = "dds_security_ac";
   text.replace(text.find(name), name.size(), (root_ / "old/libdds_security_ac.so").string());
-  EXPECT_EQ(host_plugins(text, places_)[1].maker, Maker::ddssec);
+  EXPECT_EQ(host_plugins(text, places_)[1].product, PluginProduct::ddssec);
   Diagnosis judged;
   check_host_plugins(host_plugins(text, places_), places_, true, judged);
   EXPECT_THAT(rules_of(judged), ElementsAre(Rule::DOC068));  // the folder has files of two products

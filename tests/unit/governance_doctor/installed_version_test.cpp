@@ -23,29 +23,29 @@ class InstalledVersion : public testing::Test {
   }
   ~InstalledVersion() override { std::filesystem::remove_all(root_); }
   void touch(const char* name) const { std::ofstream(root_ / name) << ""; }
-  std::optional<Version> found(Vendor vendor) const {
-    return installed_version(vendor, {root_ / "missing", root_ / "a", root_ / "b"});
+  std::optional<Version> found(Product product) const {
+    return installed_version(product, {root_ / "missing", root_ / "a", root_ / "b"});
   }
 
   std::filesystem::path root_;
 };
 
 TEST_F(InstalledVersion, TheLibrarysName_SaysIt) {
-  EXPECT_EQ(found(Vendor::cyclonedds), std::nullopt);
+  EXPECT_EQ(found(Product::cyclonedds), std::nullopt);
   for (const auto* name : {"a/libddsc.so", "a/libddsc.so.0debian", "a/libfastrtps.so.2.9",
                            "a/libddscxx.so.0.10.9", "a/libddsc.so.0.10.x"})
     touch(name);
-  EXPECT_EQ(found(Vendor::cyclonedds), std::nullopt);
-  EXPECT_EQ(found(Vendor::fastdds), std::nullopt);
+  EXPECT_EQ(found(Product::cyclonedds), std::nullopt);
+  EXPECT_EQ(found(Product::fastdds), std::nullopt);
   touch("b/libddsc.so.0.10.5");
   touch("b/libfastrtps.so.2.9.1");
-  EXPECT_EQ(found(Vendor::cyclonedds), (Version{0, 10, 5}));
-  EXPECT_EQ(found(Vendor::fastdds), (Version{2, 9, 1}));
+  EXPECT_EQ(found(Product::cyclonedds), (Version{0, 10, 5}));
+  EXPECT_EQ(found(Product::fastdds), (Version{2, 9, 1}));
   touch("a/libddsc.so.0.10.2");  // the loader would take this one
   touch("b/libfastdds.so.3.1.2");
-  EXPECT_EQ(found(Vendor::cyclonedds), (Version{0, 10, 2}));
-  EXPECT_EQ(found(Vendor::fastdds), (Version{3, 1, 2}));
-  EXPECT_EQ(found(Vendor::ddssec), std::nullopt);
+  EXPECT_EQ(found(Product::cyclonedds), (Version{0, 10, 2}));
+  EXPECT_EQ(found(Product::fastdds), (Version{3, 1, 2}));
+  EXPECT_EQ(found(Product::ddssec), std::nullopt);
 }
 
 TEST_F(InstalledVersion, Folders_AreThoseOfTheVariableAndThenTheSystems) {

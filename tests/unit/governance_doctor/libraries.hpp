@@ -67,9 +67,9 @@ class HostPlugins : public Folders {
     for (const auto* folder : folders) places_.library_path += (root_ / folder).string() + ":";
   }
   std::vector<HostPlugin> found() const { return host_plugins(kConfiguration, places_); }
-  std::vector<std::string> makers() const {
+  std::vector<std::string> products() const {
     std::vector<std::string> out;
-    for (const auto& plugin : found()) out.push_back(maker_of(plugin));
+    for (const auto& plugin : found()) out.push_back(product_of(plugin));
     return out;
   }
   Diagnosis said() const {

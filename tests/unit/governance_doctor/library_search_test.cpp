@@ -13,7 +13,7 @@
 namespace ddssec::governance::doctor::libraries {
 namespace {
 
-using Maker = HostPlugin::Maker;
+using PluginProduct = HostPlugin::PluginProduct;
 
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -41,10 +41,11 @@ TEST_F(HostPlugins, CacheOfLdconfig_IsSearchedToo) {
   std::ofstream(places_.cache) << octets;
   path({});
   EXPECT_EQ(found()[1].file, root_ / "old/libdds_security_ac.so");
-  EXPECT_EQ(found()[0].maker, Maker::other);
+  EXPECT_EQ(found()[0].product, PluginProduct::other);
   for (std::size_t size = 0; size < octets.size(); ++size) {
     std::ofstream(places_.cache) << octets.substr(0, size);
-    EXPECT_EQ(found()[0].maker, Maker::other);  // and nothing beyond the end of the file is read
+    EXPECT_EQ(found()[0].product,
+              PluginProduct::other);  // and nothing beyond the end of the file is read
   }
 }
 
@@ -62,7 +63,7 @@ TEST_F(HostPlugins, SubfolderOfTheLoader_ComesFirst) {
   EXPECT_EQ(found()[2].file, root_ / "system/glibc-hwcaps/x86-64-v3/libdds_security_crypto.so");
   places_.subfolders = {};  // those of another processor
   path({"ours"});
-  EXPECT_EQ(found()[0].maker, Maker::ddssec);
+  EXPECT_EQ(found()[0].product, PluginProduct::ddssec);
 }
 
 TEST_F(HostPlugins, PluginsOfOtherMachines_ArePassedOver) {
@@ -121,7 +122,7 @@ TEST_F(HostPlugins, EntriesOfTheCacheForOtherProcessors_ArePassedOver) {
   std::ofstream(places_.cache) << cache_with("libdds_security_ac.so",
                                              (folder / "libdds_security_ac.so").string());
   path({});
-  EXPECT_EQ(found()[1].maker, Maker::other);
+  EXPECT_EQ(found()[1].product, PluginProduct::other);
   places_.subfolders = {"glibc-hwcaps/x86-64-v4"};
   EXPECT_EQ(found()[1].file, folder / "libdds_security_ac.so");
 }

@@ -12,24 +12,24 @@ namespace {
 
 TEST(MeasuredOutcomes, TheNearestOlderVersion_StandsForOneThatWasNotMeasured) {
   const auto cyclone = [](Version version) {
-    return stand_in(Vendor::cyclonedds, version).version;
+    return stand_in(Product::cyclonedds, version).version;
   };
   EXPECT_EQ(cyclone({0, 10, 2}), (Version{0, 10, 2}));
   EXPECT_EQ(cyclone({0, 10, 4}), (Version{0, 10, 2}));
   EXPECT_EQ(cyclone({0, 11, 0}), (Version{0, 10, 5}));
   EXPECT_EQ(cyclone({12, 0, 0}), (Version{11, 0, 0}));
   EXPECT_EQ(cyclone({0, 9, 0}), (Version{0, 10, 2}));  // the oldest measured version
-  EXPECT_EQ(stand_in(Vendor::cyclonedds, {11, 0, 1}).source, Source::reported);
-  EXPECT_EQ(stand_in(Vendor::fastdds, {4, 0, 0}), (KnownVersion{{3, 1, 2}, Source::measured}));
+  EXPECT_EQ(stand_in(Product::cyclonedds, {11, 0, 1}).source, Source::reported);
+  EXPECT_EQ(stand_in(Product::fastdds, {4, 0, 0}), (KnownVersion{{3, 1, 2}, Source::measured}));
 }
 
-TEST(MeasuredOutcomes, EachVendorsVersions_Rise) {
-  EXPECT_TRUE(known_versions(Vendor::ddssec).empty());
-  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds}) {
-    const auto known = known_versions(vendor);
+TEST(MeasuredOutcomes, VersionsOfEachProduct_Rise) {
+  EXPECT_TRUE(known_versions(Product::ddssec).empty());
+  for (const auto product : {Product::cyclonedds, Product::fastdds}) {
+    const auto known = known_versions(product);
     ASSERT_FALSE(known.empty());
     EXPECT_TRUE(std::ranges::is_sorted(known, {}, &KnownVersion::version));
-    EXPECT_EQ(known.front().version, Lineup().of(vendor));
+    EXPECT_EQ(known.front().version, Lineup().of(product));
   }
 }
 

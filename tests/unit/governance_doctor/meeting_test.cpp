@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-TEST_F(MeetingTest, TwoOfOneVendor_TalkInBothDirections) {
+TEST_F(MeetingTest, TwoOfOneProduct_TalkInBothDirections) {
   const auto out = meeting();
   EXPECT_THAT(findings(out), IsEmpty());
   ASSERT_EQ(out.topics.size(), 1u);
@@ -34,19 +34,19 @@ TEST_F(MeetingTest, StockProducts_ApplyTheRuleBehindAnOpenRange) {
   xml.erase(xml.find(end), end.size());
   sign(talker_.governance, xml);
   const auto folder = load_folder(talker_, kNow);
-  const auto rule_of = [&](Vendor vendor) {
-    return meet({folder, vendor, "a"}, {folder, vendor, "b"}, {.now = kNow, .domain = 5}, {"x"})
+  const auto rule_of = [&](Product product) {
+    return meet({folder, product, "a"}, {folder, product, "b"}, {.now = kNow, .domain = 5}, {"x"})
         .rules[0];
   };
   const auto& rules = folder.governance.model->domain_rules;
-  EXPECT_EQ(rule_of(Vendor::ddssec), &rules[0]);
-  EXPECT_EQ(rule_of(Vendor::cyclonedds), &rules[1]);
-  EXPECT_EQ(rule_of(Vendor::fastdds), &rules[1]);
+  EXPECT_EQ(rule_of(Product::ddssec), &rules[0]);
+  EXPECT_EQ(rule_of(Product::cyclonedds), &rules[1]);
+  EXPECT_EQ(rule_of(Product::fastdds), &rules[1]);
 }
 
 TEST_F(MeetingTest, OneOfTheTwoOrdersOfCycloneAndFastDds_Works) {
-  const auto one = meeting({}, Vendor::cyclonedds, Vendor::fastdds);
-  const auto other = meeting({}, Vendor::fastdds, Vendor::cyclonedds);
+  const auto one = meeting({}, Product::cyclonedds, Product::fastdds);
+  const auto other = meeting({}, Product::fastdds, Product::cyclonedds);
   EXPECT_NE(one.handshake_works, other.handshake_works);
   const auto& bad = one.handshake_works ? other : one;
   EXPECT_THAT(findings(bad), ElementsAre(Rule::DOC083));
@@ -56,26 +56,26 @@ TEST_F(MeetingTest, OneOfTheTwoOrdersOfCycloneAndFastDds_Works) {
 }
 
 TEST_F(MeetingTest, FastDdsVersion_MattersToCycloneDdsWithAnyPlugins) {
-  const auto is_noted = [&](Vendor a, Vendor b) {
+  const auto is_noted = [&](Product a, Product b) {
     return std::ranges::count(meeting({}, a, b).notes, Rule::DOC094, &Finding::rule) == 1;
   };
-  EXPECT_TRUE(is_noted(Vendor::fastdds, Vendor::cyclonedds));
-  EXPECT_TRUE(is_noted(Vendor::ddssec, Vendor::fastdds));
-  EXPECT_FALSE(is_noted(Vendor::fastdds, Vendor::fastdds));
-  EXPECT_FALSE(is_noted(Vendor::ddssec, Vendor::cyclonedds));
+  EXPECT_TRUE(is_noted(Product::fastdds, Product::cyclonedds));
+  EXPECT_TRUE(is_noted(Product::ddssec, Product::fastdds));
+  EXPECT_FALSE(is_noted(Product::fastdds, Product::fastdds));
+  EXPECT_FALSE(is_noted(Product::ddssec, Product::cyclonedds));
 }
 
 TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
   const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
-  const auto with = [&](Vendor other, Version cyclonedds) {
-    return meet({a, Vendor::fastdds, "talker", {.fastdds = {3, 1, 2}}},
+  const auto with = [&](Product other, Version cyclonedds) {
+    return meet({a, Product::fastdds, "talker", {.fastdds = {3, 1, 2}}},
                 {b, other, "listener", {.cyclonedds = cyclonedds}}, {.now = kNow});
   };
-  const auto old = with(Vendor::cyclonedds, {0, 10, 5});
+  const auto old = with(Product::cyclonedds, {0, 10, 5});
   EXPECT_FALSE(old.discovery_works);
   EXPECT_THAT(findings(old), testing::Contains(Rule::DOC094));
-  for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ddssec, {}),
-                          with(Vendor::fastdds, {})}) {
+  for (const auto& out : {with(Product::cyclonedds, {11, 0, 1}), with(Product::ddssec, {}),
+                          with(Product::fastdds, {})}) {
     EXPECT_TRUE(out.discovery_works);
     EXPECT_THAT(findings(out), testing::Not(testing::Contains(Rule::DOC094)));
   }
@@ -84,7 +84,8 @@ TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
 TEST_F(MeetingTest, OneSubjectForBoth_IsLeftToChance) {
   const auto out = [&] {
     const auto folder = load_folder(talker_, kNow);
-    auto result = meet({folder, Vendor::ddssec, "a"}, {folder, Vendor::ddssec, "b"}, {.now = kNow});
+    auto result =
+        meet({folder, Product::ddssec, "a"}, {folder, Product::ddssec, "b"}, {.now = kNow});
     return std::pair(result.starter, result.notes.at(0).rule);
   }();
   EXPECT_EQ(out.first, Starter::chance);

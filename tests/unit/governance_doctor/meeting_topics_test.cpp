@@ -36,7 +36,7 @@ TEST_F(MeetingTest, ADirectionThatIsDeniedOnPurpose_IsNoCauseWhereTheProtectionD
   const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
   const Settings both{.now = kNow, .writes = {true, true}};
   const auto asked =
-      meet({a, Vendor::ddssec, "talker"}, {b, Vendor::ddssec, "listener"}, both, {"Square"});
+      meet({a, Product::ddssec, "talker"}, {b, Product::ddssec, "listener"}, both, {"Square"});
   EXPECT_THAT(findings(asked), ElementsAre(Rule::DOC084, Rule::DOC086));
 }
 
@@ -52,7 +52,7 @@ TEST_F(MeetingTest, FastDds_DoesNotActOnDefaultAllow) {
   grant.default_allow = true;
   sign(listener_.permissions, to_xml(Permissions{.grants = {grant}}));
   EXPECT_TRUE(meeting({"Square"}).topics[0].directions[0].ok);
-  EXPECT_FALSE(meeting({"Square"}, Vendor::ddssec, Vendor::fastdds).topics[0].directions[0].ok);
+  EXPECT_FALSE(meeting({"Square"}, Product::ddssec, Product::fastdds).topics[0].directions[0].ok);
 }
 
 // Measured (row grant-deny-one-way): Cyclone DDS 0.10 refuses that topic and uses the others.
@@ -64,18 +64,18 @@ TEST_F(MeetingTest, ATopicThatCycloneDdsRefuses_LeavesTheOthers) {
   sign(talker_.permissions, to_xml(Permissions{.grants = {grant}}));
   sign(listener_.permissions, to_xml(Permissions{.grants = {grant_for("CN=listener", "*")}}));
   const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
-  const auto with = [&](Vendor vendor, Version version) {
-    return meet({a, vendor, "talker", {.cyclonedds = version}}, {b, Vendor::cyclonedds, "listener"},
-                {.now = kNow}, {"Square", "Circle"});
+  const auto with = [&](Product product, Version version) {
+    return meet({a, product, "talker", {.cyclonedds = version}},
+                {b, Product::cyclonedds, "listener"}, {.now = kNow}, {"Square", "Circle"});
   };
-  const auto old = with(Vendor::cyclonedds, {0, 10, 5});
+  const auto old = with(Product::cyclonedds, {0, 10, 5});
   EXPECT_TRUE(old.joined());
   EXPECT_TRUE(old.topics[0].directions[0].ok);
   EXPECT_FALSE(old.topics[1].directions[0].ok);
   EXPECT_THAT(old.topics[1].directions[0].obstacle.reason,
               HasSubstr("refuses to create the topic"));
   EXPECT_THAT(findings(old), ElementsAre(Rule::DOC053));
-  for (const auto& out : {with(Vendor::cyclonedds, {11, 0, 1}), with(Vendor::ddssec, {})}) {
+  for (const auto& out : {with(Product::cyclonedds, {11, 0, 1}), with(Product::ddssec, {})}) {
     EXPECT_TRUE(out.topics[1].directions[0].ok);
     EXPECT_FALSE(out.topics[1].directions[1].ok);
   }
@@ -85,7 +85,7 @@ TEST_F(MeetingTest, PayloadProtectionAlone_StopsAFastDdsWriterBeforeACycloneRead
   auto governance = strict_governance();
   governance.domain_rules[0].topic_rules[0].metadata_protection_kind = ProtectionKind::none;
   for (const auto& folder : {talker_, listener_}) sign(folder.governance, to_xml(governance));
-  const auto out = meeting({}, Vendor::fastdds, Vendor::cyclonedds);
+  const auto out = meeting({}, Product::fastdds, Product::cyclonedds);
   EXPECT_FALSE(out.topics[0].directions[0].ok);
   EXPECT_THAT(out.topics[0].directions[0].obstacle.reason, HasSubstr("ENCRYPT"));
   EXPECT_THAT(findings(out), testing::Contains(Rule::DOC085));

@@ -12,8 +12,8 @@ class MeetingTest : public Folders {
  protected:
   MeetingTest() : talker_(participant("talker")), listener_(participant("listener")) {}
 
-  Meeting meeting(const std::vector<std::string>& topics = {}, Vendor a = Vendor::ddssec,
-                  Vendor b = Vendor::ddssec) const {
+  Meeting meeting(const std::vector<std::string>& topics = {}, Product a = Product::ddssec,
+                  Product b = Product::ddssec) const {
     const auto first = load_folder(talker_, kNow);
     const auto second = load_folder(listener_, kNow);
     auto out = meet({first, a, "talker"}, {second, b, "listener"}, {.now = kNow}, topics);

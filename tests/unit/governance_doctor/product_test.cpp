@@ -5,17 +5,17 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-TEST(Vendor, IdWithOrWithoutVersion_IsFound) {
-  for (const auto vendor : kVendors) EXPECT_EQ(vendor_from(id(vendor)), vendor);
-  EXPECT_EQ(vendor_from("ddssec"), Vendor::ddssec);
-  EXPECT_EQ(vendor_from("ours"), Vendor::ddssec);
-  EXPECT_EQ(product_from("cyclonedds"), NamedProduct{Vendor::cyclonedds});
-  EXPECT_EQ(product_from("fastdds@3.1"), (NamedProduct{Vendor::fastdds, Version{3, 1, 0}}));
-  EXPECT_EQ(id(Vendor::fastdds, {.fastdds = {3, 1, 2}}), "fastdds@3.1.2");
+TEST(Product, IdWithOrWithoutVersion_IsFound) {
+  for (const auto product : kProducts) EXPECT_EQ(product_from(id(product)), product);
+  EXPECT_EQ(product_from("ddssec"), Product::ddssec);
+  EXPECT_EQ(product_from("ours"), Product::ddssec);
+  EXPECT_EQ(named_product_from("cyclonedds"), NamedProduct{Product::cyclonedds});
+  EXPECT_EQ(named_product_from("fastdds@3.1"), (NamedProduct{Product::fastdds, Version{3, 1, 0}}));
+  EXPECT_EQ(id(Product::fastdds, {.fastdds = {3, 1, 2}}), "fastdds@3.1.2");
   for (const auto* other :
        {"", "cyclone", "fastdds@", "OURS", "ddssec@1.0.0", "ours@1.0.0", "fastdds@-1",
         "fastdds@1..2", "fastdds@1.2.3.4", "fastdds@1.2x", "fastdds@99999"})
-    EXPECT_EQ(product_from(other), std::nullopt) << other;
+    EXPECT_EQ(named_product_from(other), std::nullopt) << other;
 }
 
 TEST(Outcomes, SeveralOutcomes_TheWorseCountsForEachProduct) {
@@ -26,8 +26,8 @@ TEST(Outcomes, SeveralOutcomes_TheWorseCountsForEachProduct) {
   EXPECT_EQ(b.worse(a), a.worse(b));
   EXPECT_FALSE(a.all_ok());
   EXPECT_TRUE(Outcomes{}.all_ok());
-  EXPECT_EQ(Outcomes::all(Outcome::fail).of(Vendor::fastdds), Outcome::fail);
-  EXPECT_EQ(b.of(Vendor::cyclonedds), Outcome::ok);
+  EXPECT_EQ(Outcomes::all(Outcome::fail).of(Product::fastdds), Outcome::fail);
+  EXPECT_EQ(b.of(Product::cyclonedds), Outcome::ok);
 }
 
 TEST(Outcome, EachOutcome_HasAWord) {
@@ -35,7 +35,7 @@ TEST(Outcome, EachOutcome_HasAWord) {
   EXPECT_EQ(to_string(Outcome::unsafe), "unsafe");
   EXPECT_EQ(to_string(Outcome::late), "late");
   EXPECT_EQ(to_string(Outcome::fail), "fail");
-  EXPECT_EQ(name(Vendor::fastdds), "Fast DDS 2.9.1");
+  EXPECT_EQ(name(Product::fastdds), "Fast DDS 2.9.1");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "governance/doctor/vendor_decision.hpp"
+#include "governance/doctor/product_decision.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ Criteria criteria(std::string topic, std::optional<std::vector<Text>> partitions
 }
 
 // A grant for domain 0 with publish rules only.
-class VendorDecision : public testing::Test {
+class ProductDecision : public testing::Test {
  protected:
   void add(bool allow, std::vector<Criteria> publish, DomainId domain = 0) {
     grant_.rules.push_back({.allow = allow, .domains = {.ranges = {{domain, domain}}}});
@@ -23,19 +23,19 @@ class VendorDecision : public testing::Test {
     const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
     const CompiledGrant compiled(document, document->grants[0], 0);
     std::string out;
-    for (const auto vendor : kVendors)
-      out +=
-          judge_as(vendor, compiled, 0, Action::publish, {.topic = topic, .partitions = partitions})
-                  .allowed
-              ? 'y'
-              : 'n';
+    for (const auto product : kProducts)
+      out += judge_as(product, compiled, 0, Action::publish,
+                      {.topic = topic, .partitions = partitions})
+                     .allowed
+                 ? 'y'
+                 : 'n';
     return out;
   }
 
   Grant grant_;
 };
 
-TEST_F(VendorDecision, TheProducts_AgreeAboutTopicsDomainsAndTheDefaultPartition) {
+TEST_F(ProductDecision, TheProducts_AgreeAboutTopicsDomainsAndTheDefaultPartition) {
   add(true, {criteria("Square")});
   add(true, {criteria("Circle")}, 7);
   EXPECT_EQ(allowed("Square"), "yyy");
@@ -44,25 +44,25 @@ TEST_F(VendorDecision, TheProducts_AgreeAboutTopicsDomainsAndTheDefaultPartition
   EXPECT_EQ(allowed("Square", {"yard"}), "nnn");
 }
 
-TEST_F(VendorDecision, OnlyFastDds_IgnoresTheDomainsOfARuleWhereItMakesAnEndpoint) {
+TEST_F(ProductDecision, OnlyFastDds_IgnoresTheDomainsOfARuleWhereItMakesAnEndpoint) {
   add(false, {criteria("Secret")}, 1);
   add(true, {criteria("Circle")}, 7);
   add(true, {criteria("Square")});
   add(true, {criteria("*")});
   const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
   const CompiledGrant compiled(document, document->grants[0], 0);
-  const auto local = [&](Vendor vendor, std::string_view topic) {
-    return judge_local_as(vendor, compiled, 0, Action::publish, {.topic = topic});
+  const auto local = [&](Product product, std::string_view topic) {
+    return judge_local_as(product, compiled, 0, Action::publish, {.topic = topic});
   };
   EXPECT_EQ(allowed("Secret"), "yyy") << "as peers judge it";
-  EXPECT_TRUE(local(Vendor::cyclonedds, "Secret").allowed);
-  EXPECT_TRUE(local(Vendor::ddssec, "Secret").allowed);
-  EXPECT_FALSE(local(Vendor::fastdds, "Secret").allowed);
-  EXPECT_TRUE(local(Vendor::fastdds, "Square").allowed);
-  EXPECT_EQ(local(Vendor::fastdds, "Circle").rule, &document->grants[0].rules[1]);
+  EXPECT_TRUE(local(Product::cyclonedds, "Secret").allowed);
+  EXPECT_TRUE(local(Product::ddssec, "Secret").allowed);
+  EXPECT_FALSE(local(Product::fastdds, "Secret").allowed);
+  EXPECT_TRUE(local(Product::fastdds, "Square").allowed);
+  EXPECT_EQ(local(Product::fastdds, "Circle").rule, &document->grants[0].rules[1]);
 }
 
-TEST_F(VendorDecision, EachProduct_ReadsExpressionsInItsOwnWay) {
+TEST_F(ProductDecision, EachProduct_ReadsExpressionsInItsOwnWay) {
   add(false, {criteria("rt/[^b]")});
   add(true, {criteria("rt/*")});
   EXPECT_EQ(allowed("rt/a"), "ynn") << "to Cyclone DDS '^' is a character of the set";
@@ -75,7 +75,7 @@ TEST_F(VendorDecision, EachProduct_ReadsExpressionsInItsOwnWay) {
   EXPECT_EQ(allowed("rt/a"), "nnn");
 }
 
-TEST_F(VendorDecision, Partitions_AreExpressionsToo) {
+TEST_F(ProductDecision, Partitions_AreExpressionsToo) {
   add(true, {criteria("rt/a", std::vector<Text>{{"[^b]"}})});
   EXPECT_EQ(allowed("rt/a", {"a"}), "nyy");
   EXPECT_EQ(allowed("rt/a", {"b"}), "ynn");
@@ -84,18 +84,18 @@ TEST_F(VendorDecision, Partitions_AreExpressionsToo) {
 TEST(TopicRuleAs, SeveralRules_TheFirstThatTheProductMatchesCounts) {
   const DomainRule domain{
       .topic_rules = {{.topic_expression = "rt/[^b]*"}, {.topic_expression = "*"}}};
-  EXPECT_EQ(topic_rule_as(Vendor::ddssec, domain, "rt/area"), &domain.topic_rules[0]);
-  EXPECT_EQ(topic_rule_as(Vendor::cyclonedds, domain, "rt/area"), &domain.topic_rules[1]);
-  EXPECT_EQ(topic_rule_as(Vendor::fastdds, domain, "rt/area"), &domain.topic_rules[0]);
+  EXPECT_EQ(topic_rule_as(Product::ddssec, domain, "rt/area"), &domain.topic_rules[0]);
+  EXPECT_EQ(topic_rule_as(Product::cyclonedds, domain, "rt/area"), &domain.topic_rules[1]);
+  EXPECT_EQ(topic_rule_as(Product::fastdds, domain, "rt/area"), &domain.topic_rules[0]);
 }
 
-TEST_F(VendorDecision, StockProducts_JoinByAnyAllowRule) {
+TEST_F(ProductDecision, StockProducts_JoinByAnyAllowRule) {
   const auto joins = [&] {
     const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
     const CompiledGrant compiled(document, document->grants[0], 0);
     std::string out;
-    for (const auto vendor : kVendors)
-      out += judge_participant_as(vendor, compiled, 0).allowed ? 'y' : 'n';
+    for (const auto product : kProducts)
+      out += judge_participant_as(product, compiled, 0).allowed ? 'y' : 'n';
     return out;
   };
   EXPECT_EQ(joins(), "nnn");
@@ -110,27 +110,27 @@ TEST_F(VendorDecision, StockProducts_JoinByAnyAllowRule) {
   EXPECT_EQ(joins(), "yny");
 }
 
-TEST_F(VendorDecision, OpenRange_IsOneDomainToStockProducts) {
+TEST_F(ProductDecision, OpenRange_IsOneDomainToStockProducts) {
   add(true, {criteria("Square")}, 0);
   grant_.rules[0].domains.ranges = {{.first = 0, .last = 230, .is_open = true}};
   EXPECT_EQ(allowed("Square"), "yyy");
   const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
   const CompiledGrant compiled(document, document->grants[0], 5);
-  EXPECT_TRUE(judge_as(Vendor::ddssec, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
-  for (const auto vendor : {Vendor::cyclonedds, Vendor::fastdds}) {
-    EXPECT_FALSE(judge_as(vendor, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
-    EXPECT_FALSE(judge_participant_as(vendor, compiled, 5).allowed);
+  EXPECT_TRUE(judge_as(Product::ddssec, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
+  for (const auto product : {Product::cyclonedds, Product::fastdds}) {
+    EXPECT_FALSE(judge_as(product, compiled, 5, Action::publish, {.topic = "Square"}).allowed);
+    EXPECT_FALSE(judge_participant_as(product, compiled, 5).allowed);
   }
 }
 
-TEST_F(VendorDecision, AnAllowRule_MustListEveryPartition) {
+TEST_F(ProductDecision, AnAllowRule_MustListEveryPartition) {
   add(true, {criteria("Square", {{{"yard*"}, {"street"}}})});
   EXPECT_EQ(allowed("Square", {"yard1", "street"}), "yyy");
   EXPECT_EQ(allowed("Square", {"yard1", "road"}), "nnn");
   EXPECT_EQ(allowed("Square"), "nnn");
 }
 
-TEST_F(VendorDecision, ADenyRuleWithoutPartitions_IsForTheDefaultOneInCycloneDds) {
+TEST_F(ProductDecision, ADenyRuleWithoutPartitions_IsForTheDefaultOneInCycloneDds) {
   add(false, {criteria("Square")});
   add(true, {criteria("*", {{{"*"}}})});
   EXPECT_EQ(allowed("Square", {"yard"}), "ynn");
@@ -138,40 +138,40 @@ TEST_F(VendorDecision, ADenyRuleWithoutPartitions_IsForTheDefaultOneInCycloneDds
   EXPECT_EQ(allowed("Circle"), "yyy");
 }
 
-TEST_F(VendorDecision, FastDds_DeniesInEveryPartition) {
+TEST_F(ProductDecision, FastDds_DeniesInEveryPartition) {
   add(false, {criteria("Square", {{{"yard"}}})});
   add(true, {criteria("*", {{{"*"}}})});
   EXPECT_EQ(allowed("Square", {"street"}), "yny");
   EXPECT_EQ(allowed("Square", {"street", "yard"}), "nnn");
 }
 
-TEST_F(VendorDecision, FastDds_LooksAtTheFirstRuleOfTheTopicOnly) {
+TEST_F(ProductDecision, FastDds_LooksAtTheFirstRuleOfTheTopicOnly) {
   add(true, {criteria("Square", {{{"yard"}}})});
   add(true, {criteria("Square", {{{"street"}}})});
   EXPECT_EQ(allowed("Square", {"yard"}), "yyy");
   EXPECT_EQ(allowed("Square", {"street"}), "yny");
 }
 
-TEST_F(VendorDecision, FastDds_TakesTopicAndPartitionFromDifferentElements) {
+TEST_F(ProductDecision, FastDds_TakesTopicAndPartitionFromDifferentElements) {
   add(true, {criteria("Square", {{{"yard"}}}), criteria("Circle", {{{"street"}}})});
   EXPECT_EQ(allowed("Square", {"street"}), "nyn");
 }
 
-TEST_F(VendorDecision, FastDds_HasNoDefaultAllow) {
+TEST_F(ProductDecision, FastDds_HasNoDefaultAllow) {
   grant_.default_allow = true;
   EXPECT_EQ(allowed("Square"), "yny");
 }
 
-TEST_F(VendorDecision, TheDecidingRule_IsTold) {
+TEST_F(ProductDecision, TheDecidingRule_IsTold) {
   add(false, {criteria("Circle")});
   add(true, {criteria("Square")});
   const auto document = std::make_shared<const Permissions>(Permissions{.grants = {grant_}});
   const CompiledGrant compiled(document, document->grants[0], 0);
-  for (const auto vendor : kVendors) {
-    const auto verdict = judge_as(vendor, compiled, 0, Action::publish, {.topic = "Square"});
+  for (const auto product : kProducts) {
+    const auto verdict = judge_as(product, compiled, 0, Action::publish, {.topic = "Square"});
     EXPECT_EQ(verdict.rule, &document->grants[0].rules[1]);
     EXPECT_EQ(verdict.criteria, &document->grants[0].rules[1].publish[0]);
-    EXPECT_EQ(judge_as(vendor, compiled, 0, Action::subscribe, {.topic = "Square"}).rule, nullptr);
+    EXPECT_EQ(judge_as(product, compiled, 0, Action::subscribe, {.topic = "Square"}).rule, nullptr);
   }
 }
 
