@@ -11,12 +11,12 @@ namespace ddssec {
 /// A thread that is started meanwhile inherits the mask. Signals for faults of a thread itself
 /// (SIGSEGV, SIGBUS, SIGFPE, SIGILL) stay deliverable, so that a host's crash handler still
 /// receives them.
-class SignalsBlocked {
+class SignalBlock {
  public:
-  SignalsBlocked() noexcept;
-  ~SignalsBlocked();
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+  SignalBlock() noexcept;
+  ~SignalBlock();
+  SignalBlock(const SignalBlock&) = delete;
+  SignalBlock& operator=(const SignalBlock&) = delete;
 
  private:
   sigset_t former_;
@@ -27,7 +27,7 @@ class SignalsBlocked {
 /// of the library is started with this function. Throws what the thread's constructor throws.
 template <class Thread, class F>
 Thread start_background_thread(F&& f) {
-  const SignalsBlocked blocked;
+  const SignalBlock blocked;
   return Thread(std::forward<F>(f));
 }
 

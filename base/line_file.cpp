@@ -35,9 +35,9 @@ std::string reason() {
 }
 
 // Suppresses SIGPIPE, which a FIFO without a reader raises in the writing thread.
-class WithoutSigpipe {
+class SigpipeBlock {
  public:
-  WithoutSigpipe() {
+  SigpipeBlock() {
     sigemptyset(&sigpipe_);
     sigaddset(&sigpipe_, SIGPIPE);
     sigset_t pending;
@@ -46,15 +46,15 @@ class WithoutSigpipe {
     if (sigismember(&pending, SIGPIPE) == 1) return;
     is_ours_ = pthread_sigmask(SIG_BLOCK, &sigpipe_, &before_) == 0;
   }
-  ~WithoutSigpipe() {
+  ~SigpipeBlock() {
     if (!is_ours_) return;
     const timespec at_once{};
     while (sigtimedwait(&sigpipe_, nullptr, &at_once) == SIGPIPE) {
     }
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
-  WithoutSigpipe(const WithoutSigpipe&) = delete;
-  WithoutSigpipe& operator=(const WithoutSigpipe&) = delete;
+  SigpipeBlock(const SigpipeBlock&) = delete;
+  SigpipeBlock& operator=(const SigpipeBlock&) = delete;
 
  private:
   sigset_t sigpipe_;
@@ -75,7 +75,7 @@ LineFile::~LineFile() {
 bool LineFile::append(std::string_view line) {
   const bool was_torn = is_torn_.exchange(false);
   const auto text = std::string(was_torn ? "\n" : "").append(line) + "\n";
-  const WithoutSigpipe guard;
+  const SigpipeBlock guard;
   const auto written = write(file_, text.data(), text.size());
   const bool is_whole = written == static_cast<ssize_t>(text.size());
   if (written < 0 ? was_torn : !is_whole) is_torn_ = true;

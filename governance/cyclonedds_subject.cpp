@@ -123,10 +123,10 @@ void add_as(const std::string& subject, const Grant* taken, Permissions& out) {
 
 }  // namespace
 
-std::vector<AppliedByCycloneDds> applied_by_cyclonedds(const Permissions& old_document,
+std::vector<CycloneDdsDocuments> applied_by_cyclonedds(const Permissions& old_document,
                                                        const Permissions& new_document) {
   const GrantsForCyclone before(old_document), after(new_document);
-  std::vector<AppliedByCycloneDds> out;
+  std::vector<CycloneDdsDocuments> out;
   bool is_other = false;
   const SubjectsOfBoth subjects(old_document, new_document);
   for (const auto& [key, texts] : subjects.texts) {

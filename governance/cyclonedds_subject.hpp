@@ -35,7 +35,7 @@ class GrantsForCyclone {
 
 /// Two documents as Cyclone DDS's own plugins read them for the same certificates: each document
 /// has one grant for a certificate, under the certificate's own subject.
-struct AppliedByCycloneDds {
+struct CycloneDdsDocuments {
   Permissions before, after;
 };
 
@@ -43,7 +43,7 @@ struct AppliedByCycloneDds {
 /// written in several ways in certificates, so there can be several pairs. Empty if Cyclone DDS
 /// applies the same grants as ddssec. Subject expressions are left out, because Cyclone DDS refuses
 /// such documents.
-std::vector<AppliedByCycloneDds> applied_by_cyclonedds(const Permissions& old_document,
+std::vector<CycloneDdsDocuments> applied_by_cyclonedds(const Permissions& old_document,
                                                        const Permissions& new_document);
 
 /// A grant that Cyclone DDS applies to a certificate of another subject.

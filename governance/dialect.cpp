@@ -132,8 +132,8 @@ std::string meaning_in_fastdds(std::string_view expression) {
   return out;
 }
 
-std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort) {
-  Unportable out{.reason = reason_against(expression)};
+std::optional<UnportableExpression> unportable(std::string_view expression, SetEffort& effort) {
+  UnportableExpression out{.reason = reason_against(expression)};
   if (out.reason.empty()) return std::nullopt;
   constexpr std::size_t kMax = 256;  // no topic name is longer
   if (expression.size() > kMax) return out;

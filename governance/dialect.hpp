@@ -16,7 +16,7 @@ struct ReadingDifference {
 };
 
 /// An expression outside the subset that every product reads alike.
-struct Unportable {
+struct UnportableExpression {
   std::string reason;  ///< the part that is not portable, such as `the "[" is never closed`
   /// Empty if the product agrees on all names, or if the answer would take too long.
   std::optional<ReadingDifference> cyclonedds = std::nullopt;  ///< Cyclone DDS 0.10.2
@@ -26,14 +26,14 @@ struct Unportable {
 };
 /// Returns a text such as `"a[": a "[" is never closed; Cyclone DDS does not match "a[", which
 /// ddssec does`.
-std::string to_sentence(std::string_view expression, const Unportable& found);
+std::string to_sentence(std::string_view expression, const UnportableExpression& found);
 
 /// Returns what makes the expression unportable. Empty if every product reads it alike. That is the
 /// case for characters other than `*?[]\`, for `*`, `?`, and for `[...]` of letters, digits, '_'
 /// and their ranges, with or without '!' before them and not followed by '-'. Names that contain
 /// ']' are not considered: Cyclone's brackets match it, and no topic contains it. Differences are
 /// searched for as long as there is effort left.
-std::optional<Unportable> unportable(std::string_view expression, SetEffort& effort);
+std::optional<UnportableExpression> unportable(std::string_view expression, SetEffort& effort);
 
 /// True if every product reads the expression alike, as far as its text shows.
 bool is_portable(std::string_view expression);

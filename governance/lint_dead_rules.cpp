@@ -118,7 +118,7 @@ bool denies_nothing_else(const Grant& grant, std::span<const GrantEntry> entries
 }
 
 // An expression without effect, and the expressions that take its effect.
-struct Dead {
+struct DeadEntry {
   GrantEntry entry;
   std::vector<GrantEntry> by;
   std::string_view action;
@@ -128,8 +128,8 @@ struct Dead {
   bool is_void_everywhere = false;  // earlier rules allow it in all domains and partitions
 };
 
-std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
-  std::vector<Dead> out;
+std::vector<DeadEntry> dead_entries(const GrantPlace& place, SetEffort& effort) {
+  std::vector<DeadEntry> out;
   const bool with_conditions = conditions_matter(place.grant());
   for (std::size_t action = 0; action < kActionNames.size(); ++action) {
     const auto& entries = place.actions()[action];
@@ -145,7 +145,7 @@ std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
       const bool is_void = !found[i].is_dead && anywhere[i].is_dead && !anywhere[i].by.empty() &&
                            denies_nothing_else(place.grant(), entries, i, effort);
       if (!found[i].is_dead && !is_void) continue;
-      Dead dead{entries[i], {}, kActionNames[action], is_void};
+      DeadEntry dead{entries[i], {}, kActionNames[action], is_void};
       for (const auto by : is_void ? anywhere[i].by : found[i].by) dead.by.push_back(entries[by]);
       dead.is_void_everywhere = is_void && std::ranges::all_of(dead.by, [&](const auto& by) {
                                   return allows_everywhere(by, entries[i], effort);
@@ -158,7 +158,7 @@ std::vector<Dead> dead_entries(const GrantPlace& place, SetEffort& effort) {
 
 // It is an error if something that should be denied is allowed. A repetition is harmless. If an
 // earlier rule allows the topic in some partitions, the denial may be meant for the others.
-Severity severity_of(const Dead& dead) {
+Severity severity_of(const DeadEntry& dead) {
   if (dead.is_void) return dead.is_void_everywhere ? Severity::error : Severity::warning;
   const bool same = !dead.by.empty() && std::ranges::all_of(dead.by, [&](const GrantEntry& by) {
     return by.rule->allow == dead.entry.rule->allow;
@@ -173,7 +173,7 @@ bool is_read_as_less(const DomainSet& domains) {
   });
 }
 
-std::string reason(const Dead& dead) {
+std::string reason(const DeadEntry& dead) {
   if (dead.by.empty()) return matches_nothing(dead.entry.topic->text);
   std::vector<std::string> names;
   for (const auto& by : dead.by)
@@ -191,7 +191,7 @@ std::string reason(const Dead& dead) {
 
 // The hint; empty: the rule's own. An earlier expression with no other names could never apply if
 // the dead one stood before it.
-std::string hint_for(const Dead& dead, SetEffort& effort) {
+std::string hint_for(const DeadEntry& dead, SetEffort& effort) {
   if (dead.by.empty()) return std::string(kUnmatchableHint);
   const std::string_view moved[] = {dead.entry.topic->text};
   const auto is_taken = [&](const GrantEntry& by) {
@@ -206,7 +206,7 @@ std::string hint_for(const Dead& dead, SetEffort& effort) {
       in_quotes(taken->topic->text), taken->topic->line);
 }
 
-std::string_view fault(const Dead& dead) {
+std::string_view fault(const DeadEntry& dead) {
   return dead.is_void ? "denies nothing that would be allowed without it" : "can never apply";
 }
 
@@ -218,7 +218,8 @@ std::vector<std::size_t> entries_by_rule(const GrantPlace& place) {
   return out;
 }
 
-void add_rule(LintFindings& out, const GrantPlace& place, const std::vector<const Dead*>& all) {
+void add_rule(LintFindings& out, const GrantPlace& place,
+              const std::vector<const DeadEntry*>& all) {
   const auto& first = *all.front();
   auto finding = place.about_rule(
       PERM012, first.entry.rule_number,
@@ -235,7 +236,7 @@ void add_rule(LintFindings& out, const GrantPlace& place, const std::vector<cons
 std::set<const Text*> lint_dead_rules(LintFindings& out, const GrantPlace& place) {
   const auto dead = dead_entries(place, out.effort());
   std::set<const Text*> reported;
-  std::map<std::size_t, std::vector<const Dead*>> by_rule;
+  std::map<std::size_t, std::vector<const DeadEntry*>> by_rule;
   for (const auto& one : dead) {
     by_rule[one.entry.rule_number].push_back(&one);
     reported.insert(one.entry.topic);

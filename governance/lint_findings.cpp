@@ -17,7 +17,7 @@ bool is_special(char c) { return std::string_view(",+\"\\<>;").find(c) != std::s
 
 }  // namespace
 
-std::string to_sentence(std::string_view expression, const Unportable& found) {
+std::string to_sentence(std::string_view expression, const UnportableExpression& found) {
   auto out = fmt::format("{}: {}", in_quotes(expression), found.reason);
   const auto tell = [&](std::string_view product,
                         const std::optional<ReadingDifference>& difference) {

@@ -68,15 +68,15 @@ bool has_tags(const DomainRule& rule) {
 
 // Domains of the rule for which an earlier rule decides, and the number (from 1) of the first such
 // rule.
-struct Taken {
+struct TakenDomains {
   std::vector<DomainRange> domains = {};
   std::vector<DomainRange> by_stock = {};  // domains in which stock products apply the rule
   std::size_t by = 0;
   bool all = true;
 };
 
-Taken taken_from(const Governance& document, std::size_t at) {
-  Taken out;
+TakenDomains taken_from(const Governance& document, std::size_t at) {
+  TakenDomains out;
   const auto& rule = document.domain_rules[at];
   for (const auto& range : rule.domains.ranges)
     for (auto id = range.first; id <= range.last; ++id) {

@@ -115,7 +115,7 @@ void check_joined_partitions(LintFindings& out, const GrantPlace& place,
 
 // Expression lists for one search: a topic that this deny_rule denies in one direction and a later
 // allow_rule allows in the other. Each list has one role in the search.
-struct HalfDenied {
+struct HalfDenial {
   std::vector<std::string_view> denied, also_denied, named_before, allowed_later;
 
   // Returns a name that is in the first and the last list and in none of the others.
@@ -143,7 +143,7 @@ void check_half_denied(LintFindings& out, const GrantPlace& place, std::size_t a
   const auto half = [](const GrantRule& rule, bool first) {
     return texts_of(first ? rule.publish : rule.subscribe);
   };
-  HalfDenied lists{half(rules[at], publish), half(rules[at], !publish), {}, {}};
+  HalfDenial lists{half(rules[at], publish), half(rules[at], !publish), {}, {}};
   if (lists.denied.empty()) return;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (i < at) append(lists.named_before, half(rules[i], true));
@@ -225,7 +225,7 @@ bool lists_partitions(const GrantRule& rule) {
 void check_topic_denied_with_partitions(LintFindings& out, const GrantPlace& place,
                                         std::size_t at) {
   const auto& rules = place.grant().rules;
-  HalfDenied lists;
+  HalfDenial lists;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     auto* const list = i < at           ? &lists.named_before
                        : i == at        ? &lists.denied

@@ -123,9 +123,9 @@ std::optional<std::size_t> distance_to_expression(std::string_view allowed,
 }
 
 // Finds the allowed name that is nearest to a name that is not allowed.
-class Nearest {
+class NearestName {
  public:
-  explicit Nearest(std::string_view topic) : topic_(topic) {}
+  explicit NearestName(std::string_view topic) : topic_(topic) {}
 
   void look_at(const Criteria& criteria) {
     for (const auto& text : criteria.topics) {
@@ -210,7 +210,7 @@ RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, cons
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic) {
   if (topic.size() > kMaxNameOctets) return {};
   if (auto advice = about_node(grant, topic); !advice.hint.empty()) return advice;
-  Nearest nearest(topic);
+  NearestName nearest(topic);
   for (const auto* criteria : grant.allowed(action)) nearest.look_at(*criteria);
   if (!nearest.name()) return {};
   const auto allowed = cut_name(*nearest.name());

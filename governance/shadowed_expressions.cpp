@@ -40,11 +40,12 @@ bool is_plainly_within(std::string_view inner, std::string_view outer) {
 }
 
 // The earlier expressions of a list, found by the names that they match.
-class Earlier {
+class EarlierExpressions {
  public:
   using Covers = std::function<bool(std::uint32_t, std::uint32_t)>;
 
-  Earlier(std::span<const std::string_view> expressions, SetEffort& effort, const Covers& covers)
+  EarlierExpressions(std::span<const std::string_view> expressions, SetEffort& effort,
+                     const Covers& covers)
       : expressions_(expressions),
         effort_(effort),
         limits_(kLimits.sharing(effort)),
@@ -128,7 +129,7 @@ class Earlier {
 std::vector<ShadowedExpression> shadows(
     std::span<const std::string_view> expressions, SetEffort& effort,
     const std::function<bool(std::uint32_t, std::uint32_t)>& covers) {
-  const Earlier earlier(expressions, effort, covers);
+  const EarlierExpressions earlier(expressions, effort, covers);
   std::vector<ShadowedExpression> out;
   out.reserve(expressions.size());
   for (std::uint32_t i = 0; i < expressions.size(); ++i) out.push_back(earlier.shadow_of(i));

@@ -33,7 +33,7 @@ bool is_namespace_attribute(std::string_view name) {
 
 }  // namespace
 
-struct XmlDocument::Parsed final : tinyxml2::XMLDocument {
+struct XmlDocument::ParsedDocument final : tinyxml2::XMLDocument {
   int first_line = 1;
 };
 
@@ -41,7 +41,7 @@ std::string in_brackets(std::string_view name) { return std::string("<").append(
 
 std::string_view XmlElement::name() const { return element_->Name(); }
 int XmlElement::line() const {
-  const auto* document = static_cast<const XmlDocument::Parsed*>(element_->GetDocument());
+  const auto* document = static_cast<const XmlDocument::ParsedDocument*>(element_->GetDocument());
   return document->first_line + element_->GetLineNum() - 1;
 }
 const char* XmlElement::attribute(const char* name) const { return element_->Attribute(name); }
@@ -147,7 +147,7 @@ Result<XmlDocument> XmlDocument::parse(BytesView octets, int first_line) {
     if (details.line > 0) details.line += first_line - 1;
     return fail(status.error().code(), std::move(details));
   }
-  auto document = std::make_unique<Parsed>();
+  auto document = std::make_unique<ParsedDocument>();
   document->first_line = first_line;
   const auto text = as_text(octets);
   if (document->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS ||
@@ -168,7 +168,8 @@ std::uint32_t XmlDocument::revision() const {
   return 0;
 }
 
-XmlDocument::XmlDocument(std::unique_ptr<Parsed> document) : document_(std::move(document)) {}
+XmlDocument::XmlDocument(std::unique_ptr<ParsedDocument> document)
+    : document_(std::move(document)) {}
 XmlDocument::~XmlDocument() = default;
 XmlDocument::XmlDocument(XmlDocument&&) noexcept = default;
 XmlDocument& XmlDocument::operator=(XmlDocument&&) noexcept = default;

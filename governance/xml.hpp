@@ -85,10 +85,10 @@ class XmlDocument {
   XmlDocument& operator=(XmlDocument&&) noexcept;
 
  private:
-  struct Parsed;
+  struct ParsedDocument;
   friend class XmlElement;
-  explicit XmlDocument(std::unique_ptr<Parsed> document);
-  std::unique_ptr<Parsed> document_;
+  explicit XmlDocument(std::unique_ptr<ParsedDocument> document);
+  std::unique_ptr<ParsedDocument> document_;
 };
 
 /// One kind of child that an element may have.

@@ -62,20 +62,20 @@ constexpr std::array kPrimitives = {Primitive{tree_bool, "bool"},
                                     Primitive{tree_float, "float"},
                                     Primitive{tree_double, "double"}};
 
-struct Missing {
+struct MissingType {
   tree_kind kind;
   const char* what;
   const char* to_do;
 };
 constexpr std::array kMissing = {
-    Missing{tree_wchar, "wchar", "use a char or a string"},
-    Missing{tree_wstring, "wstring", "use a string, in UTF-8"},
-    Missing{tree_long_double, "long double", "use a double"},
-    Missing{tree_any, "any", "use a sequence<octet> and a type's name"},
-    Missing{tree_fixed, "fixed", "use an integer and a scale"},
-    Missing{tree_union, "a union", "use a struct and an enum that says which member counts"},
-    Missing{tree_bitmask, "a bitmask", "use an unsigned integer and constants"},
-    Missing{tree_other, "this type", "see idl/README.md for those it knows"}};
+    MissingType{tree_wchar, "wchar", "use a char or a string"},
+    MissingType{tree_wstring, "wstring", "use a string, in UTF-8"},
+    MissingType{tree_long_double, "long double", "use a double"},
+    MissingType{tree_any, "any", "use a sequence<octet> and a type's name"},
+    MissingType{tree_fixed, "fixed", "use an integer and a scale"},
+    MissingType{tree_union, "a union", "use a struct and an enum that says which member counts"},
+    MissingType{tree_bitmask, "a bitmask", "use an unsigned integer and constants"},
+    MissingType{tree_other, "this type", "see idl/README.md for those it knows"}};
 
 std::string quoted(const char* text) {
   static constexpr char kHex[] = "0123456789abcdef";

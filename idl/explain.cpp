@@ -24,21 +24,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Unknown {
+struct UnknownWord {
   std::string_view word, to_do;
 };
 // The reserved words of IDL 4.2 that idlc 0.10 does not know. The IDL can use such a word as an
 // identifier by writing it as _word.
 constexpr std::array kUnknown = {
-    Unknown{"wstring", "use a string, in UTF-8"},
-    Unknown{"any", "use a sequence<octet> and a string with the type's name"},
-    Unknown{"fixed", "use an integer and a scale"},
-    Unknown{"map", "use a sequence of structs with a key and a value"},
-    Unknown{"bitset", "use an unsigned integer and constants, or a struct"},
-    Unknown{"interface", "types of topics are structs: leave it out"},
-    Unknown{"valuetype", "use a struct"},
-    Unknown{"exception", "use a struct"},
-    Unknown{"native", "leave it out"}};
+    UnknownWord{"wstring", "use a string, in UTF-8"},
+    UnknownWord{"any", "use a sequence<octet> and a string with the type's name"},
+    UnknownWord{"fixed", "use an integer and a scale"},
+    UnknownWord{"map", "use a sequence of structs with a key and a value"},
+    UnknownWord{"bitset", "use an unsigned integer and constants, or a struct"},
+    UnknownWord{"interface", "types of topics are structs: leave it out"},
+    UnknownWord{"valuetype", "use a struct"},
+    UnknownWord{"exception", "use a struct"},
+    UnknownWord{"native", "leave it out"}};
 
 // Iterates over a file's words, without comments and literals.
 class Words {

@@ -32,21 +32,24 @@ struct Free {
 
 std::string stem_of(const char* path) { return std::filesystem::path(path).stem().string(); }
 
-struct Refused {
+struct RefusedConstruct {
   tree_flag flag;
   const char* what;
   const char* to_do;
 };
 constexpr std::array kRefused = {
-    Refused{tree_inherits, "inheritance", "make the base type a member"},
-    Refused{tree_mutable, "@mutable", "make it @appendable"},
-    Refused{tree_keylist, "#pragma keylist", "write @key before the members"},
-    Refused{tree_hashed_ids, "@autoid(HASH)", "leave it out: ids follow the order of members"},
-    Refused{tree_representation, "@data_representation",
-            "leave it out: the QoS policy DATA_REPRESENTATION of writers and readers says it"},
-    Refused{tree_optional, "@optional", "use a sequence with the bound 1"},
-    Refused{tree_external, "@external", "leave it out"},
-    Refused{tree_own_id, "@id and @hashid", "leave it out: ids follow the order of members"}};
+    RefusedConstruct{tree_inherits, "inheritance", "make the base type a member"},
+    RefusedConstruct{tree_mutable, "@mutable", "make it @appendable"},
+    RefusedConstruct{tree_keylist, "#pragma keylist", "write @key before the members"},
+    RefusedConstruct{tree_hashed_ids, "@autoid(HASH)",
+                     "leave it out: ids follow the order of members"},
+    RefusedConstruct{
+        tree_representation, "@data_representation",
+        "leave it out: the QoS policy DATA_REPRESENTATION of writers and readers says it"},
+    RefusedConstruct{tree_optional, "@optional", "use a sequence with the bound 1"},
+    RefusedConstruct{tree_external, "@external", "leave it out"},
+    RefusedConstruct{tree_own_id, "@id and @hashid",
+                     "leave it out: ids follow the order of members"}};
 
 }  // namespace
 

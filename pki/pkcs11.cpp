@@ -220,7 +220,7 @@ LoginsForbidden::~LoginsForbidden() {
 Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
   DDSSEC_RETURN_IF_ERROR(check_may_log_in(uri));
   DDSSEC_ASSIGN_OR_RETURN(const auto split, read_pin_source(uri));
-  const SignalsBlocked blocked;  // a token's module may start threads
+  const SignalBlock blocked;  // a token's module may start threads
   DDSSEC_ASSIGN_OR_RETURN(auto* const token, engine());
   const PinRequest request(split.pin ? &*split.pin : pin);
   ERR_clear_error();
@@ -233,7 +233,7 @@ Result<PkeyPtr> token_private_key(std::string_view uri, const Passphrase* pin) {
 Result<X509Ptr> token_certificate(std::string_view uri) {
   DDSSEC_RETURN_IF_ERROR(check_may_log_in(uri));
   DDSSEC_ASSIGN_OR_RETURN(const auto split, read_pin_source(uri));
-  const SignalsBlocked blocked;  // a token's module may start threads
+  const SignalBlock blocked;  // a token's module may start threads
   DDSSEC_ASSIGN_OR_RETURN(auto* const token, engine());
   const PinRequest request(split.pin ? &*split.pin : nullptr);
   struct {

@@ -112,14 +112,14 @@ Status check_current(const pki::SignedDocument& document, const fs::path& file, 
       {.document = file, .expected = "a document that " + ca.paths.signed_log.string() + " has"});
 }
 
-struct ExtendedByCa {
+struct ExtensionByCa {
   Bytes permissions = {};             // empty if those in place last as long as the certificate
   std::optional<Error> problem = {};  // the reason why the renewal list was not written
 };
 
-Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
-                                    const fs::path& file, CaOpener& opener,
-                                    const Context& context) {
+Result<ExtensionByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
+                                     const fs::path& file, CaOpener& opener,
+                                     const Context& context) {
   const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.paths.certificate));
@@ -131,7 +131,7 @@ Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certific
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           with_default_document(own_permissions(document, renewed, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
-  if (old.grant.validity.not_after >= renewed.not_after()) return ExtendedByCa{};
+  if (old.grant.validity.not_after >= renewed.not_after()) return ExtensionByCa{};
   if (old.has_ended)
     return fail(
         Code::grant_expired,
@@ -147,7 +147,7 @@ Result<ExtendedByCa> extended_by_ca(const Bytes& old_octets, const pki::Certific
   RenewalListAdditions listed;
   listed.add(ca.paths, out, file);
   const auto written = listed.write(now);
-  return ExtendedByCa{std::move(out), written ? std::nullopt : std::optional(written.error())};
+  return ExtensionByCa{std::move(out), written ? std::nullopt : std::optional(written.error())};
 }
 
 }  // namespace

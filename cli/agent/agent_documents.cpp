@@ -119,9 +119,10 @@ Status put(FileTransaction& out, const fs::path& file, BytesView octets) {
 }
 
 // Fetches documents and notes the outcome of each.
-class Fetching {
+class DocumentFetcher {
  public:
-  Fetching(const DocumentsTask& task, const FetchDocument& fetch) : task_(task), fetch_(fetch) {}
+  DocumentFetcher(const DocumentsTask& task, const FetchDocument& fetch)
+      : task_(task), fetch_(fetch) {}
 
   Json run() {
     note(fetch_lists());
@@ -272,7 +273,7 @@ class Fetching {
 }  // namespace
 
 Json keep_documents(const DocumentsTask& task, const FetchDocument& fetch) {
-  return Fetching(task, fetch).run();
+  return DocumentFetcher(task, fetch).run();
 }
 
 }  // namespace ddssec::cli

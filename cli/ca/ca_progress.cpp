@@ -139,13 +139,14 @@ std::string distribution_before_end(const fs::path& given) {
 
 namespace {
 
-struct Remaining {
+struct RemainingSteps {
   bool is_overlap;
   bool is_here_left;  // a folder of this machine has not moved, or not ended
   bool is_elsewhere;  // a folder is not where the log has it
 };
 
-std::string next_step(const fs::path& given, const std::string& role, const Remaining& remaining) {
+std::string next_step(const fs::path& given, const std::string& role,
+                      const RemainingSteps& remaining) {
   const auto command = fmt::format("ddssec ca rotate {}", given.string());
   const auto distribution = distribution_before_end(given);
   const auto lists = [&](std::string_view word) {

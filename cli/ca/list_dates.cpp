@@ -17,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // The latest of the times that were added, each cut to a limit.
-class Latest {
+class LatestTime {
  public:
-  explicit Latest(WallTime limit) : limit_(limit) {}
+  explicit LatestTime(WallTime limit) : limit_(limit) {}
 
   void add(WallTime time) {
     time = std::min(time, limit_);
@@ -41,8 +41,8 @@ class Latest {
   std::optional<WallTime> latest_;
 };
 
-Result<Latest> latest_known(WallTime limit, const CaPaths& ca) {
-  Latest out(limit);
+Result<LatestTime> latest_known(WallTime limit, const CaPaths& ca) {
+  LatestTime out(limit);
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, read_certificate(ca.certificate));
   out.add(certificate.not_before());
   out.add_file(ca.certificate);

@@ -21,7 +21,7 @@ namespace {
 
 // An attacker on the path to the responder could replay a recorded response, because the connection
 // is not protected. Refuses a response that has expired or is older than the present one.
-Status check_later(const pki::OcspGood& fetched, const ResponseWanted& wanted,
+Status check_later(const pki::OcspGood& fetched, const ResponseRequest& wanted,
                    const pki::ChainVerifier& verifier, WallTime now) {
   const auto refuse = [&](const char* field, WallTime earliest, WallTime found) {
     return fail(Code::ocsp_expired, {.field = field,
@@ -39,7 +39,7 @@ Status check_later(const pki::OcspGood& fetched, const ResponseWanted& wanted,
 
 }  // namespace
 
-Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime now) {
+Result<FetchedResponse> fetch_response(const ResponseRequest& wanted, WallTime now) {
   const auto& [files, certificate, given, longest] = wanted;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
   const auto ca =

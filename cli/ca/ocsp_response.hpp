@@ -18,7 +18,7 @@ namespace ddssec::cli {
 std::filesystem::path ocsp_file(const pki::ParticipantFolder& files);
 
 /// The response to fetch.
-struct ResponseWanted {
+struct ResponseRequest {
   const pki::ParticipantFolder& files;
   const pki::Certificate& certificate;
   std::string url = {};  ///< empty: the URL in the certificate
@@ -34,6 +34,6 @@ struct FetchedResponse {
 
 /// Fetches a response that says "good" and is valid by the folder's identity CAs. Errors:
 /// ocsp_no_responder, issuer_unknown, those of pki::fetch_ocsp and pki::judge_ocsp.
-Result<FetchedResponse> fetch_response(const ResponseWanted& wanted, WallTime now);
+Result<FetchedResponse> fetch_response(const ResponseRequest& wanted, WallTime now);
 
 }  // namespace ddssec::cli

@@ -327,7 +327,7 @@ Result<DomainId> domain_to_ask(const Arguments& arguments, const doctor::LoadedF
                             .note = "the documents are for more than one domain"});
 }
 
-struct MayUse {
+struct UseVerdict {
   bool allowed;
   DomainId domain;
   std::string judge, because;
@@ -335,9 +335,9 @@ struct MayUse {
   int line;
 
   static constexpr auto fields() {
-    return std::tuple(field<&MayUse::allowed>(), field<&MayUse::domain>(),
-                      field<&MayUse::judge>({.words = "ddssec"}), field<&MayUse::because>(),
-                      field<&MayUse::file>(), field<&MayUse::line>());
+    return std::tuple(field<&UseVerdict::allowed>(), field<&UseVerdict::domain>(),
+                      field<&UseVerdict::judge>({.words = "ddssec"}), field<&UseVerdict::because>(),
+                      field<&UseVerdict::file>(), field<&UseVerdict::line>());
   }
   std::string text() const {
     return fmt::format("{} in domain {} by {}'s plugins: {} ({}{})\n",
@@ -346,7 +346,7 @@ struct MayUse {
   }
 };
 
-Result<Answer<MayUse>> can(const Arguments& arguments, const Context& context) {
+Result<Answer<UseVerdict>> can(const Arguments& arguments, const Context& context) {
   DDSSEC_ASSIGN_OR_RETURN(const auto action, action_of(arguments));
   const auto now = context.clock.calendar_seconds();
   DDSSEC_RETURN_IF_ERROR(check_participant_folder(arguments.text("SUBJECT")));
@@ -357,7 +357,7 @@ Result<Answer<MayUse>> can(const Arguments& arguments, const Context& context) {
   const std::vector<std::string_view> partitions(names.begin(), names.end());
   const Question question{folder, action, {.topic = topic, .partitions = partitions}, domain, now};
   DDSSEC_ASSIGN_OR_RETURN(const auto ruling, answer_to(question));
-  Answer<MayUse> out{
+  Answer<UseVerdict> out{
       {ruling.allowed, domain, "ddssec", ruling.because, ruling.document, ruling.line}};
   auto& report = out.report;
   if (!ruling.allowed) report.exit = Exit::no;

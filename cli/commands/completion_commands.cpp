@@ -292,27 +292,27 @@ std::string man_page() {
          "\\-\\-color says so.\n";
 }
 
-struct Printed {
+struct PrintedText {
   static constexpr std::string_view kDef = "printed";
   std::string form, page;
 
   static constexpr auto fields() {
-    return std::tuple(field<&Printed::form>({.words = "bash|zsh|fish|man"}),
-                      field("text", &Printed::page));
+    return std::tuple(field<&PrintedText::form>({.words = "bash|zsh|fish|man"}),
+                      field("text", &PrintedText::page));
   }
   const std::string& text() const { return page; }
 };
 
-Result<Answer<Printed>> completion(const Arguments& arguments, const Context&) {
+Result<Answer<PrintedText>> completion(const Arguments& arguments, const Context&) {
   const auto shell = arguments.text("SHELL");
-  if (shell == "bash") return Answer<Printed>{{shell, bash()}};
-  if (shell == "zsh") return Answer<Printed>{{shell, zsh()}};
-  if (shell == "fish") return Answer<Printed>{{shell, fish()}};
+  if (shell == "bash") return Answer<PrintedText>{{shell, bash()}};
+  if (shell == "zsh") return Answer<PrintedText>{{shell, zsh()}};
+  if (shell == "fish") return Answer<PrintedText>{{shell, fish()}};
   return fail(Code::usage, {.field = "SHELL", .expected = "bash, zsh or fish", .found = shell});
 }
 
-Result<Answer<Printed>> man(const Arguments&, const Context&) {
-  return Answer<Printed>{{"man", man_page()}};
+Result<Answer<PrintedText>> man(const Arguments&, const Context&) {
+  return Answer<PrintedText>{{"man", man_page()}};
 }
 
 }  // namespace

@@ -214,7 +214,7 @@ Status put_list_into(FileTransaction& out, const fs::path& folder, const Distrib
 }
 
 // The folders that now have the list, and the errors of the others.
-struct Distributed {
+struct DistributionOutcome {
   std::vector<std::string> folders;
   std::vector<std::string> without_permissions = {};  // those of `folders`
   std::vector<Error> errors;
@@ -222,7 +222,7 @@ struct Distributed {
 };
 
 // Drafts and writes the renewal list of one folder.
-Status put_renewal_list(Distributed& done, const fs::path& folder, const Distribution& what,
+Status put_renewal_list(DistributionOutcome& done, const fs::path& folder, const Distribution& what,
                         KnownRenewals& known) {
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   FileTransaction out;
@@ -246,7 +246,7 @@ Error interrupted_error(std::size_t renewed, std::size_t folders) {
 
 // Call this after the revocation lists are in place: a fault in a renewal list must not keep the
 // revocation list from a folder.
-Status put_renewal_lists(Distributed& done, const Distribution& what) {
+Status put_renewal_lists(DistributionOutcome& done, const Distribution& what) {
   // Without it, a signal would end the command without a word about what is written.
   const InterruptionGuard writing;
   std::ranges::copy(what.renewals.problems, std::back_inserter(done.errors));
@@ -264,8 +264,9 @@ Status put_renewal_lists(Distributed& done, const Distribution& what) {
 }
 
 // A folder that cannot be written does not prevent the distribution to others.
-Result<Distributed> put_lists(const std::vector<fs::path>& folders, const Distribution& what) {
-  Distributed done;
+Result<DistributionOutcome> put_lists(const std::vector<fs::path>& folders,
+                                      const Distribution& what) {
+  DistributionOutcome done;
   FileTransaction out;
   Progress progress("revocation lists", folders.size());
   for (const auto& folder : folders) {
@@ -317,7 +318,7 @@ Result<pki::Crl> list_to_distribute(const CaPaths& paths, const pki::Certificate
 // The distributed list and the outcome.
 struct DistributedList {
   pki::Crl list;
-  Distributed done;
+  DistributionOutcome done;
 };
 
 // Without the CA's key there is no lock, so another command may make and distribute a newer list at

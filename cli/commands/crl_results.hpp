@@ -102,13 +102,13 @@ struct ShownLists {
 /// The result of `crl verify`: the list of the given CA whose signature is valid.
 struct VerifiedList {
   /// A list in the file.
-  struct Seen {
+  struct ListInFile {
     ListHead list;
     bool is_of_another_ca;
   };
   std::filesystem::path file;
   ListHead list;
-  std::vector<Seen> all = {};
+  std::vector<ListInFile> all = {};
 
   static constexpr auto fields() {
     return std::tuple_cat(std::tuple(field<&VerifiedList::file>()),

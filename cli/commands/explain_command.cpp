@@ -108,7 +108,7 @@ struct SeverityElsewhere {
 };
 
 // A code or a rule.
-struct Explained {
+struct ExplainedName {
   std::string name;
   std::optional<std::size_t> number;
   std::string severity;
@@ -118,12 +118,12 @@ struct Explained {
 
   static constexpr auto fields() {
     return std::tuple(
-        field<&Explained::name>(),
-        field<&Explained::number>({.note = "rules have none", .omits_empty = true}),
-        field<&Explained::severity>({.def = "severity"}),
-        field<&Explained::other_severities>({"that findings of a rule can have as well"}),
-        field<&Explained::summary>(), field<&Explained::hint>(),
-        field<&Explained::examples>({"commands and lines of configurations"}));
+        field<&ExplainedName::name>(),
+        field<&ExplainedName::number>({.note = "rules have none", .omits_empty = true}),
+        field<&ExplainedName::severity>({.def = "severity"}),
+        field<&ExplainedName::other_severities>({"that findings of a rule can have as well"}),
+        field<&ExplainedName::summary>(), field<&ExplainedName::hint>(),
+        field<&ExplainedName::examples>({"commands and lines of configurations"}));
   }
   std::string text() const {
     // The title of a rule names the check, not its result.
@@ -148,12 +148,12 @@ struct Explained {
   }
 };
 
-Explained about(const Row& row) {
-  Explained out{.name = std::string(row.name),
-                .number = {},
-                .severity = std::string(severity_of(row)),
-                .summary = std::string(row.summary),
-                .hint = std::string(row.hint)};
+ExplainedName about(const Row& row) {
+  ExplainedName out{.name = std::string(row.name),
+                    .number = {},
+                    .severity = std::string(severity_of(row)),
+                    .summary = std::string(row.summary),
+                    .hint = std::string(row.hint)};
   if (row.number != 0) out.number = static_cast<std::size_t>(row.number);
   for (const auto& other : others_of(row))
     out.other_severities.push_back(
@@ -266,7 +266,7 @@ std::optional<ExplainedVerdict> verdict_named(std::string_view wanted) {
   return std::nullopt;
 }
 
-using Explanation = std::variant<Explained, Sentences, Matches, ExplainedVerdict>;
+using Explanation = std::variant<ExplainedName, Sentences, Matches, ExplainedVerdict>;
 
 Answer<Explanation> list_of(const std::vector<LogSentence>& found) {
   Sentences out;

@@ -158,12 +158,12 @@ IssuedFacts issued_of(const IssueRequest& request, const pki::Certificate& certi
 }
 
 // The contents of one participant's folder, and the CAs that signed it.
-struct Issued {
+struct IssuedFolder {
   IssuingCas cas;
   NewParticipant made;
 };
 
-Result<Issued> issue(IssueRequest& request) {
+Result<IssuedFolder> issue(IssueRequest& request) {
   const auto now = request.context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(auto cas,
                           open_issuing_cas(request.arguments, request.spec.has_permissions(), now));
@@ -172,7 +172,7 @@ Result<Issued> issue(IssueRequest& request) {
   DDSSEC_ASSIGN_OR_RETURN(
       auto made, make_participant_within_ca(request.spec, cas, request.arguments, request.context,
                                             request.arguments.text("--permissions")));
-  return Issued{std::move(cas), std::move(made)};
+  return IssuedFolder{std::move(cas), std::move(made)};
 }
 
 // Reports what the folder lacks after everything is in place. (A dry run prints another text.)

@@ -166,18 +166,18 @@ struct RenewedIdentity {
   }
 };
 
-struct NotRenewed {
+struct UnchangedIdentity {
   static constexpr std::string_view kWhen = "not needed";
   RenewalFacts facts;
 
-  static constexpr auto fields() { return fields_within(&NotRenewed::facts); }
+  static constexpr auto fields() { return fields_within(&UnchangedIdentity::facts); }
   std::string text() const {
     return fmt::format("{}  not needed: expires {}\n", facts.file.string(),
                        date(facts.certificate.not_after));
   }
 };
 
-using IdentityRenewal = Answer<std::variant<RenewedIdentity, NotRenewed>>;
+using IdentityRenewal = Answer<std::variant<RenewedIdentity, UnchangedIdentity>>;
 
 Result<governance::Permissions> put_extended(FileTransaction& out, const Renewal& job,
                                              const pki::Certificate& renewed, const OpenCa& ca,
@@ -429,7 +429,7 @@ Result<IdentityRenewal> identity_renew(const Arguments& arguments, const Context
   const Renewal job{arguments, context, path, pki::participant_folder(folder), old};
   DDSSEC_ASSIGN_OR_RETURN(const auto needed, is_needed(arguments, job.old, job.now()));
   if (needed) return renew(job);
-  IdentityRenewal answer{NotRenewed{{false, path, CertificateFacts::of(old)}}};
+  IdentityRenewal answer{UnchangedIdentity{{false, path, CertificateFacts::of(old)}}};
   if (arguments.has("--permissions")) answer.report.text = unrenewed_permissions_text(job);
   return answer;
 }

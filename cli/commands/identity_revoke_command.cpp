@@ -218,7 +218,7 @@ struct ListThatRevokes {
   }
 };
 
-struct Revoked {
+struct RevocationResult {
   using Folders = std::optional<std::vector<std::string>>;
   std::string subject;
   std::vector<std::string> serials, same_key;
@@ -229,7 +229,7 @@ struct Revoked {
   std::string same_key_text = {};  // complete lines
 
   static constexpr auto fields() {
-    using Self = Revoked;
+    using Self = RevocationResult;
     constexpr auto kIfAny = [](std::string_view note) {
       return FieldOptions{.note = note, .omits_empty = true};
     };
@@ -280,7 +280,8 @@ std::string_view how_revoked_before(const CertificatesToRevoke& what) {
                                    : "already, but the log did not have its key";
 }
 
-Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Context& context) {
+Result<Answer<RevocationResult>> identity_revoke(const Arguments& arguments,
+                                                 const Context& context) {
   const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto reason, reason_of(arguments));
   DDSSEC_ASSIGN_OR_RETURN(const int days, arguments.number("--next-update", 1, kMaxDays));
@@ -290,7 +291,7 @@ Result<Answer<Revoked>> identity_revoke(const Arguments& arguments, const Contex
   DDSSEC_ASSIGN_OR_RETURN(auto log, read_issue_log(ca.paths));
   DDSSEC_ASSIGN_OR_RETURN(auto what, certificates_to_revoke(arguments, ca, log));
   add_same_key(log, reason, what);
-  Answer<Revoked> answer{{what.subject, what.serials, what.same_key_serials}};
+  Answer<RevocationResult> answer{{what.subject, what.serials, what.same_key_serials}};
   auto& [result, report, has_result] = answer;
   result.same_key_text = same_key_text(what, arguments.text("--ca"));
   if (what.serials.empty() && what.unlogged_key.empty()) {

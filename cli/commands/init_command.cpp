@@ -133,7 +133,7 @@ struct Snippets {
   }
 };
 
-struct Initialised {
+struct InitResult {
   fs::path dir;
   std::vector<NewCaFacts> cas;
   std::string profile;
@@ -142,7 +142,7 @@ struct Initialised {
   std::string domains, topics;  // in words
 
   static constexpr auto fields() {
-    using Self = Initialised;
+    using Self = InitResult;
     return std::tuple(field<&Self::dir>(), field<&Self::cas>({.min = 2, .max = 2}),
                       field<&Self::profile>({.words = "open|balanced|strict"}),
                       field<&Self::participants>({.min = 1}),
@@ -242,7 +242,7 @@ std::string next_steps(const Plan& plan, const Snippets& snippets) {
          drop_in_line(plan.dropin);
 }
 
-Result<Answer<Initialised>> init(const Arguments& arguments, const Context& context) {
+Result<Answer<InitResult>> init(const Arguments& arguments, const Context& context) {
   const auto now = context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto plan, plan_of(arguments, now));
   DDSSEC_RETURN_IF_ERROR(check_nameable(plan.target));
@@ -273,14 +273,14 @@ Result<Answer<Initialised>> init(const Arguments& arguments, const Context& cont
   DDSSEC_RETURN_IF_ERROR(folder.add_public(
       sros2 ? "private/identity_ca.issued.jsonl" : "ca/identity/issued.jsonl", members.log));
 
-  Answer<Initialised> out{{.dir = plan.target,
-                           .cas = {NewCaFacts::of("identity", identity.certificate()),
-                                   NewCaFacts::of("permissions", permissions.certificate())},
-                           .profile = std::string(to_string(plan.profile)),
-                           .participants = std::move(members.rows),
-                           .snippets = snippets_of(plan),
-                           .domains = domain_words(plan.domains),
-                           .topics = fmt::format("{}", fmt::join(plan.topics, " "))}};
+  Answer<InitResult> out{{.dir = plan.target,
+                          .cas = {NewCaFacts::of("identity", identity.certificate()),
+                                  NewCaFacts::of("permissions", permissions.certificate())},
+                          .profile = std::string(to_string(plan.profile)),
+                          .participants = std::move(members.rows),
+                          .snippets = snippets_of(plan),
+                          .domains = domain_words(plan.domains),
+                          .topics = fmt::format("{}", fmt::join(plan.topics, " "))}};
   out.report.text = next_steps(plan, out.result.snippets);
   DDSSEC_ASSIGN_OR_RETURN(out.report.files_written, folder.commit());
   return out;

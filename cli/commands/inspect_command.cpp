@@ -137,7 +137,7 @@ struct ClearTopic {
   }
 };
 
-struct Seen {
+struct ListedParticipant {
   static constexpr std::string_view kDef = "observed participant";
   const GuidPrefix* prefix;
   const rtps::ObservedParticipant* by;
@@ -149,7 +149,7 @@ struct Seen {
     return out;
   }
   static constexpr auto fields() {
-    using T = Seen;
+    using T = ListedParticipant;
     using By = rtps::ObservedParticipant;
     return std::tuple(
         field("guid_prefix", &T::prefix, &GuidPrefix::to_string, {.def = "guid prefix"}),
@@ -234,12 +234,12 @@ struct Pair {
 
 // ---- the command
 
-struct Watched {
+struct Observation {
   rtps::Observer observer{names_in};
   std::uint64_t cut = 0;  // frames that are cut short
 };
 
-Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
+Status watch(Capture& capture, int seconds, bool is_live, Observation& out) {
   if (!rtps::Frames::knows(capture.link()))
     return fail(Code::capture_unreadable, {.expected = "Ethernet, loopback or Linux's \"any\"",
                                            .found = "link type " + std::to_string(capture.link())});
@@ -263,14 +263,14 @@ Status watch(Capture& capture, int seconds, bool is_live, Watched& out) {
 
 struct Inspection {
   std::string source;
-  Watched watched;
+  Observation watched;
 
   double seconds() const {
     const auto& datagrams = watched.observer.datagrams();
     return std::chrono::duration<double>(datagrams.last - datagrams.first).count();
   }
-  std::vector<Seen> participants() const {
-    std::vector<Seen> out;
+  std::vector<ListedParticipant> participants() const {
+    std::vector<ListedParticipant> out;
     for (const auto& [prefix, participant] : watched.observer.participants())
       out.push_back({&prefix, &participant});
     return out;

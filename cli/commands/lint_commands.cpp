@@ -15,24 +15,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Linted {
+struct LintResult {
   static constexpr std::string_view kDef = "linted";
   fs::path file;
   FindingCounts counts;
 
   static constexpr auto fields() {
-    return std::tuple_cat(std::tuple(field<&Linted::file>()), fields_within(&Linted::counts));
+    return std::tuple_cat(std::tuple(field<&LintResult::file>()),
+                          fields_within(&LintResult::counts));
   }
   std::string text() const { return fmt::format("{}: {}\n", file.string(), counts.words()); }
 };
 
-Answer<Linted> linted(const fs::path& file, std::vector<Finding> findings) {
-  Answer<Linted> out{{file, FindingCounts::of(findings)}};
+Answer<LintResult> linted(const fs::path& file, std::vector<Finding> findings) {
+  Answer<LintResult> out{{file, FindingCounts::of(findings)}};
   add_findings(out.report, std::move(findings), file);
   return out;
 }
 
-Result<Answer<Linted>> governance_lint(const Arguments& arguments, const Context&) {
+Result<Answer<LintResult>> governance_lint(const Arguments& arguments, const Context&) {
   const auto file = document_path<GovernanceKind>(arguments.text("FILE"));
   DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_option(arguments));
   const governance::GovernanceUse use{.domain = domain, .choices = true};
@@ -40,7 +41,7 @@ Result<Answer<Linted>> governance_lint(const Arguments& arguments, const Context
   return linted(file, lint(document, use));
 }
 
-Result<Answer<Linted>> permissions_lint(const Arguments& arguments, const Context& context) {
+Result<Answer<LintResult>> permissions_lint(const Arguments& arguments, const Context& context) {
   const auto file = document_path<PermissionsKind>(arguments.text("FILE"));
   std::optional<pki::Certificate> certificate;
   std::optional<governance::Governance> governance;

@@ -143,12 +143,13 @@ struct ShownGovernance {
 
 // A rule and its position in the document.
 template <class Facts>
-struct Numbered {
+struct NumberedRule {
   Facts rule;
   std::size_t number;
 
   static constexpr auto fields() {
-    return std::tuple_cat(fields_within(&Numbered::rule), std::tuple(field<&Numbered::number>()));
+    return std::tuple_cat(fields_within(&NumberedRule::rule),
+                          std::tuple(field<&NumberedRule::number>()));
   }
 };
 
@@ -187,8 +188,8 @@ struct ShownTopic {
   fs::path file;
   std::string topic;
   DomainId domain;
-  Numbered<DomainRule> domain_rule;
-  Numbered<TopicRule> topic_rule;
+  NumberedRule<DomainRule> domain_rule;
+  NumberedRule<TopicRule> topic_rule;
   std::vector<std::string> properties;
   std::string achieves;  // the properties in words: complete lines
 

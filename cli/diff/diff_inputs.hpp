@@ -44,16 +44,17 @@ Result<DiffSides> diff_sides(std::filesystem::path (*document)(const std::filesy
 /// The signers, as a field list.
 struct ShownSigners {
   static constexpr std::string_view kDef = "signer";
-  struct Verified {
+  struct VerifiedSides {
     bool old_side, new_side;
 
     static constexpr auto fields() {
-      return std::tuple(field("old", &Verified::old_side), field("new", &Verified::new_side));
+      return std::tuple(field("old", &VerifiedSides::old_side),
+                        field("new", &VerifiedSides::new_side));
     }
   };
   std::optional<std::string> old_side, new_side;
   bool same;
-  Verified verified;
+  VerifiedSides verified;
 
   static ShownSigners of(const DiffSides& sides);
   static constexpr auto fields() {

@@ -179,14 +179,14 @@ inline constexpr bool kIsA<Template<Ts...>, Template> = true;
 
 /// The struct with the members that a field of this type has; void if it has none.
 template <class T>
-struct Inner {
+struct InnerStruct {
   using Type = std::conditional_t<HasFields<T>, T, void>;
   static constexpr bool kIsList = false;
 };
 template <class T>
-struct Inner<std::optional<T>> : Inner<T> {};
+struct InnerStruct<std::optional<T>> : InnerStruct<T> {};
 template <class T>
-struct Inner<std::vector<T>> : Inner<T> {
+struct InnerStruct<std::vector<T>> : InnerStruct<T> {
   static constexpr bool kIsList = true;
 };
 

@@ -20,11 +20,11 @@ namespace fields_detail {
 template <class Value>
 std::string member_words(std::string_view name, const FieldOptions& options) {
   std::string inside(options.note);
-  if constexpr (HasFields<typename Inner<Value>::Type>) {
+  if constexpr (HasFields<typename InnerStruct<Value>::Type>) {
     if (!options.has_same_members && !options.has_own_row) {
       if (!inside.empty()) inside += "; ";
-      if (Inner<Value>::kIsList) inside += "each: ";
-      inside += members_of<typename Inner<Value>::Type>();
+      if (InnerStruct<Value>::kIsList) inside += "each: ";
+      inside += members_of<typename InnerStruct<Value>::Type>();
     }
   }
   std::string out = "`" + std::string(name) + "`";
@@ -67,7 +67,7 @@ template <class T>
 void add_rows(Json& out) {
   using namespace fields_detail;
   const auto add = [&](const auto& one) {
-    using Struct = typename Inner<typename std::remove_cvref_t<decltype(one)>::Value>::Type;
+    using Struct = typename InnerStruct<typename std::remove_cvref_t<decltype(one)>::Value>::Type;
     if constexpr (HasFields<Struct>) {
       if (one.options.has_own_row) out[std::string(one.name)] = members_of<Struct>();
       add_rows<Struct>(out);

@@ -134,8 +134,8 @@ void add_definitions(Json& out) {
     [&]<class... Ts>(std::type_identity<std::variant<Ts...>>) {
       (add_definitions<Ts>(out), ...);
     }(std::type_identity<T>());
-  } else if constexpr (HasFields<typename Inner<T>::Type>) {
-    using Struct = typename Inner<T>::Type;
+  } else if constexpr (HasFields<typename InnerStruct<T>::Type>) {
+    using Struct = typename InnerStruct<T>::Type;
     if constexpr (requires { ListOf<Struct>::kDef; })
       out[std::string(ListOf<Struct>::kDef)] = object_schema<Struct>();
     std::apply([&]<class... Fields>(

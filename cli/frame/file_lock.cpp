@@ -83,12 +83,12 @@ Status lock_file(int file, const fs::path& path, std::chrono::seconds timeout) {
   return {};
 }
 
-class FileLock::Held {
+class FileLock::HeldFile {
  public:
-  explicit Held(int file) : file_(file) {}
-  ~Held() { ::close(file_); }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
+  explicit HeldFile(int file) : file_(file) {}
+  ~HeldFile() { ::close(file_); }
+  HeldFile(const HeldFile&) = delete;
+  HeldFile& operator=(const HeldFile&) = delete;
   int file() const { return file_; }
 
  private:
@@ -108,8 +108,8 @@ bool is_same_file(int a, int b) {
 
 // The locks that this process holds. If a process opened a file twice, its own locks would exclude
 // each other.
-std::vector<std::weak_ptr<FileLock::Held>>& FileLock::all() {
-  static std::vector<std::weak_ptr<Held>> out;
+std::vector<std::weak_ptr<FileLock::HeldFile>>& FileLock::all() {
+  static std::vector<std::weak_ptr<HeldFile>> out;
   return out;
 }
 
@@ -117,7 +117,7 @@ Result<FileLock> FileLock::of(const fs::path& path) {
   while (true) {
     const int file = open_for_lock(path);
     if (file < 0) return unwritable_error(path, errno);
-    const auto opened = std::make_shared<Held>(file);
+    const auto opened = std::make_shared<HeldFile>(file);
     for (const auto& other : all())
       if (auto held = other.lock(); held && is_same_file(held->file(), file)) return FileLock(held);
     DDSSEC_RETURN_IF_ERROR(lock_file(file, path, kLockTimeout));

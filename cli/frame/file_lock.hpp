@@ -31,10 +31,10 @@ class FileLock {
 
  private:
   /// An open file that closes itself, which ends its lock.
-  class Held;
-  explicit FileLock(std::shared_ptr<Held> held) : held_(std::move(held)) {}
-  static std::vector<std::weak_ptr<Held>>& all();
-  std::shared_ptr<Held> held_;
+  class HeldFile;
+  explicit FileLock(std::shared_ptr<HeldFile> held) : held_(std::move(held)) {}
+  static std::vector<std::weak_ptr<HeldFile>>& all();
+  std::shared_ptr<HeldFile> held_;
 };
 
 }  // namespace ddssec::cli

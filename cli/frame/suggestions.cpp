@@ -45,10 +45,10 @@ constexpr Verb kVerbs[] = {
 };
 
 // Commands that belong to another group.
-struct Elsewhere {
+struct MisplacedCommand {
   std::string_view group, typed, meant;
 };
-constexpr Elsewhere kElsewhere[] = {
+constexpr MisplacedCommand kElsewhere[] = {
     {"keystore", "renew", "identity renew"},
     {"keystore", "revoke", "identity revoke"},
     {"keystore", "distribute", "crl distribute"},

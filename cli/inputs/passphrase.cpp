@@ -68,20 +68,20 @@ Result<pki::Passphrase> passphrase_from_file(const std::string& path) {
   return out;
 }
 
-class EchoOff {
+class EchoGuard {
  public:
-  EchoOff() {
+  EchoGuard() {
     if (::tcgetattr(STDIN_FILENO, &before_) != 0) return;
     auto quiet = before_;
     quiet.c_lflag &= ~static_cast<tcflag_t>(ECHO);
     known_ = ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &quiet) == 0;
   }
-  ~EchoOff() {
+  ~EchoGuard() {
     if (known_) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before_);
     std::fputc('\n', stderr);
   }
-  EchoOff(const EchoOff&) = delete;
-  EchoOff& operator=(const EchoOff&) = delete;
+  EchoGuard(const EchoGuard&) = delete;
+  EchoGuard& operator=(const EchoGuard&) = delete;
 
  private:
   termios before_{};
@@ -90,7 +90,7 @@ class EchoOff {
 
 Result<pki::Passphrase> typed_passphrase(const char* prompt) {
   std::fputs(prompt, stderr);
-  const EchoOff echo_off;
+  const EchoGuard echo_off;
   return passphrase_from_stream(STDIN_FILENO);
 }
 

@@ -60,15 +60,15 @@ bool is_time(std::string_view text) {
 
 // Reads the known members of an answer. The answer may come from a later version, or from a process
 // that lies. Missing members raise exceptions of Json.
-class Reading {
+class AnswerReader {
  public:
   // Empty if this is no answer of ddssec's plugins.
   static std::optional<StatusFolder::Answer> answer_of(const std::string& answer) {
-    Reading reading;
+    AnswerReader reader;
     const auto given = Json::parse(answer);
     StatusFolder::Answer out{{}, given.at("left_out").get<std::uint64_t>()};
-    reading.read(given.at("participants"), {}, out.participants);
-    const bool is_ours = given.at("schema") == "ddssec-status/1" && reading.has_times_;
+    reader.read(given.at("participants"), {}, out.participants);
+    const bool is_ours = given.at("schema") == "ddssec-status/1" && reader.has_times_;
     return is_ours ? std::optional(std::move(out)) : std::nullopt;
   }
 
@@ -228,7 +228,7 @@ Result<StatusFolder::Answer> StatusFolder::ask(const Socket& socket) {
   DDSSEC_RETURN_IF_ERROR(check_answering(socket, connection.number()));
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, read_all(socket, connection.number()));
   try {
-    if (auto read = Reading::answer_of(answer)) return *std::move(read);
+    if (auto read = AnswerReader::answer_of(answer)) return *std::move(read);
   } catch (const Json::parse_error& error) {
     // The process has dropped the connection: it lacks memory, or was kept from sending.
     if (error.byte > answer.size())

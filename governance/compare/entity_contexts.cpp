@@ -18,7 +18,7 @@ Meets both(const Meets& a, const Meets& b) {
 }
 
 // A set of an entity's partitions or tags, by number.
-struct Having {
+struct ThingSet {
   std::vector<std::uint32_t> things;
   Meets meets;
 };
@@ -29,7 +29,7 @@ class Closure {
   Closure(std::vector<Meets> singles, SetEffort& effort)
       : singles_(std::move(singles)), effort_(effort) {}
 
-  void begin_with(Having first) { add(std::move(first)); }
+  void begin_with(ThingSet first) { add(std::move(first)); }
 
   // Finds all results. False if there are more than kMaxContexts, or more than the effort allows.
   bool run() {
@@ -37,7 +37,7 @@ class Closure {
     for (std::size_t at = 0; at < all_.size() && may_go_on(); ++at) {
       for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) {
         is_paid_ = effort_.take_plain_steps(singles_[i].size() + all_[at].things.size());
-        Having more{all_[at].things, both(all_[at].meets, singles_[i])};
+        ThingSet more{all_[at].things, both(all_[at].meets, singles_[i])};
         if (known_.contains(more.meets)) continue;
         more.things.push_back(i);
         add(std::move(more));
@@ -47,10 +47,10 @@ class Closure {
     if (all_.size() > kMaxContexts) all_.resize(kMaxContexts);
     return is_complete;
   }
-  std::vector<Having> take() { return std::move(all_); }
+  std::vector<ThingSet> take() { return std::move(all_); }
 
  private:
-  void add(Having having) {
+  void add(ThingSet having) {
     if (known_.insert(having.meets).second) all_.push_back(std::move(having));
   }
 
@@ -60,7 +60,7 @@ class Closure {
   SetEffort& effort_;
   bool is_paid_ = true;
   std::set<Meets> known_;
-  std::vector<Having> all_;
+  std::vector<ThingSet> all_;
 };
 
 class ContextFinder {
@@ -160,7 +160,7 @@ class ContextFinder {
     return tag;
   }
 
-  std::vector<Having> partition_sets() {
+  std::vector<ThingSet> partition_sets() {
     std::vector<Meets> singles;
     for (NameKinds::Kind kind = 0; kind < out_.partitions.size(); ++kind)
       singles.push_back(meets_partition(kind));
@@ -169,7 +169,7 @@ class ContextFinder {
     return closure.take();
   }
 
-  std::vector<Having> tag_sets() {
+  std::vector<ThingSet> tag_sets() {
     std::vector<Meets> singles;
     for (const auto& tag : tags_) singles.push_back(meets_tag(tag));
     Closure closure(std::move(singles), effort_);
@@ -188,7 +188,7 @@ class ContextFinder {
     return out;
   }
 
-  void add(const Having& partitions, const Having& tags) {
+  void add(const ThingSet& partitions, const ThingSet& tags) {
     auto fitting = this->fitting(partitions.meets, tags.meets);
     const auto [entry, is_new] = known_.try_emplace(fitting, out_.contexts.size());
     if (!is_new) return;

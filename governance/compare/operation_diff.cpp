@@ -89,10 +89,11 @@ bool same(const RuleList& a, const RuleList& b) {
 using TextPair = std::pair<const Text*, const Text*>;
 
 // Class, the elements that decide, and all pairs of expressions.
-using FoundKey = std::tuple<ChangeClass, const Criteria*, const Criteria*, std::vector<TextPair>>;
+using FoundChangeKey =
+    std::tuple<ChangeClass, const Criteria*, const Criteria*, std::vector<TextPair>>;
 
 // The change for entities of one kind by two elements.
-struct Found {
+struct FoundChange {
   PermissionChange change;
   std::vector<TopicPair> pairs = {};
   std::vector<TextPair> texts = {};
@@ -133,18 +134,18 @@ class OperationComparison {
   }
 
  private:
-  struct Decided {
+  struct ItemDecision {
     const TopicItem* item;  // nullptr if the default decides
     bool allowed;
   };
-  using FoundByElements =
-      std::map<std::tuple<ChangeClass, const Criteria*, const Criteria*>, Found>;
+  using ChangesByElements =
+      std::map<std::tuple<ChangeClass, const Criteria*, const Criteria*>, FoundChange>;
 
   void compare_context(const EntityContext& context, std::size_t number) {
     const ItemList before(old_elements_, context.old_elements, old_default_);
     const ItemList after(new_elements_, context.new_elements, new_default_);
     if (same(before.rules, after.rules) && same(old_preceding_.rules, new_preceding_.rules)) return;
-    FoundByElements found;
+    ChangesByElements found;
     bool names_all_effects = true;
     if (old_preceding_.items.empty() && new_preceding_.items.empty()) {
       const auto pairs = topic_pairs(before.rules, after.rules, limits_);
@@ -161,7 +162,7 @@ class OperationComparison {
   }
 
   // False if a limit was reached.
-  bool compare_preceded(const ItemList& before, const ItemList& after, FoundByElements& found) {
+  bool compare_preceded(const ItemList& before, const ItemList& after, ChangesByElements& found) {
     const auto pairs = preceded_pairs({before.rules, old_preceding_.rules},
                                       {after.rules, new_preceding_.rules}, limits_);
     if (!pairs) return false;
@@ -175,18 +176,18 @@ class OperationComparison {
     return true;
   }
 
-  static Decided decided(const ItemList& list, std::optional<std::uint32_t> rule,
-                         bool default_allow) {
+  static ItemDecision decided(const ItemList& list, std::optional<std::uint32_t> rule,
+                              bool default_allow) {
     const auto* const item = list.find(rule);
     return {item, item != nullptr ? item->element->rule->allow : default_allow};
   }
   // The preceding list decides only if it alone denies. If both deny, the list's rule is named.
-  static Decided effective_decision(const Decided& preceding, const Decided& list) {
+  static ItemDecision effective_decision(const ItemDecision& preceding, const ItemDecision& list) {
     return preceding.allowed || !list.allowed ? list : preceding;
   }
 
-  void compare_pair(const TopicPair& pair, const Decided& o, const Decided& n,
-                    FoundByElements& found) {
+  void compare_pair(const TopicPair& pair, const ItemDecision& o, const ItemDecision& n,
+                    ChangesByElements& found) {
     if (o.allowed == n.allowed) return;
     if (o.item == nullptr && n.item == nullptr) {
       out_.by_default.add(class_of(n.allowed));
@@ -214,9 +215,9 @@ class OperationComparison {
             .new_line = n ? n->topic->line : new_grant_.line};
   }
 
-  void add(const std::tuple<ChangeClass, const Criteria*, const Criteria*>& by, Found found,
+  void add(const std::tuple<ChangeClass, const Criteria*, const Criteria*>& by, FoundChange found,
            const ItemList& before, const ItemList& after, std::size_t context) {
-    const FoundKey key(std::get<0>(by), std::get<1>(by), std::get<2>(by), found.texts);
+    const FoundChangeKey key(std::get<0>(by), std::get<1>(by), std::get<2>(by), found.texts);
     const auto [entry, is_new] = known_.try_emplace(key, out_.changes.size());
     if (is_new) {
       auto& change = out_.changes.emplace_back(std::move(found.change));
@@ -261,7 +262,7 @@ class OperationComparison {
       new_preceding_elements_;
   ItemList old_preceding_{{}, {}, true}, new_preceding_{{}, {}, true};
   OperationDiff out_;
-  std::map<FoundKey, std::size_t> known_;              // indices into out_.changes
+  std::map<FoundChangeKey, std::size_t> known_;        // indices into out_.changes
   std::vector<std::vector<std::size_t>> contexts_of_;  // the contexts of each change
 };
 

@@ -104,7 +104,7 @@ bool is_found_elsewhere(const std::vector<StockPermissionsDiff>& stock, const Pe
 }
 
 // The changes that products have and ddssec does not, each once, with the products that have it.
-class Found {
+class StockChanges {
  public:
   void add(std::string_view product, Interpretation reading) {
     const auto known = std::ranges::find_if(
@@ -128,7 +128,7 @@ class Found {
 }  // namespace
 
 void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, GovernanceDiff& ours) {
-  Found found;
+  StockChanges found;
   const bool is_known = ours.verdict != ChangeClass::unknown;
   for (const auto& [product, diff] : stock) {
     for (const auto& change : diff.changes)
@@ -152,7 +152,7 @@ void add_stock_changes(const std::vector<StockGovernanceDiff>& stock, Governance
 }
 
 void add_stock_changes(const std::vector<StockPermissionsDiff>& stock, PermissionsDiff& ours) {
-  Found found;
+  StockChanges found;
   const bool is_exact = ours.verdict != ChangeClass::unknown;
   for (const auto& [product, diff, is_of_own_endpoints] : stock) {
     if (diff.verdict == ChangeClass::unknown && is_exact)

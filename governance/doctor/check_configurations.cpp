@@ -94,7 +94,7 @@ struct Configuration {
   std::string name;  // its name in sentences
   fs::path document;
   Outcomes outcomes;  // the outcomes if it names another file
-  std::vector<Named> files;
+  std::vector<NamedFile> files;
   bool is_fastdds = false;
   bool may_run_elsewhere = false;  // see Settings
 };
@@ -109,9 +109,9 @@ bool has_fastdds_scheme(std::string_view value) {
          value.starts_with("pkcs11:");
 }
 
-bool is_path(const Named& named) { return named.value.starts_with("file:"); }
+bool is_path(const NamedFile& named) { return named.value.starts_with("file:"); }
 
-fs::path path_of(const Named& named) {
+fs::path path_of(const NamedFile& named) {
   auto name = std::string_view(named.value).substr(std::string_view("file:").size());
   if (name.starts_with("//")) name.remove_prefix(2);
   return name;
@@ -120,25 +120,26 @@ fs::path path_of(const Named& named) {
 // True if it names files and none of them is in the folder. Then the folder is a copy or is to be
 // copied, and the files at these paths on the participant's machine are not known here.
 bool leads_elsewhere(const Configuration& configuration, const fs::path& folder) {
-  const auto is_own = [&](const Named& named) {
+  const auto is_own = [&](const NamedFile& named) {
     const auto path = path_of(named);
     std::error_code ignored;
     return path.is_relative() || fs::equivalent(path.parent_path(), folder, ignored);
   };
   return std::ranges::any_of(configuration.files, is_path) &&
-         std::ranges::none_of(configuration.files,
-                              [&](const Named& named) { return is_path(named) && is_own(named); });
+         std::ranges::none_of(configuration.files, [&](const NamedFile& named) {
+           return is_path(named) && is_own(named);
+         });
 }
 
 // True also for a file that exists and cannot be read.
-bool is_missing(const Named& named) {
+bool is_missing(const NamedFile& named) {
   if (!is_path(named)) return false;
   const auto path = path_of(named);
   return path.is_absolute() &&
          !ddssec::load_uri("file://" + path.string(), "", pki::kMaxDocumentOctets);
 }
 
-std::string sentence(const Configuration& configuration, const Named& named,
+std::string sentence(const Configuration& configuration, const NamedFile& named,
                      const fs::path& judged) {
   const auto& [role, value] = named;
   const auto product = configuration.is_fastdds ? "Fast DDS" : "Cyclone DDS";
@@ -172,12 +173,12 @@ void check_odd_path(const Configuration& configuration, Diagnosis& out) {
 
 // The values to judge. Values that may be right on another machine are left out and get one warning
 // together.
-std::vector<Named> named_here(const pki::ParticipantFolder& paths,
-                              const Configuration& configuration, Diagnosis& out) {
+std::vector<NamedFile> named_here(const pki::ParticipantFolder& paths,
+                                  const Configuration& configuration, Diagnosis& out) {
   auto files = configuration.files;
   if (!configuration.may_run_elsewhere || !leads_elsewhere(configuration, paths.folder))
     return files;
-  const auto is_misplaced = [&](const Named& named) {
+  const auto is_misplaced = [&](const NamedFile& named) {
     return is_path(named) && !is_judged(named.value, paths.*(named.role->judged), paths.folder);
   };
   const auto first = std::ranges::find_if(files, is_misplaced);
@@ -224,7 +225,7 @@ void check_judged(const LoadedFolder& folder, const Configuration& configuration
                       configuration.name, named.value, named.role->property, named.value));
   }
   if (!configuration.is_fastdds) check_odd_path(configuration, out);
-  const auto is_crl = [](const Named& named) { return named.role->judged == &Files::crl; };
+  const auto is_crl = [](const NamedFile& named) { return named.role->judged == &Files::crl; };
   if (!configuration.files.empty() && folder.has_crl_file &&
       std::ranges::none_of(configuration.files, is_crl))
     report(fmt::format("{} names no revocation list, and {} was judged", configuration.name,
@@ -233,8 +234,8 @@ void check_judged(const LoadedFolder& folder, const Configuration& configuration
 
 // True if the configuration names the participant's certificate or key. Otherwise the environment
 // may be that of another participant.
-bool is_of(const std::vector<Named>& files, const pki::ParticipantFolder& paths) {
-  return std::ranges::any_of(files, [&](const Named& named) {
+bool is_of(const std::vector<NamedFile>& files, const pki::ParticipantFolder& paths) {
+  return std::ranges::any_of(files, [&](const NamedFile& named) {
     const bool is_own =
         named.role->judged == &Files::certificate || named.role->judged == &Files::key;
     return is_own && is_judged(named.value, paths.*(named.role->judged), paths.folder);

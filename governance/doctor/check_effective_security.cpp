@@ -14,7 +14,7 @@ namespace {
 constexpr Outcomes kCycloneFails{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail};
 
 // The requirements of Cyclone DDS 0.10.2 for a plugin's element.
-struct Expected {
+struct PluginRequirements {
   std::string_view element;
   std::optional<ConfiguredPlugin> EffectiveSecurity::*plugin;
   std::string_view stock;  // the plugin's library, which is the default
@@ -24,7 +24,7 @@ struct Expected {
   // The values as people write them. They are compared in lower case.
   std::array<std::string_view, 3> values;
 };
-constexpr Expected kExpected[] = {
+constexpr PluginRequirements kExpected[] = {
     {"Authentication",
      &EffectiveSecurity::authentication,
      "dds_security_auth",
@@ -133,7 +133,7 @@ class Checks {
                           paths.permissions.filename().string()));
   }
 
-  void check_library(const Expected& expected, const ConfiguredPlugin& plugin) {
+  void check_library(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
     const auto* path = plugin.attribute("path");
     const bool is_name =
         path == nullptr || path->text == expected.stock || path->text == expected.ours;
@@ -158,10 +158,10 @@ class Checks {
 
   // It is wrong only if a function has the name for another plugin, because other libraries have
   // their own names for functions.
-  static const Expected* named_function_of_another(const Expected& expected,
-                                                   const ConfiguredPlugin& plugin) {
+  static const PluginRequirements* named_function_of_another(const PluginRequirements& expected,
+                                                             const ConfiguredPlugin& plugin) {
     const auto* named = plugin.attribute("initfunction");
-    const auto other = std::ranges::find_if(kExpected, [&](const Expected& one) {
+    const auto other = std::ranges::find_if(kExpected, [&](const PluginRequirements& one) {
       return one.element != expected.element && named != nullptr && named->text == one.init;
     });
     return other == std::end(kExpected) ? nullptr : &*other;
@@ -181,14 +181,14 @@ class Checks {
     return plugin;
   }
 
-  void check_functions(const Expected& expected, const ConfiguredPlugin& plugin) {
+  void check_functions(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
     check_function(expected, plugin.attribute("initfunction"), "initFunction", expected.init);
     check_function(expected, plugin.attribute("finalizefunction"), "finalizeFunction",
                    expected.finalize);
   }
 
   // The name of an exported function is a text in the library file.
-  void check_has_function(const Expected& expected, const ConfiguredText& path,
+  void check_has_function(const PluginRequirements& expected, const ConfiguredText& path,
                           const std::filesystem::path& file, std::string_view function) {
     const auto text = fmt::format("{0}{1}{0}", '\0', function);
     if (!library_octets(file).contains(text))
@@ -199,7 +199,7 @@ class Checks {
 
   // Cyclone DDS of Debian finds its own libraries in a private folder, but only by their usual
   // names.
-  void report_without_library_path(const Expected& expected, const ConfiguredText& path) {
+  void report_without_library_path(const PluginRequirements& expected, const ConfiguredText& path) {
     out_.report(
         {.cyclonedds = Outcome::fail},
         {.rule = Rule::DOC102,
@@ -212,7 +212,7 @@ class Checks {
   }
 
   // Reports a missing path only once, because usually the folder of all three libraries is missing.
-  void report_missing_library(const Expected& expected, const ConfiguredText& path) {
+  void report_missing_library(const PluginRequirements& expected, const ConfiguredText& path) {
     if (!path.text.contains('/'))
       return refuse(path.line,
                     fmt::format("names the library \"{}\" in <{}>, which is not found; that of "
@@ -233,7 +233,7 @@ class Checks {
         is_there ? std::string(kRemedy) : fmt::format("{}; otherwise {}", kIfElsewhere, kRemedy));
   }
 
-  void warn_of_place(const Expected& expected, const ConfiguredText& path) {
+  void warn_of_place(const PluginRequirements& expected, const ConfiguredText& path) {
     out_.report({}, {.rule = Rule::DOC007,
                      .message = fmt::format(
                          "{} names the library {} in <{}>, which is not on this machine; {}",
@@ -243,7 +243,7 @@ class Checks {
                      .hint = "run ddssec doctor where the participant runs"});
   }
 
-  void check_function(const Expected& expected, const ConfiguredText* named,
+  void check_function(const PluginRequirements& expected, const ConfiguredText* named,
                       std::string_view attribute, std::string_view function) {
     if (named != nullptr && named->text != function)
       refuse(named->line,
@@ -252,7 +252,7 @@ class Checks {
                          attribute, named->text, expected.element, function));
   }
 
-  void check_values(const Expected& expected, const ConfiguredPlugin& plugin) {
+  void check_values(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
     for (const auto name : expected.values) {
       if (name.empty()) continue;
       const auto* value = plugin.value(ascii_lower(name));

@@ -237,11 +237,11 @@ class Forms {
       doubt(at, fmt::format("has the property {} twice", *text));
   }
 
-  struct Required {
+  struct RequiredChild {
     std::string_view parent;
     std::string_view child;
   };
-  static constexpr Required kRequired[] = {
+  static constexpr RequiredChild kRequired[] = {
       {"participant", "rtps"},
       {"participant/rtps/propertiesPolicy/properties/property", "name"},
       {"participant/rtps/propertiesPolicy/properties/property", "value"},

@@ -38,16 +38,16 @@ std::string without_escapes(std::string_view text) {
   return out;
 }
 
-std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
-                                       DomainId domain) {
-  std::vector<Named> out;
+std::vector<NamedFile> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
+                                           DomainId domain) {
+  std::vector<NamedFile> out;
   if (security.problems.empty() && security.applies) {
     for (const auto* plugin : {&security.authentication, &security.access_control})
       for (const auto& role : kRoles)
         if (const auto* value = *plugin ? (*plugin)->value(role.element) : nullptr)
           out.push_back({&role, expanded_variables(value->text, domain).value_or(value->text)});
     // Measured: with an empty <CRL>, Cyclone DDS starts without a revocation list.
-    std::erase_if(out, [](const Named& named) {
+    std::erase_if(out, [](const NamedFile& named) {
       return named.role->judged == &pki::ParticipantFolder::crl && named.value.empty();
     });
     return out;
@@ -58,15 +58,15 @@ std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSec
   return out;
 }
 
-std::vector<std::filesystem::path> paths_of(const std::vector<Named>& named) {
+std::vector<std::filesystem::path> paths_of(const std::vector<NamedFile>& named) {
   std::vector<std::filesystem::path> out;
   for (const auto& [role, value] : named)
     if (auto path = file_named_by(value)) out.emplace_back(*std::move(path));
   return out;
 }
 
-std::vector<Named> named_anywhere_by_fastdds(std::string_view text) {
-  std::vector<Named> out;
+std::vector<NamedFile> named_anywhere_by_fastdds(std::string_view text) {
+  std::vector<NamedFile> out;
   for (auto tag = find_tag(text, "name"); tag; tag = find_tag(tag->after, "name")) {
     const auto value = find_tag(tag->after, "value");
     const auto* const role = role_of_property(content_of(tag->after));
@@ -75,14 +75,14 @@ std::vector<Named> named_anywhere_by_fastdds(std::string_view text) {
   return out;
 }
 
-std::vector<Named> named_by_fastdds(std::string_view text) {
+std::vector<NamedFile> named_by_fastdds(std::string_view text) {
   const auto properties = properties_of_profile(text);
   if (!properties) return named_anywhere_by_fastdds(without_comments(text));
-  std::vector<Named> out;
+  std::vector<NamedFile> out;
   for (const auto& [name, value] : *properties) {
     const auto* const role = role_of_property(name);
     if (role == nullptr) continue;
-    std::erase_if(out, [&](const Named& earlier) { return earlier.role == role; });
+    std::erase_if(out, [&](const NamedFile& earlier) { return earlier.role == role; });
     out.push_back({role, value});
   }
   return out;

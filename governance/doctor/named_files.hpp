@@ -28,7 +28,7 @@ inline constexpr Role kRoles[] = {
 };
 
 /// The value in a configuration for a role.
-struct Named {
+struct NamedFile {
   const Role* role;
   std::string value;  ///< "file:/a/b", "data:,..." or "pkcs11:..."
 };
@@ -38,14 +38,14 @@ std::string without_escapes(std::string_view text);
 
 /// Returns the values that apply to the domain. If there are none, returns all values that look
 /// like them.
-std::vector<Named> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
-                                       DomainId domain);
+std::vector<NamedFile> named_by_cyclonedds(std::string_view text, const EffectiveSecurity& security,
+                                           DomainId domain);
 /// Returns the paths of those values that name files.
-std::vector<std::filesystem::path> paths_of(const std::vector<Named>& named);
+std::vector<std::filesystem::path> paths_of(const std::vector<NamedFile>& named);
 /// Returns all values that look like those of a property, in any profile and in a text that is not
 /// well-formed.
-std::vector<Named> named_anywhere_by_fastdds(std::string_view text);
+std::vector<NamedFile> named_anywhere_by_fastdds(std::string_view text);
 /// Returns the values of the default profile, of which the last one counts.
-std::vector<Named> named_by_fastdds(std::string_view text);
+std::vector<NamedFile> named_by_fastdds(std::string_view text);
 
 }  // namespace ddssec::governance::doctor

@@ -4,7 +4,7 @@
 
 namespace ddssec::peer {
 
-Parsed parse(int argc, char** argv) {
+ParsedOptions parse(int argc, char** argv) {
   Options options;
   CLI::App app(
       "One end of a DDS connection, for tests and measurements. Prints JSON,"

@@ -116,7 +116,7 @@ std::string contradiction(const Options& o) {
 
 }  // namespace
 
-Parsed parse(int argc, char** argv) {
+ParsedOptions parse(int argc, char** argv) {
   Options options;
   bool subscribe = false;
   CLI::App app("Publishes or subscribes to coloured shapes; one line a sample.", "ddssec-shapes");

@@ -60,10 +60,10 @@ struct Options {
 };
 
 /// The parsed options. Empty after usage or --help was printed; then `exit_code` applies.
-struct Parsed {
+struct ParsedOptions {
   std::optional<Options> options;
   int exit_code = kBadArguments;
 };
-Parsed parse(int argc, char** argv);
+ParsedOptions parse(int argc, char** argv);
 
 }  // namespace ddssec::shapes

@@ -10,7 +10,7 @@
 namespace ddssec::governance {
 namespace {
 
-std::optional<Unportable> unportable(std::string_view expression) {
+std::optional<UnportableExpression> unportable(std::string_view expression) {
   SetEffort effort{100'000'000};
   return governance::unportable(expression, effort);
 }
