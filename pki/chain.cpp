@@ -186,7 +186,7 @@ struct ChainVerifier::Impl {
   std::optional<WallTime> crls_until;  // the earliest nextUpdate
 
   std::mutex mutex;
-  std::map<Sha256Digest, ChainValid> remembered;
+  std::map<Sha256Digest, ValidChain> remembered;
   std::deque<Sha256Digest> order;  // the oldest comes first
 
   void drop_superseded();
@@ -194,12 +194,12 @@ struct ChainVerifier::Impl {
   bool is_listed(const Certificate& certificate) const;
   bool is_in_force(const Crl& crl, const X509* issuer, WallTime now) const;
   Status check_every_list(X509_STORE_CTX* context, WallTime now) const;
-  Result<ChainValid> judge(const Certificate& certificate, WallTime now) const;
-  Result<ChainValid> judge_path(const Certificate& certificate, WallTime now,
+  Result<ValidChain> judge(const Certificate& certificate, WallTime now) const;
+  Result<ValidChain> judge_path(const Certificate& certificate, WallTime now,
                                 unsigned long flags) const;
-  ChainValid prove(const Certificate& certificate, X509_STORE_CTX* context) const;
-  std::optional<ChainValid> recall(const Certificate& certificate, WallTime now);
-  void remember(const ChainValid& proof);
+  ValidChain prove(const Certificate& certificate, X509_STORE_CTX* context) const;
+  std::optional<ValidChain> recall(const Certificate& certificate, WallTime now);
+  void remember(const ValidChain& proof);
 };
 
 // Drops lists that a newer one supersedes. OpenSSL uses any list that is valid at the time. If an
@@ -290,9 +290,9 @@ Status ChainVerifier::Impl::check_every_list(X509_STORE_CTX* context, WallTime n
   return {};
 }
 
-ChainValid ChainVerifier::Impl::prove(const Certificate& certificate,
+ValidChain ChainVerifier::Impl::prove(const Certificate& certificate,
                                       X509_STORE_CTX* context) const {
-  ChainValid proof(certificate);
+  ValidChain proof(certificate);
   proof.not_before_ = certificate.not_before();
   proof.not_after_ = certificate.not_after();
   proof.first_to_expire_ = certificate.subject();
@@ -310,7 +310,7 @@ ChainValid ChainVerifier::Impl::prove(const Certificate& certificate,
   return proof;
 }
 
-Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificate, WallTime now,
+Result<ValidChain> ChainVerifier::Impl::judge_path(const Certificate& certificate, WallTime now,
                                                    unsigned long flags) const {
   const StoreContextPtr context(X509_STORE_CTX_new());
   if (!context || X509_STORE_CTX_init(context.get(), store.get(), impl_of(certificate).x509.get(),
@@ -331,7 +331,7 @@ Result<ChainValid> ChainVerifier::Impl::judge_path(const Certificate& certificat
   return prove(certificate, context.get());
 }
 
-Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
+Result<ValidChain> ChainVerifier::Impl::judge(const Certificate& certificate, WallTime now) const {
   DDSSEC_RETURN_IF_ERROR(check_key_usage(certificate));
   // The first attempt verifies up to a root, so that an expired root in the file counts. Only if
   // the file has no root for the certificate may a subordinate CA end the path. (If the first
@@ -342,7 +342,7 @@ Result<ChainValid> ChainVerifier::Impl::judge(const Certificate& certificate, Wa
   return judge_path(certificate, now, X509_V_FLAG_PARTIAL_CHAIN);
 }
 
-std::optional<ChainValid> ChainVerifier::Impl::recall(const Certificate& certificate,
+std::optional<ValidChain> ChainVerifier::Impl::recall(const Certificate& certificate,
                                                       WallTime now) {
   const std::lock_guard lock(mutex);
   const auto known = remembered.find(certificate.fingerprint());
@@ -353,7 +353,7 @@ std::optional<ChainValid> ChainVerifier::Impl::recall(const Certificate& certifi
   return holds ? std::optional(proof) : std::nullopt;
 }
 
-void ChainVerifier::Impl::remember(const ChainValid& proof) {
+void ChainVerifier::Impl::remember(const ValidChain& proof) {
   const std::lock_guard lock(mutex);
   const auto& key = proof.certificate().fingerprint();
   if (!remembered.insert_or_assign(key, proof).second) return;
@@ -378,7 +378,7 @@ Result<ChainVerifier> ChainVerifier::make(std::vector<Certificate> anchors, std:
   return ChainVerifier(std::move(impl));
 }
 
-Result<ChainValid> ChainVerifier::verify(const Certificate& certificate, WallTime now) const {
+Result<ValidChain> ChainVerifier::verify(const Certificate& certificate, WallTime now) const {
   if (auto known = impl_->recall(certificate, now)) return *std::move(known);
   DDSSEC_ASSIGN_OR_RETURN(auto proof, impl_->judge(certificate, now));
   impl_->remember(proof);

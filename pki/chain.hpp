@@ -22,7 +22,7 @@ enum class CrlPolicy : std::uint8_t { hard_fail, soft_fail };
 
 /// Proof that a certificate chains to the configured CA file at a given time. Only ChainVerifier
 /// creates one.
-class ChainValid {
+class ValidChain {
  public:
   const Certificate& certificate() const { return certificate_; }
   /// Returns the earliest not_after on the path. The proof is valid until then.
@@ -34,7 +34,7 @@ class ChainValid {
 
  private:
   friend class ChainVerifier;
-  explicit ChainValid(Certificate certificate) : certificate_(std::move(certificate)) {}
+  explicit ValidChain(Certificate certificate) : certificate_(std::move(certificate)) {}
   Certificate certificate_;
   WallTime not_before_{};
   WallTime not_after_{};
@@ -66,7 +66,7 @@ class ChainVerifier {
   /// certificate_signature_invalid, certificate_revoked, crl_missing, crl_expired,
   /// crl_not_yet_valid, crl_signature_invalid, not_a_ca, path_too_long, key_usage_forbids,
   /// digest_too_weak, chain_refused (anything else, with OpenSSL's reason).
-  Result<ChainValid> verify(const Certificate& certificate, WallTime now) const;
+  Result<ValidChain> verify(const Certificate& certificate, WallTime now) const;
 
   /// True if a configured list names the certificate or one of the CAs. If not, `verify` does not
   /// fail with certificate_revoked. Costs one lookup in each list.

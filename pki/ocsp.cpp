@@ -152,9 +152,9 @@ struct OcspJudge {
   bool names_as_signer(const Certificate& candidate) const;
   Result<Signer> delegate(const Certificate& candidate, const Certificate& ca) const;
   Status check_signature(const Signer& signer) const;
-  Result<OcspGood> judge(const Answer& answer, const Signer& signer) const;
-  Result<OcspGood> judge_all(const std::vector<Answer>& answers, const Signer& signer) const;
-  Result<OcspGood> judge(BytesView response);
+  Result<GoodOcspStatus> judge(const Answer& answer, const Signer& signer) const;
+  Result<GoodOcspStatus> judge_all(const std::vector<Answer>& answers, const Signer& signer) const;
+  Result<GoodOcspStatus> judge(BytesView response);
   Status revoked(const Answer& answer) const;
   std::string serial() const { return "serial number " + certificate.serial(); }
 };
@@ -248,12 +248,12 @@ Status OcspJudge::revoked(const Answer& answer) const {
                (reason != nullptr ? (answer.revoked_at ? ", " : "") + std::string(reason) : "")});
 }
 
-Result<OcspGood> OcspJudge::judge(const Answer& answer, const Signer& signer) const {
+Result<GoodOcspStatus> OcspJudge::judge(const Answer& answer, const Signer& signer) const {
   if (answer.status != V_OCSP_CERTSTATUS_GOOD)
     return fail(Code::ocsp_unknown, {.field = certificate.subject(), .found = serial()});
   const auto next = answer.next_update.value_or(answer.this_update + kOcspLifeWithoutEnd);
   if (next < answer.this_update) return malformed_error("nextUpdate is before thisUpdate");
-  const OcspGood good(answer.this_update, std::min(next, signer.until.value_or(next)));
+  const GoodOcspStatus good(answer.this_update, std::min(next, signer.until.value_or(next)));
   if (good.holds_at(now)) return good;
   if (answer.this_update > now)
     return fail(Code::ocsp_not_yet_valid, {.field = "thisUpdate",
@@ -268,8 +268,8 @@ Result<OcspGood> OcspJudge::judge(const Answer& answer, const Signer& signer) co
 
 // If there are several answers, each must be good: a certificate that one of them revokes is
 // revoked.
-Result<OcspGood> OcspJudge::judge_all(const std::vector<Answer>& answers,
-                                      const Signer& signer) const {
+Result<GoodOcspStatus> OcspJudge::judge_all(const std::vector<Answer>& answers,
+                                            const Signer& signer) const {
   for (const auto& answer : answers)
     if (answer.status == V_OCSP_CERTSTATUS_REVOKED) DDSSEC_RETURN_IF_ERROR(revoked(answer));
   DDSSEC_ASSIGN_OR_RETURN(auto good, judge(answers.front(), signer));
@@ -282,7 +282,7 @@ Result<OcspGood> OcspJudge::judge_all(const std::vector<Answer>& answers,
 }
 
 // Compares hashes before it does public-key operations, which take longer.
-Result<OcspGood> OcspJudge::judge(BytesView response) {
+Result<GoodOcspStatus> OcspJudge::judge(BytesView response) {
   DDSSEC_ASSIGN_OR_RETURN(basic, parse(response));
   DDSSEC_RETURN_IF_ERROR(check_extent(basic.get()));
   DDSSEC_RETURN_IF_ERROR(check_digest(basic.get()));
@@ -299,8 +299,8 @@ Result<OcspGood> OcspJudge::judge(BytesView response) {
                .found = "answers about others: " + std::to_string(OCSP_resp_count(basic.get()))});
 }
 
-Result<OcspGood> judge_ocsp(BytesView response, const Certificate& certificate,
-                            const ChainVerifier& trust, WallTime now) {
+Result<GoodOcspStatus> judge_ocsp(BytesView response, const Certificate& certificate,
+                                  const ChainVerifier& trust, WallTime now) {
   auto out = OcspJudge{certificate, trust, now}.judge(response);
   take_openssl_reason();
   return out;

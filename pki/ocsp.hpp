@@ -26,7 +26,7 @@ inline constexpr std::chrono::minutes kOcspClockSkew{5};
 inline constexpr std::chrono::hours kOcspLifeWithoutEnd{24};
 
 /// Proof that a responder of the certificate's CA reports it as good. Only judge_ocsp creates one.
-class OcspGood {
+class GoodOcspStatus {
  public:
   WallTime this_update() const { return this_update_; }
   /// Returns nextUpdate, or the end of the responder's certificate if that is earlier.
@@ -38,7 +38,7 @@ class OcspGood {
 
  private:
   friend struct OcspJudge;
-  OcspGood(WallTime this_update, WallTime until) : this_update_(this_update), until_(until) {}
+  GoodOcspStatus(WallTime this_update, WallTime until) : this_update_(this_update), until_(until) {}
   WallTime this_update_;
   WallTime until_;
 };
@@ -61,7 +61,7 @@ Result<OcspDates> ocsp_dates(BytesView response);
 /// Errors: ocsp_too_large, ocsp_malformed, ocsp_not_successful, ocsp_other_certificate,
 /// ocsp_signer_wrong, ocsp_signature_invalid, ocsp_digest_too_weak, ocsp_revoked, ocsp_unknown,
 /// ocsp_expired, ocsp_not_yet_valid, out_of_memory.
-Result<OcspGood> judge_ocsp(BytesView response, const Certificate& certificate,
-                            const ChainVerifier& trust, WallTime now);
+Result<GoodOcspStatus> judge_ocsp(BytesView response, const Certificate& certificate,
+                                  const ChainVerifier& trust, WallTime now);
 
 }  // namespace ddssec::pki

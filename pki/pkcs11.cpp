@@ -16,7 +16,7 @@
 
 #include "base/background_thread.hpp"
 #include "base/uri_source.hpp"
-#include "pki/logins_forbidden.hpp"
+#include "pki/login_ban.hpp"
 #include "pki/token_logins.hpp"
 
 namespace ddssec::pki {
@@ -69,7 +69,7 @@ UI_METHOD* pin_method() {
 std::atomic<bool> one_wrong_pin_is_all = false;
 std::atomic<bool> pin_was_refused = false;
 
-std::atomic<int> forbidding = 0;  // how many LoginsForbidden apply
+std::atomic<int> forbidding = 0;  // how many login bans apply
 
 Status check_may_log_in(std::string_view uri) {
   if (forbidding > 0) return fail(Code::pkcs11_not_tried, {.found = without_pin(uri)});
@@ -209,11 +209,11 @@ Result<SplitUri> read_pin_source(std::string_view text) {
 
 void stop_at_first_wrong_pin() { one_wrong_pin_is_all = true; }
 
-LoginsForbidden::LoginsForbidden(bool applies) : applies_(applies) {
+LoginBan::LoginBan(bool applies) : applies_(applies) {
   if (applies_) ++forbidding;
 }
 
-LoginsForbidden::~LoginsForbidden() {
+LoginBan::~LoginBan() {
   if (applies_) --forbidding;
 }
 

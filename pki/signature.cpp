@@ -61,7 +61,7 @@ Result<Bytes> sign(const PrivateKey& key, BytesView message) {
   return signature;
 }
 
-Result<SignatureValid> verify(const Certificate& signer, BytesView message, BytesView signature) {
+Result<ValidSignature> verify(const Certificate& signer, BytesView message, BytesView signature) {
   EVP_PKEY* pkey = X509_get0_pubkey(impl_of(signer).x509.get());
   const KeyKind kind = signer.key_algorithm().kind;
   if (signature.size() > kMaxSignatureOctets)
@@ -76,7 +76,7 @@ Result<SignatureValid> verify(const Certificate& signer, BytesView message, Byte
   if (EVP_PKEY_verify(context.get(), signature.data(), signature.size(), digest.octets.data(),
                       digest.size) != 1)
     return openssl_failure(Code::signature_invalid, {.field = "signer " + signer.subject()});
-  return SignatureValid(signer);
+  return ValidSignature(signer);
 }
 
 }  // namespace ddssec::pki

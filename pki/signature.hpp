@@ -15,13 +15,13 @@ namespace ddssec::pki {
 inline constexpr std::size_t kMaxSignatureOctets = 2048;
 
 /// Proof that octets were signed with the key of `signer`. Only `verify` creates one.
-class SignatureValid {
+class ValidSignature {
  public:
   const Certificate& signer() const { return signer_; }
 
  private:
-  friend Result<SignatureValid> verify(const Certificate&, BytesView, BytesView);
-  explicit SignatureValid(Certificate signer) : signer_(std::move(signer)) {}
+  friend Result<ValidSignature> verify(const Certificate&, BytesView, BytesView);
+  explicit ValidSignature(Certificate signer) : signer_(std::move(signer)) {}
   Certificate signer_;
 };
 
@@ -32,6 +32,6 @@ Result<Bytes> sign(const PrivateKey& key, BytesView message);
 /// Verifies by the type of the certificate's key, whatever the peer announced. For RSA, any salt
 /// length is accepted (Cyclone signs with the longest). Errors: signature_invalid; internal if
 /// OpenSSL cannot check it, which says nothing about the signature.
-Result<SignatureValid> verify(const Certificate& signer, BytesView message, BytesView signature);
+Result<ValidSignature> verify(const Certificate& signer, BytesView message, BytesView signature);
 
 }  // namespace ddssec::pki

@@ -138,26 +138,26 @@ Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView conten
   return verify_cms(cms, trusted.get(), bio.get(), kFlags, "signer " + ca.subject());
 }
 
-struct Verified {
+struct VerifiedSigner {
   Certificate signer;
   std::optional<WallTime> signing_time;
 };
 
-Result<Verified> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
-                                 BytesView content) {
+Result<VerifiedSigner> verified_signer(const std::vector<Certificate>& cas, BytesView signature,
+                                       BytesView content) {
   DDSSEC_ASSIGN_OR_RETURN(CmsPtr cms, decode_signature(signature));
   DDSSEC_ASSIGN_OR_RETURN(auto* signer, only_signer(cms.get()));
   DDSSEC_RETURN_IF_ERROR(check_digest(signer));
   DDSSEC_ASSIGN_OR_RETURN(const auto possible, candidates(signer, cas));
   const auto time = signing_time_of(signer);
   Status status = verify_with(possible.front(), cms.get(), content);
-  if (status) return Verified{possible.front(), time};
+  if (status) return VerifiedSigner{possible.front(), time};
   for (std::size_t i = 1; i < possible.size(); ++i) {
     // A structure remembers the certificate with which it was verified, so each further certificate
     // needs a fresh one.
     DDSSEC_ASSIGN_OR_RETURN(cms, decode_signature(signature));
     status = verify_with(possible[i], cms.get(), content);
-    if (status) return Verified{possible[i], time};
+    if (status) return VerifiedSigner{possible[i], time};
   }
   return std::unexpected(status.error());
 }

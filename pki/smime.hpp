@@ -35,7 +35,7 @@ class SignedDocument {
 
  private:
   friend class DocumentVerifier;
-  SignedDocument(Bytes octets, std::size_t header, int first_line, ChainValid proof)
+  SignedDocument(Bytes octets, std::size_t header, int first_line, ValidChain proof)
       : signed_octets_(std::move(octets)),
         header_octets_(header),
         first_line_(first_line),
@@ -43,7 +43,7 @@ class SignedDocument {
   Bytes signed_octets_;
   std::size_t header_octets_;
   int first_line_;
-  ChainValid proof_;
+  ValidChain proof_;
   std::optional<WallTime> signing_time_ = {};
 };
 

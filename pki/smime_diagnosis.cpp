@@ -20,7 +20,7 @@ namespace {
 using Pkcs7Ptr = std::unique_ptr<PKCS7, Deleter<PKCS7_free>>;
 
 // A signature as OpenSSL finds it, and the signed text if that is beside the signature.
-struct Parsed {
+struct ParsedSignature {
   Pkcs7Ptr pkcs7;
   BioPtr beside;
 };
@@ -35,7 +35,7 @@ Bytes read_all(BIO* bio) {
   return out;
 }
 
-Parsed parse_smime(BytesView file) {
+ParsedSignature parse_smime(BytesView file) {
   const BioPtr in = bio_over(file);
   BIO* beside = nullptr;
   Pkcs7Ptr pkcs7(in ? SMIME_read_PKCS7(in.get(), &beside) : nullptr);
@@ -192,7 +192,7 @@ bool read_as_plugins_do(BytesView file, DocumentForm& form) {
   return true;
 }
 
-DocumentWrapping wrapping_of(BytesView file, Parsed& parsed) {
+DocumentWrapping wrapping_of(BytesView file, ParsedSignature& parsed) {
   parsed = parse_smime(file);
   if (parsed.pkcs7) return parsed.beside ? DocumentWrapping::multipart : DocumentWrapping::opaque;
   const auto text = as_text(file);
@@ -295,7 +295,7 @@ DocumentForm examine_document(BytesView file) {
     take_openssl_reason();
     return form;
   }
-  Parsed parsed;
+  ParsedSignature parsed;
   form.wrapping = wrapping_of(file, parsed);
   if (form.wrapping == DocumentWrapping::none) form.unverified_text = to_bytes(file);
   if (parsed.pkcs7) {

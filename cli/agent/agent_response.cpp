@@ -20,11 +20,11 @@ namespace {
 constexpr std::chrono::minutes kRetry{5};
 
 // The response is fetched at half of its life, so that a responder may be down for the other half.
-WallTime half_life(const pki::OcspGood& response) {
+WallTime half_life(const pki::GoodOcspStatus& response) {
   return response.this_update() + (response.until() - response.this_update()) / 2;
 }
 
-Result<pki::OcspGood> response_in_place(const ResponseTask& task) {
+Result<pki::GoodOcspStatus> response_in_place(const ResponseTask& task) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(ocsp_file(task.files), pki::kMaxOcspOctets));
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(task.files.identity_ca));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::ChainVerifier::make(std::move(anchors)));
@@ -60,7 +60,7 @@ Status check_may_ask(const ResponseTask& task) {
                        "minutes"});
 }
 
-Result<pki::OcspGood> renew(const ResponseTask& task, Json& event) {
+Result<pki::GoodOcspStatus> renew(const ResponseTask& task, Json& event) {
   DDSSEC_RETURN_IF_ERROR(check_may_ask(task));
   const auto fetched = fetch_response({task.files, task.certificate}, task.now);
   if (!fetched) {

@@ -21,7 +21,7 @@ namespace {
 
 // An attacker on the path to the responder could replay a recorded response, because the connection
 // is not protected. Refuses a response that has expired or is older than the present one.
-Status check_later(const pki::OcspGood& fetched, const ResponseRequest& wanted,
+Status check_later(const pki::GoodOcspStatus& fetched, const ResponseRequest& wanted,
                    const pki::ChainVerifier& verifier, WallTime now) {
   const auto refuse = [&](const char* field, WallTime earliest, WallTime found) {
     return fail(Code::ocsp_expired, {.field = field,

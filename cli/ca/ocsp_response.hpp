@@ -28,7 +28,7 @@ struct ResponseRequest {
 /// A response that was verified, and says that the certificate is good.
 struct FetchedResponse {
   Bytes octets;
-  pki::OcspGood good;
+  pki::GoodOcspStatus good;
   std::string url;
 };
 

@@ -27,8 +27,8 @@ fs::path response_file(const LoadedFolder& folder, const spi::PropertyList& prop
 
 // The response in the file, judged with the CAs and revocation lists of `judge`. Errors:
 // file_not_found; those of read_file and judge_ocsp, or of the parts of the folder that are needed.
-Result<pki::OcspGood> response_of(const LoadedFolder& folder, const fs::path& file,
-                                  const LoadedFolder& judge, WallTime now) {
+Result<pki::GoodOcspStatus> response_of(const LoadedFolder& folder, const fs::path& file,
+                                        const LoadedFolder& judge, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(file, pki::kMaxOcspOctets));
   if (!folder.certificate) return std::unexpected(folder.certificate.error());
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, judge.chain());

@@ -13,7 +13,7 @@
 #include "governance/doctor/effective_security.hpp"
 #include "governance/doctor/expanded_variables.hpp"
 #include "pki/certificate_source.hpp"
-#include "pki/logins_forbidden.hpp"
+#include "pki/login_ban.hpp"
 #include "pki/participant_folder.hpp"
 #include "plugins/spi/clock_step_grace.hpp"
 #include "plugins/spi/process_properties.hpp"
@@ -54,7 +54,7 @@ std::string document_of(const Error& error, const fs::path& otherwise) {
 
 void check_own_start(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
                      const doctor::Diagnosis& before, doctor::Diagnosis& out) {
-  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(folder.paths));
+  const pki::LoginBan no_logins(pki::may_be_changed_by_others(folder.paths));
   std::error_code ignored;
   if (!fs::exists(folder.paths.properties, ignored)) return;
   if (!starts(before) || !starts(doctor::diagnose(folder, settings))) return;
@@ -168,7 +168,7 @@ Status start_in_cyclonedds(spi::PropertyList of_host, const doctor::Settings& se
 void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
                                bool is_in_use, const doctor::Diagnosis& before,
                                doctor::Diagnosis& out) {
-  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(folder.paths));
+  const pki::LoginBan no_logins(pki::may_be_changed_by_others(folder.paths));
   const auto file = variable(spi::kPropertiesVariable);
   const auto configuration = host_configuration_for(folder, settings);
   const bool is_configured = configuration && configuration->security.applies;

@@ -63,7 +63,7 @@ bool is_about_dates(Code code) {
 
 Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const std::vector<pki::Certificate>& cas,
-                        const Result<pki::ChainValid>& proof, bool dates_elsewhere,
+                        const Result<pki::ValidChain>& proof, bool dates_elsewhere,
                         const Lineup& lineup) {
   Outcomes out;
   if (!proof && !(dates_elsewhere && is_about_dates(proof.error().code()))) {

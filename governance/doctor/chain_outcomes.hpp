@@ -13,7 +13,7 @@ namespace ddssec::governance::doctor {
 /// reports them.
 Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const std::vector<pki::Certificate>& cas,
-                        const Result<pki::ChainValid>& proof, bool dates_elsewhere,
+                        const Result<pki::ValidChain>& proof, bool dates_elsewhere,
                         const Lineup& lineup);
 
 /// True for the codes certificate_expired and certificate_not_yet_valid.

@@ -245,7 +245,7 @@ void check_chain(const LoadedFolder& folder, const Settings& settings, Diagnosis
   const auto verifier = pki::ChainVerifier::make(*folder.identity_cas);
   const auto proof =
       verifier ? verifier->verify(*folder.certificate, time_to_judge(folder, settings.now))
-               : Result<pki::ChainValid>(std::unexpected(verifier.error()));
+               : Result<pki::ValidChain>(std::unexpected(verifier.error()));
   const auto outcomes =
       chain_outcomes(*folder.certificate, *folder.identity_cas, proof, true, settings.lineup);
   if (outcomes.all_ok()) return out.pass(Rule::DOC020);

@@ -5,7 +5,7 @@
 #include "governance/doctor/lenient_text.hpp"
 #include "governance/read.hpp"
 #include "pki/certificate_source.hpp"
-#include "pki/logins_forbidden.hpp"
+#include "pki/login_ban.hpp"
 #include "pki/participant_folder.hpp"
 
 namespace ddssec::governance::doctor {
@@ -154,7 +154,7 @@ Result<pki::ChainVerifier> LoadedFolder::chain(Product judge) const {
 }
 
 LoadedFolder load_folder(const pki::ParticipantFolder& paths, WallTime now) {
-  const pki::LoginsForbidden no_logins(pki::may_be_changed_by_others(paths));
+  const pki::LoginBan no_logins(pki::may_be_changed_by_others(paths));
   const auto bundle = [](const fs::path& path) {
     return load_with(path, pki::kMaxBundleOctets, &pki::Certificate::bundle_from_pem);
   };

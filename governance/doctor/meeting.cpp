@@ -31,7 +31,7 @@ Status judge_certificate(const Party& judge, const Party& subject, WallTime now)
   // Stock products also take CAs with which ddssec makes no verifier.
   const auto verifier = judge.folder.chain(judge.product);
   const auto proof = verifier ? verifier->verify(*certificate, now)
-                              : Result<pki::ChainValid>(std::unexpected(verifier.error()));
+                              : Result<pki::ValidChain>(std::unexpected(verifier.error()));
   const auto outcomes =
       chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);
   if (outcomes.of(judge.product) == Outcome::ok) return {};

@@ -56,7 +56,7 @@ struct AwaitFinal {
 struct Established {
   std::shared_ptr<const spi::SharedSecret> secret;
   std::shared_ptr<const PresentedDocuments> own;  ///< the documents with which it was proven
-  pki::SignatureValid proof;
+  pki::ValidSignature proof;
   JudgedPeer peer;
   Transcript transcript;
   bool is_initiator;

@@ -50,7 +50,7 @@ void IdentityTable::drop_end(std::int64_t handle, const Common& identity) {
   if (identity.ends) ends_.erase({*identity.ends, handle});
 }
 
-void IdentityTable::set_renewed(spi::IdentityHandle handle, const pki::ChainValid& chain) {
+void IdentityTable::set_renewed(spi::IdentityHandle handle, const pki::ValidChain& chain) {
   const std::unique_lock lock(mutex_);
   const auto local = locals_.find(handle.value);
   if (local == locals_.end() || local->second.has_ended) return;
@@ -58,7 +58,7 @@ void IdentityTable::set_renewed(spi::IdentityHandle handle, const pki::ChainVali
 }
 
 Result<spi::IdentityHandle> IdentityTable::add_local(std::shared_ptr<OwnIdentity> identity,
-                                                     const pki::ChainValid& chain) {
+                                                     const pki::ValidChain& chain) {
   const std::unique_lock lock(mutex_);
   if (locals_.size() >= max_local_)
     return fail(Code::too_many_local_identities,

@@ -71,7 +71,7 @@ class IdentityTable {
 
   /// Adds a local identity that expires with `chain`. Error: too_many_local_identities.
   Result<spi::IdentityHandle> add_local(std::shared_ptr<OwnIdentity> identity,
-                                        const pki::ChainValid& chain);
+                                        const pki::ValidChain& chain);
   /// Returns a local identity. Errors: unknown_identity, identity_ended, or the reason of its
   /// revocation.
   Result<std::shared_ptr<OwnIdentity>> local(spi::IdentityHandle handle) const;
@@ -103,11 +103,11 @@ class IdentityTable {
 
   /// Notes that a local identity has a renewed certificate: it then expires with `chain`. Its
   /// remote identities do so when they have authenticated again. Does nothing if it has expired.
-  void set_renewed(spi::IdentityHandle local, const pki::ChainValid& chain);
+  void set_renewed(spi::IdentityHandle local, const pki::ValidChain& chain);
 
   struct Proofs {
-    const pki::ChainValid& peer;
-    const pki::ChainValid& own;  ///< chain of our certificate that the peer has seen
+    const pki::ValidChain& peer;
+    const pki::ValidChain& own;  ///< chain of our certificate that the peer has seen
     /// True if the peer keeps the session after the end of our certificate.
     bool peer_keeps_session = false;
     bool peer_reads_lists = false;  ///< see JudgedPeer::reads_lists

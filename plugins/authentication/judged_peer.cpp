@@ -29,7 +29,7 @@ BytesView without_trailing_nul(BytesView octets) {
   return !octets.empty() && octets.back() == 0 ? octets.first(octets.size() - 1) : octets;
 }
 
-Result<pki::ChainValid> chain_of(BytesView octets, const Guid& guid, const TrustStore& trust,
+Result<pki::ValidChain> chain_of(BytesView octets, const Guid& guid, const TrustStore& trust,
                                  WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, trust.certificate(octets));
   DDSSEC_RETURN_IF_ERROR(check_binding(certificate, guid));
@@ -77,7 +77,7 @@ Status JudgedPeer::check_ocsp(const std::optional<BytesView>& response, const Tr
   return {};
 }
 
-JudgedPeer::JudgedPeer(pki::ChainValid chain, const Credentials& credentials)
+JudgedPeer::JudgedPeer(pki::ValidChain chain, const Credentials& credentials)
     : chain_(std::move(chain)),
       key_agreement_(key_agreement_name(credentials.key_agreement)),
       ciphers_(ciphers_in_participant_data(credentials.participant_data)),

@@ -34,7 +34,7 @@ class JudgedPeer {
   /// Returns the reason why the peer's response counts as none, if it sent one that cannot be used.
   const std::optional<Error>& ocsp_unused() const { return ocsp_unused_; }
 
-  const pki::ChainValid& chain() const { return chain_; }
+  const pki::ValidChain& chain() const { return chain_; }
   const pki::Certificate& certificate() const { return chain_.certificate(); }
 
   /// Returns the AuthenticatedPeerCredentialToken: binary c.id and c.perm (DDS-Security 1.2,
@@ -60,10 +60,10 @@ class JudgedPeer {
   const SignedDomain& domain() const { return domain_; }
 
  private:
-  JudgedPeer(pki::ChainValid chain, const Credentials& credentials);
+  JudgedPeer(pki::ValidChain chain, const Credentials& credentials);
   void set_credential(BytesView permissions);
 
-  pki::ChainValid chain_;
+  pki::ValidChain chain_;
   std::string_view key_agreement_;  ///< name of the key agreement
   std::optional<spi::Token> credential_;
   spi::CipherMask ciphers_;

@@ -12,7 +12,7 @@ using Authenticated = IdentityTable::Authenticated;
 
 // The certificates with which a session goes on now.
 struct Followed {
-  std::optional<pki::ChainValid> peer = {};
+  std::optional<pki::ValidChain> peer = {};
   bool by_list = false;  // true if the list has the peer's certificate
   std::string why_not = {};
 };
@@ -29,7 +29,7 @@ Followed followed_peer(const Authenticated& peer, const OwnIdentity& local, Wall
 
 // Returns the proof of our own certificate: the one that the peer has seen if that is valid,
 // otherwise the one in force, if the peer may know it from its list.
-std::optional<pki::ChainValid> followed_own(const Authenticated& peer, const OwnIdentity& local,
+std::optional<pki::ValidChain> followed_own(const Authenticated& peer, const OwnIdentity& local,
                                             WallTime now) {
   if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
   const auto present = local.certificate();
@@ -40,7 +40,7 @@ std::optional<pki::ChainValid> followed_own(const Authenticated& peer, const Own
   return chain ? std::optional(*std::move(chain)) : std::nullopt;
 }
 
-Error listed(const pki::ChainValid& chain) {
+Error listed(const pki::ValidChain& chain) {
   return Error(Code::peer_renewal_listed,
                {.document = "certificate of " + chain.certificate().subject(),
                 .field = "notAfter",

@@ -42,7 +42,7 @@ class ListedRenewals {
     const pki::Certificate& latest;
   };
   struct Found {
-    std::optional<pki::ChainValid> chain = {};
+    std::optional<pki::ValidChain> chain = {};
     std::string why_not = {};  ///< a reason for a person; empty if nothing is listed
   };
   /// Returns the certificate with which the session goes on. It has the same subject and the key

@@ -43,7 +43,7 @@ spi::Token OwnIdentity::identity_token(spi::CipherMask ciphers) const {
   return write_identity_token(own, issuer == anchors.end() ? anchors.front() : *issuer, ciphers);
 }
 
-Result<pki::ChainValid> OwnIdentity::verify(const pki::Certificate& own, WallTime now) const {
+Result<pki::ValidChain> OwnIdentity::verify(const pki::Certificate& own, WallTime now) const {
   return with_property(own_trust()->verify(own, now), property::kIdentityCertificate);
 }
 

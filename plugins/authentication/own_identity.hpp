@@ -38,9 +38,9 @@ class OwnIdentity {
   spi::Token identity_token(spi::CipherMask ciphers) const;
 
   /// Judges our own certificate again. Errors of ChainVerifier::verify.
-  Result<pki::ChainValid> verify(WallTime now) const { return verify(certificate(), now); }
+  Result<pki::ValidChain> verify(WallTime now) const { return verify(certificate(), now); }
   /// Returns the same for a certificate that a handshake presents.
-  Result<pki::ChainValid> verify(const pki::Certificate& own, WallTime now) const;
+  Result<pki::ValidChain> verify(const pki::Certificate& own, WallTime now) const;
 
   /// Returns the warnings that are due now, each once: identity_ends_soon, crl_ends_soon.
   std::vector<Error> ends_soon(WallTime now);

@@ -18,7 +18,7 @@ namespace ddssec::authentication {
 struct OcspInForce {
   pki::Certificate certificate;
   Bytes octets;
-  pki::OcspGood good;
+  pki::GoodOcspStatus good;
 };
 
 /// Watches the file of the response. Not thread-safe.

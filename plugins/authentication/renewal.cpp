@@ -41,7 +41,7 @@ void renew_ocsp_response(OwnIdentity& identity, const PluginServices& services) 
                  .found = response ? to_string(response->good.until()) : std::string("passed")})));
 }
 
-Error renewed_until(const OwnIdentity& identity, const pki::ChainValid& chain) {
+Error renewed_until(const OwnIdentity& identity, const pki::ValidChain& chain) {
   return Error(Code::identity_renewed, {.document = identity.identity_path(),
                                         .field = "notAfter",
                                         .found = to_string(chain.not_after()),

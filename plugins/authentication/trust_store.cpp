@@ -43,8 +43,9 @@ void TrustStore::remember(BytesView pem, const pki::Certificate& certificate) co
 
 // Only good responses are remembered. A trusted responder has signed these, so an attacker cannot
 // fill the memory.
-Result<pki::OcspGood> TrustStore::ocsp(BytesView response, const pki::Certificate& certificate,
-                                       WallTime now) const {
+Result<pki::GoodOcspStatus> TrustStore::ocsp(BytesView response,
+                                             const pki::Certificate& certificate,
+                                             WallTime now) const {
   Bytes octets = to_bytes(certificate.fingerprint());
   octets.insert(octets.end(), response.begin(), response.end());
   const Sha256Digest digest = sha256(octets);

@@ -28,7 +28,7 @@ class TrustStore {
   Result<pki::Certificate> certificate(BytesView pem) const;
 
   /// Verifies the certificate at `now`. Errors: those of ChainVerifier::verify.
-  Result<pki::ChainValid> verify(const pki::Certificate& certificate, WallTime now) const {
+  Result<pki::ValidChain> verify(const pki::Certificate& certificate, WallTime now) const {
     return verifier_.verify(certificate, now);
   }
 
@@ -39,8 +39,8 @@ class TrustStore {
 
   /// Judges a peer's OCSP response, or returns the former result: the same response costs only one
   /// lookup. Errors: those of pki::judge_ocsp.
-  Result<pki::OcspGood> ocsp(BytesView response, const pki::Certificate& certificate,
-                             WallTime now) const;
+  Result<pki::GoodOcspStatus> ocsp(BytesView response, const pki::Certificate& certificate,
+                                   WallTime now) const;
 
   /// Remembers a certificate. Call it only after `verify` succeeded, so that unproven certificates
   /// take no memory.
@@ -56,7 +56,7 @@ class TrustStore {
   pki::ChainVerifier verifier_;
   mutable std::mutex mutex_;
   mutable std::unordered_map<Sha256Digest, pki::Certificate, DigestHash> known_;
-  mutable std::unordered_map<Sha256Digest, pki::OcspGood, DigestHash> known_ocsp_;
+  mutable std::unordered_map<Sha256Digest, pki::GoodOcspStatus, DigestHash> known_ocsp_;
 };
 
 /// Shares stores: identities with the same authorities and lists get the same store, so that a

@@ -19,10 +19,10 @@ struct Ocsp : testing::Test {
                             .key = ca.key(),
                             .now = kNow};
 
-  Result<OcspGood> judge(std::vector<Crl> crls = {}) const {
+  Result<GoodOcspStatus> judge(std::vector<Crl> crls = {}) const {
     return judge(test::ocsp_response(content), std::move(crls));
   }
-  Result<OcspGood> judge(BytesView response, std::vector<Crl> crls = {}) const {
+  Result<GoodOcspStatus> judge(BytesView response, std::vector<Crl> crls = {}) const {
     return judge_ocsp(response, leaf.certificate,
                       make_verifier({ca.certificate()}, std::move(crls)), kNow);
   }

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "pki/logins_forbidden.hpp"
+#include "pki/login_ban.hpp"
 #include "pki/signature.hpp"
 #include "pki/smime.hpp"
 #include "pki_fixture.hpp"
@@ -83,12 +83,12 @@ TEST_F(Pkcs11Token, MissingOrWrongPin_IsRefused) {
 TEST_F(Pkcs11Token, ForbiddenLogin_IsNotTried) {
   const auto right = pin();
   {
-    const LoginsForbidden forbidden(true);
+    const LoginBan forbidden(true);
     EXPECT_CODE(PrivateKey::load(uri("ec"), kProperty, &right), pkcs11_not_tried);
-    const LoginsForbidden of_another_folder(false);
+    const LoginBan of_another_folder(false);
     EXPECT_CODE(PrivateKey::load(uri("ec"), kProperty, &right), pkcs11_not_tried);
   }
-  const LoginsForbidden allowed(false);
+  const LoginBan allowed(false);
   ASSERT_OK(PrivateKey::load(uri("ec"), kProperty, &right));
 }
 
