@@ -88,13 +88,13 @@ std::size_t PartitionNames::octets() const {
   return octets;
 }
 
-AnnouncedEndpoints::Announced::Announced(Action of, const spi::EndpointRequest& request)
+AnnouncedEndpoints::Announcement::Announcement(Action of, const spi::EndpointRequest& request)
     : action(of),
       topic(request.topic_name),
       partitions(request.partitions),
       data_tags(request.data_tags.begin(), request.data_tags.end()) {}
 
-std::size_t AnnouncedEndpoints::Announced::octets() const {
+std::size_t AnnouncedEndpoints::Announcement::octets() const {
   auto octets = sizeof *this + topic.size() + partitions.octets();
   for (const auto& tag : data_tags) octets += sizeof tag + tag.name.size() + tag.value.size();
   return octets;
@@ -103,7 +103,7 @@ std::size_t AnnouncedEndpoints::Announced::octets() const {
 void AnnouncedEndpoints::note(Action action, const spi::EndpointRequest& request) {
   if (octets_of(request) > kMaxOctets) return;
   std::list<One> fresh;
-  fresh.push_back(std::make_shared<const Announced>(action, request));
+  fresh.push_back(std::make_shared<const Announcement>(action, request));
   const std::lock_guard lock(mutex_);
   const auto known =
       std::ranges::find_if(newest_first_, [&](const One& one) { return *one == *fresh.front(); });

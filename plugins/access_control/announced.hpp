@@ -63,9 +63,9 @@ class AnnouncedEndpoints {
   static constexpr std::size_t kMaxMemory = 256 * 1024;
 
   /// An endpoint's request, with copies of its texts.
-  struct Announced {
-    Announced(Action action, const spi::EndpointRequest& request);
-    bool operator==(const Announced&) const = default;
+  struct Announcement {
+    Announcement(Action action, const spi::EndpointRequest& request);
+    bool operator==(const Announcement&) const = default;
     /// Returns the octets of memory that it needs.
     std::size_t octets() const;
 
@@ -74,7 +74,7 @@ class AnnouncedEndpoints {
     PartitionNames partitions;
     spi::PropertyList data_tags;
   };
-  using One = std::shared_ptr<const Announced>;
+  using One = std::shared_ptr<const Announcement>;
 
   /// Remembers an allowed announcement.
   void note(Action action, const spi::EndpointRequest& request);

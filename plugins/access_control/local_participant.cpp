@@ -155,13 +155,13 @@ Status LocalParticipant::set_judging_documents(JudgingDocuments documents) {
   return {};
 }
 
-std::shared_ptr<const LocalParticipant::Pending> LocalParticipant::pending() const {
+std::shared_ptr<const LocalParticipant::PendingGovernance> LocalParticipant::pending() const {
   const std::lock_guard lock(mutex_);
   return pending_;
 }
 
-void LocalParticipant::set_pending(Pending pending) {
-  auto next = std::make_shared<const Pending>(std::move(pending));
+void LocalParticipant::set_pending(PendingGovernance pending) {
+  auto next = std::make_shared<const PendingGovernance>(std::move(pending));
   const std::lock_guard lock(mutex_);
   pending_ = std::move(next);
 }

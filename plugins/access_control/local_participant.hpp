@@ -69,14 +69,14 @@ class LocalParticipant {
   void set_listed(std::shared_ptr<const ListedPermissions> listed);
 
   /// A governance document that waits until the host has changed the protection of its endpoints.
-  struct Pending {
+  struct PendingGovernance {
     std::shared_ptr<const governance::CompiledGovernance> governance;
     Sha256Digest digest{};  ///< digest of its signed text
   };
   /// Returns the document that waits; nullptr if none does.
-  std::shared_ptr<const Pending> pending() const;
+  std::shared_ptr<const PendingGovernance> pending() const;
   /// Makes a document wait. It replaces one that waits already.
-  void set_pending(Pending pending);
+  void set_pending(PendingGovernance pending);
   /// Gives up the document that waits, if there is one. The document in force stays.
   void drop_pending();
   /// Returns the rules of the document with that digest; nullptr unless it waits, or was in force
@@ -93,9 +93,10 @@ class LocalParticipant {
 
   mutable std::mutex mutex_;
   std::shared_ptr<const JudgingDocuments> judging_documents_;
-  std::shared_ptr<const Pending> pending_;
+  std::shared_ptr<const PendingGovernance> pending_;
   std::shared_ptr<const ListedPermissions> listed_;
-  Pending former_;  ///< in force before the last document that waited; nullptr: there was none
+  PendingGovernance
+      former_;  ///< in force before the last document that waited; nullptr: there was none
   mutable std::set<std::string, std::less<>> topics_in_use_;
   mutable bool has_more_topics_ = false;
 };

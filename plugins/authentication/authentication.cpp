@@ -154,10 +154,11 @@ Revocations PkiDh::look_at_files(IdentityHandle local) {
   auto revocations = find_revocations(table_, local, stores_, services_);
   const auto own = table_.locals(local);
   const auto is_own = [&](IdentityHandle handle) {
-    return std::ranges::find(own, handle, &IdentityTable::OurOwn::handle) != own.end();
+    return std::ranges::find(own, handle, &IdentityTable::OwnIdentityEntry::handle) != own.end();
   };
   const auto ended = table_.ended_by(services_.clock.calendar_seconds(), local);
-  if (std::ranges::none_of(revocations.identities, is_own, &IdentityTable::Revoked::handle) &&
+  if (std::ranges::none_of(revocations.identities, is_own,
+                           &IdentityTable::RevokedIdentity::handle) &&
       std::ranges::none_of(ended, is_own, &IdentityTable::EndedIdentity::handle))
     return revocations;
   for (const auto& one : own) one.identity->force_poll();

@@ -1,12 +1,12 @@
 // Legal edges; everything else is refused and changes nothing.
 //
-//   (start)      --our request------->  AwaitReply    sends Req
-//   (start)      --Req--------------->  AwaitFinal    sends Reply
-//   AwaitReply   --Reply------------->  Established   sends Final
-//   AwaitFinal   --the same Req------>  AwaitFinal    sends the same Reply
-//   AwaitFinal   --Final------------->  Established
-//   Established  --the same Reply---->  Established   sends the same Final
-//   Established  --the same Final---->  Established
+//   (start)             --our request------->  AwaitReply          sends Req
+//   (start)             --Req--------------->  AwaitFinal          sends Reply
+//   AwaitReply          --Reply------------->  EstablishedSession  sends Final
+//   AwaitFinal          --the same Req------>  AwaitFinal          sends the same Reply
+//   AwaitFinal          --Final------------->  EstablishedSession
+//   EstablishedSession  --the same Reply---->  EstablishedSession  sends the same Final
+//   EstablishedSession  --the same Final---->  EstablishedSession
 #include "plugins/authentication/handshake.hpp"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ std::unexpected<Error> unexpected_message_error(TokenClass token_class, std::str
 
 std::string_view name_of(const AwaitReply&) { return "while waiting for a reply"; }
 std::string_view name_of(const AwaitFinal&) { return "while waiting for a final"; }
-std::string_view name_of(const Established&) { return "after the handshake"; }
+std::string_view name_of(const EstablishedSession&) { return "after the handshake"; }
 
 TokenClass class_of(const HandshakeRequest&) { return TokenClass::request; }
 TokenClass class_of(const HandshakeReply&) { return TokenClass::reply; }
@@ -105,7 +105,7 @@ Result<pki::EphemeralKey> key_of_reply(const HandshakeContext& context,
   return pki::EphemeralKey::generate(kind);
 }
 
-// AwaitReply --Reply--> Established
+// AwaitReply --Reply--> EstablishedSession
 Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply,
                             const HandshakeContext& context) {
   const auto& credentials = reply.credentials;
@@ -127,14 +127,14 @@ Result<HandshakeOutcome> on(const AwaitReply& state, const HandshakeReply& reply
                           shared_secret(state.key, peer_key, transcript, peer, context));
   DDSSEC_ASSIGN_OR_RETURN(auto final, HandshakeFinal::write(transcript, state.own->key));
   HandshakeOutcome outcome{ValidationResult::ok_final_message, final};
-  outcome.next = Established{.secret = std::move(secret),
-                             .own = state.own,
-                             .proof = std::move(proof),
-                             .peer = std::move(peer),
-                             .transcript = std::move(transcript),
-                             .is_initiator = true,
-                             .signature = to_bytes(reply.signature),
-                             .final = std::move(final)};
+  outcome.next = EstablishedSession{.secret = std::move(secret),
+                                    .own = state.own,
+                                    .proof = std::move(proof),
+                                    .peer = std::move(peer),
+                                    .transcript = std::move(transcript),
+                                    .is_initiator = true,
+                                    .signature = to_bytes(reply.signature),
+                                    .final = std::move(final)};
   return outcome;
 }
 
@@ -147,7 +147,7 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeRequest& req
                           with_ocsp_response(state.reply, context.local, *state.own, context.now)};
 }
 
-// AwaitFinal --Final--> Established
+// AwaitFinal --Final--> EstablishedSession
 Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final,
                             const HandshakeContext& context) {
   DDSSEC_RETURN_IF_ERROR(final.verify(state.transcript));
@@ -158,19 +158,19 @@ Result<HandshakeOutcome> on(const AwaitFinal& state, const HandshakeFinal& final
   DDSSEC_ASSIGN_OR_RETURN(
       auto secret, shared_secret(state.key, state.peer_key, state.transcript, state.peer, context));
   HandshakeOutcome outcome{ValidationResult::ok};
-  outcome.next = Established{.secret = std::move(secret),
-                             .own = state.own,
-                             .proof = std::move(proof),
-                             .peer = state.peer,
-                             .transcript = state.transcript,
-                             .is_initiator = false,
-                             .signature = to_bytes(final.signature),
-                             .final = std::nullopt};
+  outcome.next = EstablishedSession{.secret = std::move(secret),
+                                    .own = state.own,
+                                    .proof = std::move(proof),
+                                    .peer = state.peer,
+                                    .transcript = state.transcript,
+                                    .is_initiator = false,
+                                    .signature = to_bytes(final.signature),
+                                    .final = std::nullopt};
   return outcome;
 }
 
-// Established --the same Reply--> Established
-Result<HandshakeOutcome> on(const Established& state, const HandshakeReply& reply,
+// EstablishedSession --the same Reply--> EstablishedSession
+Result<HandshakeOutcome> on(const EstablishedSession& state, const HandshakeReply& reply,
                             const HandshakeContext&) {
   const bool same = state.is_initiator && std::ranges::equal(state.signature, reply.signature) &&
                     std::ranges::equal(state.transcript.dh2, reply.dh2) &&
@@ -180,8 +180,8 @@ Result<HandshakeOutcome> on(const Established& state, const HandshakeReply& repl
   return HandshakeOutcome{ValidationResult::ok_final_message, state.final};
 }
 
-// Established --the same Final--> Established
-Result<HandshakeOutcome> on(const Established& state, const HandshakeFinal& final,
+// EstablishedSession --the same Final--> EstablishedSession
+Result<HandshakeOutcome> on(const EstablishedSession& state, const HandshakeFinal& final,
                             const HandshakeContext&) {
   const bool same = !state.is_initiator && std::ranges::equal(state.signature, final.signature) &&
                     final.verify(state.transcript);
@@ -273,7 +273,7 @@ spi::Token with_ocsp_response(spi::Token message, const OwnIdentity& local,
 
 bool is_answer_to(const HandshakeState& state, const spi::Token& token) {
   const auto* waiting = std::get_if<AwaitFinal>(&state);
-  const auto* done = std::get_if<Established>(&state);
+  const auto* done = std::get_if<EstablishedSession>(&state);
   if (waiting == nullptr && (done == nullptr || done->is_initiator)) return false;
   const auto request = HandshakeRequest::read(token);
   return request &&

@@ -53,7 +53,7 @@ struct AwaitFinal {
 };
 
 /// The handshake has ended: both sides have proven that they hold the key of their certificate.
-struct Established {
+struct EstablishedSession {
   std::shared_ptr<const spi::SharedSecret> secret;
   std::shared_ptr<const PresentedDocuments> own;  ///< the documents with which it was proven
   pki::ValidSignature proof;
@@ -64,7 +64,7 @@ struct Established {
   std::optional<spi::Token> final;  ///< the last message sent, as initiator
 };
 
-using HandshakeState = std::variant<AwaitReply, AwaitFinal, Established>;
+using HandshakeState = std::variant<AwaitReply, AwaitFinal, EstablishedSession>;
 
 /// The result of an accepted message. `next` is empty if the state stays the same.
 struct HandshakeOutcome {

@@ -289,9 +289,9 @@ void IdentityTable::mark_ended(std::span<const EndedIdentity> ended) {
   }
 }
 
-std::vector<IdentityTable::OurOwn> IdentityTable::locals(spi::IdentityHandle one) const {
+std::vector<IdentityTable::OwnIdentityEntry> IdentityTable::locals(spi::IdentityHandle one) const {
   const std::shared_lock lock(mutex_);
-  std::vector<OurOwn> locals;
+  std::vector<OwnIdentityEntry> locals;
   for (const auto& [handle, local] : locals_)
     if (!local.has_ended && (!one || one.value == handle))
       locals.push_back({{handle}, local.identity});
@@ -309,10 +309,10 @@ std::vector<std::shared_ptr<IdentityPair>> IdentityTable::pairs_of(
   return pairs;
 }
 
-std::vector<IdentityTable::Authenticated> IdentityTable::authenticated_with(
+std::vector<IdentityTable::AuthenticatedPeer> IdentityTable::authenticated_with(
     spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
-  std::vector<Authenticated> peers;
+  std::vector<AuthenticatedPeer> peers;
   const auto local = locals_.find(handle.value);
   if (local == locals_.end()) return peers;
   for (const auto& [guid, value] : local->second.remotes)
@@ -321,11 +321,12 @@ std::vector<IdentityTable::Authenticated> IdentityTable::authenticated_with(
   return peers;
 }
 
-IdentityTable::Authenticated IdentityTable::Remote::as_authenticated(std::int64_t handle) const {
+IdentityTable::AuthenticatedPeer IdentityTable::Remote::as_authenticated(
+    std::int64_t handle) const {
   return {{handle}, name(), *authenticated, listed, *own_seen, reads_lists};
 }
 
-std::optional<IdentityTable::Authenticated> IdentityTable::authenticated(
+std::optional<IdentityTable::AuthenticatedPeer> IdentityTable::authenticated(
     spi::IdentityHandle handle) const {
   const std::shared_lock lock(mutex_);
   const auto remote = remotes_.find(handle.value);
@@ -334,7 +335,7 @@ std::optional<IdentityTable::Authenticated> IdentityTable::authenticated(
   return remote->second.as_authenticated(handle.value);
 }
 
-void IdentityTable::mark_revoked(std::span<const Revoked> revoked) {
+void IdentityTable::mark_revoked(std::span<const RevokedIdentity> revoked) {
   const std::unique_lock lock(mutex_);
   for (const auto& one : revoked) {
     Common* identity = find(one.handle.value);

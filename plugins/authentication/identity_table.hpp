@@ -146,15 +146,15 @@ class IdentityTable {
   /// Marks these identities: from now on they are refused. Allocates no memory.
   void mark_ended(std::span<const EndedIdentity> ended);
 
-  struct OurOwn {
+  struct OwnIdentityEntry {
     spi::IdentityHandle handle;
     std::shared_ptr<OwnIdentity> identity;
   };
   /// Returns one local identity, or all (nil). Expired ones are left out.
-  std::vector<OurOwn> locals(spi::IdentityHandle local) const;
+  std::vector<OwnIdentityEntry> locals(spi::IdentityHandle local) const;
   /// Returns all pairs of a local identity.
   std::vector<std::shared_ptr<IdentityPair>> pairs_of(spi::IdentityHandle local) const;
-  struct Authenticated {
+  struct AuthenticatedPeer {
     spi::IdentityHandle handle;
     PeerName name;
     pki::Certificate certificate;            ///< the certificate of its handshake
@@ -165,17 +165,17 @@ class IdentityTable {
     const pki::Certificate& latest() const { return listed ? *listed : certificate; }
   };
   /// Returns the remote identities of a local one that have authenticated and have not expired.
-  std::vector<Authenticated> authenticated_with(spi::IdentityHandle local) const;
+  std::vector<AuthenticatedPeer> authenticated_with(spi::IdentityHandle local) const;
   /// Returns a remote identity that has authenticated; empty if it has not, or has expired.
-  std::optional<Authenticated> authenticated(spi::IdentityHandle remote) const;
+  std::optional<AuthenticatedPeer> authenticated(spi::IdentityHandle remote) const;
 
-  struct Revoked {
+  struct RevokedIdentity {
     spi::IdentityHandle handle;
     PeerName peer;  ///< the subject is empty for a local identity
     Error reason;
   };
   /// Marks these identities: from now on they are refused with their reason. Allocates no memory.
-  void mark_revoked(std::span<const Revoked> revoked);
+  void mark_revoked(std::span<const RevokedIdentity> revoked);
 
   /// Returns the unexpired remote identities of a local one; empty for a remote one.
   std::vector<spi::IdentityHandle> peers_of(spi::IdentityHandle local) const;
@@ -209,7 +209,7 @@ class IdentityTable {
     const std::optional<pki::Certificate>& latest() const {
       return listed ? listed : authenticated;
     }
-    Authenticated as_authenticated(std::int64_t handle) const;
+    AuthenticatedPeer as_authenticated(std::int64_t handle) const;
   };
   using Remotes = std::unordered_map<std::int64_t, Remote>;
 

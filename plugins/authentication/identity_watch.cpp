@@ -73,9 +73,8 @@ const std::string& IdentityWatch::path_of(const Error& error) const {
   return is_about_key && !key_path_.empty() ? key_path_ : path_;
 }
 
-Result<std::optional<IdentityWatch::Found>> IdentityWatch::poll(std::chrono::nanoseconds now,
-                                                                const Found& in_force,
-                                                                const Accept& accept) {
+Result<std::optional<IdentityWatch::FoundIdentity>> IdentityWatch::poll(
+    std::chrono::nanoseconds now, const FoundIdentity& in_force, const Accept& accept) {
   const bool certificate_may = certificate_.may_have_changed(now);
   const bool key_may = key_.may_have_changed(now);
   if (!certificate_may && !key_may) return std::nullopt;
@@ -103,23 +102,22 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::poll(std::chrono::nan
   return std::unexpected(refusals_.note(Error(Code::identity_renewal_refused, std::move(details))));
 }
 
-Result<pki::PrivateKey> IdentityWatch::key(const Found& in_force) const {
+Result<pki::PrivateKey> IdentityWatch::key(const FoundIdentity& in_force) const {
   if (key_path_.empty()) return in_force.key;
   return load_key(uri_of(key_path_), passphrase_);
 }
 
-Result<IdentityWatch::Found> IdentityWatch::read(const Found& in_force) const {
+Result<IdentityWatch::FoundIdentity> IdentityWatch::read(const FoundIdentity& in_force) const {
   if (path_.empty()) return in_force;
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(uri_of(path_)));
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, with_property(pki::Certificate::from_pem(octets),
                                                           property::kIdentityCertificate));
   DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(in_force));
-  return Found{std::move(certificate), std::move(own_key)};
+  return FoundIdentity{std::move(certificate), std::move(own_key)};
 }
 
-Result<std::optional<IdentityWatch::Found>> IdentityWatch::judge(const Found& in_force,
-                                                                 const Accept& accept,
-                                                                 Sha256Digest& content) const {
+Result<std::optional<IdentityWatch::FoundIdentity>> IdentityWatch::judge(
+    const FoundIdentity& in_force, const Accept& accept, Sha256Digest& content) const {
   DDSSEC_ASSIGN_OR_RETURN(const Bytes octets, load_octets(uri_of(path_)));
   content = sha256(octets);
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, with_property(pki::Certificate::from_pem(octets),
@@ -132,7 +130,7 @@ Result<std::optional<IdentityWatch::Found>> IdentityWatch::judge(const Found& in
     DDSSEC_RETURN_IF_ERROR(with_property(own_key.matches(certificate), property::kPrivateKey));
     return std::nullopt;
   }
-  Found found{std::move(certificate), std::move(own_key)};
+  FoundIdentity found{std::move(certificate), std::move(own_key)};
   DDSSEC_RETURN_IF_ERROR(accept(found));
   return found;
 }

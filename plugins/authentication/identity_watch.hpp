@@ -32,19 +32,19 @@ class IdentityWatch {
   /// interval).
   static Result<IdentityWatch> of(const spi::PropertyList& properties);
 
-  struct Found {
+  struct FoundIdentity {
     pki::Certificate certificate;
     pki::PrivateKey key;
   };
   /// Judges a certificate and key that would replace those in force.
-  using Accept = std::function<Status(const Found&)>;
+  using Accept = std::function<Status(const FoundIdentity&)>;
   /// Reads the files if one of them may have changed. The octets that were read are those that are
   /// judged and returned. Empty if the files contain the certificate in force. The files may be
   /// replaced one after the other. A mismatch is therefore an error only if it is found at two
   /// looks in a row. `now` is Clock::monotonic. Error, once as long as the files stay the same:
   /// identity_renewal_refused, about the file, with the fault.
-  Result<std::optional<Found>> poll(std::chrono::nanoseconds now, const Found& in_force,
-                                    const Accept& accept);
+  Result<std::optional<FoundIdentity>> poll(std::chrono::nanoseconds now,
+                                            const FoundIdentity& in_force, const Accept& accept);
 
   /// Makes the next poll read the files, whatever the interval is.
   void force_poll() {
@@ -53,7 +53,7 @@ class IdentityWatch {
   }
 
   /// Reads the files as they are now, whether they have changed or not. Errors: those of pki.
-  Result<Found> read(const Found& in_force) const;
+  Result<FoundIdentity> read(const FoundIdentity& in_force) const;
 
   /// Returns the last error of poll(), as long as the files have not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
@@ -65,9 +65,9 @@ class IdentityWatch {
 
  private:
   IdentityWatch(std::string path, std::string key_path, std::chrono::seconds interval);
-  Result<std::optional<Found>> judge(const Found& in_force, const Accept& accept,
-                                     Sha256Digest& content) const;
-  Result<pki::PrivateKey> key(const Found& in_force) const;
+  Result<std::optional<FoundIdentity>> judge(const FoundIdentity& in_force, const Accept& accept,
+                                             Sha256Digest& content) const;
+  Result<pki::PrivateKey> key(const FoundIdentity& in_force) const;
   const std::string& path_of(const Error& error) const;
 
   std::string path_;

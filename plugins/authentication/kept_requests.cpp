@@ -19,14 +19,14 @@ std::vector<ReplyKey> KeptRequests::reply_keys(IdentityPair& pair) {
 
 void KeptRequests::keep(IdentityPair& pair, MonotonicTime now) {
   const auto has_ended = [](const PairHandshake& one) {
-    return std::holds_alternative<Established>(one.state);
+    return std::holds_alternative<EstablishedSession>(one.state);
   };
   const auto waits = [](const PairHandshake& one) {
     return std::holds_alternative<AwaitReply>(one.state);
   };
   const std::scoped_lock lock(pair.mutex, mutex_);
   if (std::ranges::any_of(pair.handshakes, has_ended)) return;
-  Kept kept{pair.own_challenge, now};
+  Entry kept{pair.own_challenge, now};
   const auto request = std::ranges::find_if(pair.handshakes, waits);
   if (request != pair.handshakes.end()) {
     kept.since = request->began_at;
@@ -56,7 +56,7 @@ std::optional<spi::Challenge> KeptRequests::challenge(spi::IdentityHandle local,
   return std::nullopt;
 }
 
-KeptRequests::Taken KeptRequests::take(spi::IdentityHandle local, const Guid& remote) {
+KeptRequests::KeptHandshake KeptRequests::take(spi::IdentityHandle local, const Guid& remote) {
   const std::lock_guard lock(mutex_);
   auto node = all_.extract({local, remote});
   if (node.empty()) return {};

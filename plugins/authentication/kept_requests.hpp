@@ -41,28 +41,28 @@ class KeptRequests {
   /// Returns the stored challenge; empty if there is none or it is older than kLife.
   std::optional<spi::Challenge> challenge(spi::IdentityHandle local, const Guid& remote,
                                           MonotonicTime now);
-  struct Taken {
+  struct KeptHandshake {
     std::optional<PairHandshake> request = {};
     std::vector<ReplyKey> reply_keys = {};
   };
   /// Removes the pair's entry and returns its content.
-  Taken take(spi::IdentityHandle local, const Guid& remote);
+  KeptHandshake take(spi::IdentityHandle local, const Guid& remote);
   /// Removes all entries of a local identity.
   void forget(spi::IdentityHandle local);
 
  private:
   using Key = std::pair<spi::IdentityHandle, Guid>;  ///< local, remote
-  struct Kept {
+  struct Entry {
     spi::Challenge challenge;
     MonotonicTime since;
-    Taken held = {};
+    KeptHandshake held = {};
   };
   static std::vector<ReplyKey> reply_keys(IdentityPair& pair);
   void make_room(MonotonicTime now);
 
   Random& random_;
   std::mutex mutex_;
-  std::map<Key, Kept> all_;
+  std::map<Key, Entry> all_;
 };
 
 }  // namespace ddssec::authentication

@@ -8,10 +8,10 @@
 namespace ddssec::authentication {
 namespace {
 
-using Authenticated = IdentityTable::Authenticated;
+using AuthenticatedPeer = IdentityTable::AuthenticatedPeer;
 
 // The certificates with which a session goes on now.
-struct Followed {
+struct FollowedCertificates {
   std::optional<pki::ValidChain> peer = {};
   bool by_list = false;  // true if the list has the peer's certificate
   std::string why_not = {};
@@ -19,7 +19,8 @@ struct Followed {
 
 // Returns the proof of the peer: its latest certificate if that is valid, otherwise the one that
 // follows on the list.
-Followed followed_peer(const Authenticated& peer, const OwnIdentity& local, WallTime now) {
+FollowedCertificates followed_peer(const AuthenticatedPeer& peer, const OwnIdentity& local,
+                                   WallTime now) {
   const auto trust = local.peer_trust();
   if (auto latest = trust->verify(peer.latest(), now)) return {.peer = *std::move(latest)};
   if (local.ocsp_policy() == OcspPolicy::hard) return {};
@@ -29,7 +30,7 @@ Followed followed_peer(const Authenticated& peer, const OwnIdentity& local, Wall
 
 // Returns the proof of our own certificate: the one that the peer has seen if that is valid,
 // otherwise the one in force, if the peer may know it from its list.
-std::optional<pki::ValidChain> followed_own(const Authenticated& peer, const OwnIdentity& local,
+std::optional<pki::ValidChain> followed_own(const AuthenticatedPeer& peer, const OwnIdentity& local,
                                             WallTime now) {
   if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
   const auto present = local.certificate();
@@ -50,7 +51,7 @@ Error listed(const pki::ValidChain& chain) {
 
 // Lets a session go on, if it can. Returns nothing if it goes on, and otherwise a note about the
 // peer's certificate, which may be blank.
-std::optional<std::string> follow(IdentityTable& table, const Authenticated& peer,
+std::optional<std::string> follow(IdentityTable& table, const AuthenticatedPeer& peer,
                                   const OwnIdentity& local, const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto found = followed_peer(peer, local, now);
@@ -64,8 +65,8 @@ std::optional<std::string> follow(IdentityTable& table, const Authenticated& pee
 
 }  // namespace
 
-bool follow_renewal_list(IdentityTable& table, const Authenticated& peer, const OwnIdentity& local,
-                         const PluginServices& services) {
+bool follow_renewal_list(IdentityTable& table, const AuthenticatedPeer& peer,
+                         const OwnIdentity& local, const PluginServices& services) {
   return !follow(table, peer, local, services);
 }
 

@@ -22,7 +22,7 @@ void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended
 
 /// As follow_renewal_lists, for a peer whose certificate was issued by none of the CAs trusted now.
 /// Returns true if the session goes on.
-bool follow_renewal_list(IdentityTable& table, const IdentityTable::Authenticated& peer,
+bool follow_renewal_list(IdentityTable& table, const IdentityTable::AuthenticatedPeer& peer,
                          const OwnIdentity& local, const PluginServices& services);
 
 }  // namespace ddssec::authentication

@@ -40,7 +40,7 @@ Result<std::shared_ptr<ListedRenewals>> ListedRenewals::of(const spi::PropertyLi
 }
 
 // Verifies the next certificates that wait.
-void ListedRenewals::verify_some(Judged& list, const TrustStore& trust, WallTime now) {
+void ListedRenewals::verify_some(JudgedList& list, const TrustStore& trust, WallTime now) {
   const auto count = std::min(list.waiting.size(), kMaxVerifiedInAPoll);
   const auto end = list.waiting.begin() + static_cast<std::ptrdiff_t>(count);
   for (auto one = list.waiting.begin(); one != end; ++one) {
@@ -56,7 +56,7 @@ void ListedRenewals::verify_some(Judged& list, const TrustStore& trust, WallTime
   if (list.waiting.empty() && !list.usable.empty()) list.former.clear();
 }
 
-Status ListedRenewals::check_counts(const Judged& list, const TrustStore& trust) {
+Status ListedRenewals::check_counts(const JudgedList& list, const TrustStore& trust) {
   const auto& first = list.first_fault;
   if (!list.waiting.empty() || !list.usable.empty() || !first) return {};
   return fail(Code::renewal_list_refused,
@@ -70,8 +70,8 @@ Status ListedRenewals::adopt(const pki::RenewalList& list, const TrustStore& tru
   std::set<Sha256Digest> known;
   if (verdicts_hold_)
     for (const auto& one : list_.usable) known.insert(one.fingerprint());
-  Judged next{.former = list_.former.empty() ? list_.usable : list_.former,
-              .permissions = list.permissions.size()};
+  JudgedList next{.former = list_.former.empty() ? list_.usable : list_.former,
+                  .permissions = list.permissions.size()};
   for (const auto& one : list.certificates)
     (known.contains(one.fingerprint()) ? next.usable : next.waiting).push_back(one);
   verify_some(next, trust, now);
@@ -142,10 +142,11 @@ std::string ListedRenewals::refusal_of(const pki::Certificate& listed,
   return {};
 }
 
-ListedRenewals::Found ListedRenewals::after(const Session& session, const TrustStore& trust,
-                                            WallTime now) const {
+ListedRenewals::FoundCertificate ListedRenewals::after(const Session& session,
+                                                       const TrustStore& trust,
+                                                       WallTime now) const {
   const std::scoped_lock lock(mutex_);
-  Found out;
+  FoundCertificate out;
   const auto judge = [&](const pki::Certificate& listed) {
     if (listed.subject_digest() != session.proven.subject_digest() || listed == session.latest)
       return;

@@ -41,7 +41,7 @@ class ListedRenewals {
     const pki::Certificate& proven;
     const pki::Certificate& latest;
   };
-  struct Found {
+  struct FoundCertificate {
     std::optional<pki::ValidChain> chain = {};
     std::string why_not = {};  ///< a reason for a person; empty if nothing is listed
   };
@@ -49,7 +49,7 @@ class ListedRenewals {
   /// that the handshake has proven, does not begin before the latest certificate, and `trust`
   /// accepts it at `now`. None if the proven one was revoked. It verifies the certificate, so that
   /// an entry also counts if no poll has verified it yet.
-  Found after(const Session& session, const TrustStore& trust, WallTime now) const;
+  FoundCertificate after(const Session& session, const TrustStore& trust, WallTime now) const;
   /// True if this certificate is on the list. It may not be verified.
   bool holds(const pki::Certificate& certificate) const;
 
@@ -57,7 +57,7 @@ class ListedRenewals {
   std::optional<DocumentState> state() const;
 
  private:
-  struct Judged {
+  struct JudgedList {
     std::vector<pki::Certificate> usable = {};
     std::vector<pki::Certificate> waiting = {};  ///< no poll has verified these yet
     /// The usable ones of the former list, as long as some of this list wait.
@@ -66,8 +66,8 @@ class ListedRenewals {
     std::size_t foreign = 0;                ///< certificates that do not count
     std::optional<Error> first_fault = {};  ///< of the first foreign one
   };
-  static void verify_some(Judged& list, const TrustStore& trust, WallTime now);
-  static Status check_counts(const Judged& list, const TrustStore& trust);
+  static void verify_some(JudgedList& list, const TrustStore& trust, WallTime now);
+  static Status check_counts(const JudgedList& list, const TrustStore& trust);
   Status adopt(const pki::RenewalList& list, const TrustStore& trust, WallTime now);
   Result<std::optional<Error>> note_verified(const TrustStore& trust);
   Error taken_event() const;
@@ -75,7 +75,7 @@ class ListedRenewals {
 
   mutable std::mutex mutex_;
   pki::RenewalListWatch watch_;
-  Judged list_;
+  JudgedList list_;
   bool verdicts_hold_ = true;  ///< false after the trusted CAs or the revocation lists changed
   bool is_reported_ = true;    ///< false until the event about this list has been returned
   std::optional<Error> refused_when_verified_;

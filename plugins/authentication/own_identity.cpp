@@ -112,10 +112,10 @@ Status OwnIdentity::adopt_lists(const std::vector<pki::Crl>& lists, TrustStores&
   return {};
 }
 
-std::optional<OwnIdentity::Unapplied> OwnIdentity::unapplied_renewal() const {
+std::optional<OwnIdentity::UnappliedRenewal> OwnIdentity::unapplied_renewal() const {
   const std::scoped_lock lock(mutex_);
   if (renewals_ <= applied_renewals_) return std::nullopt;
-  return Unapplied{renewals_, authorities_renewal_ > applied_renewals_};
+  return UnappliedRenewal{renewals_, authorities_renewal_ > applied_renewals_};
 }
 
 void OwnIdentity::note_applied(std::uint64_t renewal) {
@@ -155,8 +155,8 @@ std::shared_ptr<const PresentedDocuments> OwnIdentity::presented() const {
 // The subject must stay, because the GUID, the permissions and the counts of peers depend on it.
 // The algorithm must stay, because the identity token in discovery names it. An older certificate
 // would end sooner, or bring back a key that was replaced for a reason.
-Status OwnIdentity::check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
-                                  WallTime now) const {
+Status OwnIdentity::check_renewed(const IdentityWatch::FoundIdentity& found,
+                                  const TrustStore& trust, WallTime now) const {
   const auto former = certificate();
   const auto& renewed = found.certificate;
   const auto differs = [](std::string_view field, std::string expected, std::string is,
@@ -191,7 +191,7 @@ Result<bool> OwnIdentity::renew_identity(const Clock& clock) {
   const auto former = presented();
   DDSSEC_ASSIGN_OR_RETURN(const auto found,
                           watch_.poll(clock.monotonic(), {former->certificate, former->key},
-                                      [&](const IdentityWatch::Found& one) {
+                                      [&](const IdentityWatch::FoundIdentity& one) {
                                         return check_renewed(one, *own_trust(),
                                                              clock.calendar_seconds());
                                       }));
@@ -251,10 +251,10 @@ void OwnIdentity::trust(std::shared_ptr<const TrustStore> store) {
   authorities_renewal_ = ++renewals_;
 }
 
-Result<OwnIdentity::AuthoritiesTaken> OwnIdentity::renew_authorities(TrustStores& stores,
+Result<OwnIdentity::AuthorityRenewal> OwnIdentity::renew_authorities(TrustStores& stores,
                                                                      const Clock& clock) {
   const std::scoped_lock lock(renewal_mutex_);
-  AuthoritiesTaken taken;
+  AuthorityRenewal taken;
   const auto former = own_trust();
   const auto adopt = [&](const std::vector<pki::Certificate>& next) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(taken.identity,
@@ -287,8 +287,8 @@ Result<bool> OwnIdentity::adopt_authorities(const std::vector<pki::Certificate>&
 }
 
 Status OwnIdentity::adopt_with_identity(const std::vector<pki::Certificate>& next,
-                                        const IdentityWatch::Found& identity, TrustStores& stores,
-                                        WallTime now) {
+                                        const IdentityWatch::FoundIdentity& identity,
+                                        TrustStores& stores, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, revocation_lists_.read(next, now));
   DDSSEC_RETURN_IF_ERROR(check_renewal(lists.in_force(), revocation_lists_.in_force(), next, now));
   DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, lists.in_force()));

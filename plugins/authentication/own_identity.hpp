@@ -79,7 +79,7 @@ class OwnIdentity {
   /// Returns the renewal list, with renewed certificates of peers.
   ListedRenewals& listed() const { return *listed_; }
 
-  struct AuthoritiesTaken {
+  struct AuthorityRenewal {
     bool authorities = false;  ///< true if other identity CAs came into force
     bool identity = false;     ///< true if a certificate of one of them did, too
   };
@@ -87,7 +87,7 @@ class OwnIdentity {
   /// check. They must accept our own certificate: the one in force, or else the one that is now in
   /// its file. The latter then comes into force, together with the revocation lists in their file.
   /// Errors: those of AuthorityWatch::poll.
-  Result<AuthoritiesTaken> renew_authorities(TrustStores& stores, const Clock& clock);
+  Result<AuthorityRenewal> renew_authorities(TrustStores& stores, const Clock& clock);
   /// Returns the path of the identity CAs; the property's name if they are not in a file.
   const std::string& authorities_path() const { return authorities_.name(); }
   /// Returns the subjects of the identity CAs, for a person.
@@ -100,11 +100,11 @@ class OwnIdentity {
   void force_poll();
 
   /// Documents that came into force and by which no peer was judged yet.
-  struct Unapplied {
+  struct UnappliedRenewal {
     std::uint64_t renewal;  ///< the number of times that lists or CAs came into force
     bool authorities;       ///< true if CAs are among them
   };
-  std::optional<Unapplied> unapplied_renewal() const;
+  std::optional<UnappliedRenewal> unapplied_renewal() const;
   void note_applied(std::uint64_t renewal);
 
   /// Sets the permissions from a PermissionsCredentialToken. Errors: permissions_credential_wrong,
@@ -126,13 +126,13 @@ class OwnIdentity {
 
   std::shared_ptr<const TrustStore> own_trust() const;
   Status adopt_lists(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now);
-  Status check_renewed(const IdentityWatch::Found& found, const TrustStore& trust,
+  Status check_renewed(const IdentityWatch::FoundIdentity& found, const TrustStore& trust,
                        WallTime now) const;
   Status check_in_trusted_folder(const std::vector<pki::Certificate>& authorities) const;
   Result<bool> adopt_authorities(const std::vector<pki::Certificate>& next, TrustStores& stores,
                                  WallTime now);
   Status adopt_with_identity(const std::vector<pki::Certificate>& next,
-                             const IdentityWatch::Found& identity, TrustStores& stores,
+                             const IdentityWatch::FoundIdentity& identity, TrustStores& stores,
                              WallTime now);
   void trust(std::shared_ptr<const TrustStore> store);
 

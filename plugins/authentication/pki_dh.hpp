@@ -105,11 +105,11 @@ class PkiDh final : public spi::Authentication {
   void drop_excess(HandshakeHandle newest);
   Result<HandshakeStep> process_step(HandshakeHandle handle, const Token& message);
   Result<HandshakeContext> handshake_context(const IdentityPair& pair) const;
-  Status note_authenticated(const IdentityPair& pair, const Established& done);
-  void note_unused_ocsp(const IdentityPair& pair, const Established& done) const;
-  Result<JudgedOffer> judge_peer_offer(const IdentityPair& pair, const Established& session,
+  Status note_authenticated(const IdentityPair& pair, const EstablishedSession& done);
+  void note_unused_ocsp(const IdentityPair& pair, const EstablishedSession& done) const;
+  Result<JudgedOffer> judge_peer_offer(const IdentityPair& pair, const EstablishedSession& session,
                                        const Token& offer) const;
-  Event renewed_peer(const IdentityPair& pair, const Established& session) const;
+  Event renewed_peer(const IdentityPair& pair, const EstablishedSession& session) const;
   void restore_kept_request(const std::shared_ptr<IdentityPair>& pair);
   Token presented_token(const Token& message, const IdentityPair& pair,
                         const PresentedDocuments& own) const;
@@ -119,14 +119,14 @@ class PkiDh final : public spi::Authentication {
                      BytesView participant_data, UnprovenOctets::Share unproven = {});
   UnprovenOctets::Share share_of(const IdentityPair& pair, const Token& request,
                                  const HandshakeOutcome& outcome);
-  /// Calls `f(const IdentityPair&, PairHandshake&, Established&)` under the pair's lock.
+  /// Calls `f(const IdentityPair&, PairHandshake&, EstablishedSession&)` under the pair's lock.
   template <class F>
   auto with_session(HandshakeHandle handle, F&& f) const
-      -> std::invoke_result_t<F, const IdentityPair&, PairHandshake&, Established&>;
-  /// Calls `f(const Established&)` in the same way, if `f` only reads.
+      -> std::invoke_result_t<F, const IdentityPair&, PairHandshake&, EstablishedSession&>;
+  /// Calls `f(const EstablishedSession&)` in the same way, if `f` only reads.
   template <class F>
   auto with_established(HandshakeHandle handle, F&& f) const
-      -> Result<std::invoke_result_t<F, const Established&>>;
+      -> Result<std::invoke_result_t<F, const EstablishedSession&>>;
 
   const PluginServices services_;
   TrustStores stores_;
@@ -141,24 +141,24 @@ class PkiDh final : public spi::Authentication {
 
 template <class F>
 auto PkiDh::with_session(HandshakeHandle handle, F&& f) const
-    -> std::invoke_result_t<F, const IdentityPair&, PairHandshake&, Established&> {
+    -> std::invoke_result_t<F, const IdentityPair&, PairHandshake&, EstablishedSession&> {
   DDSSEC_ASSIGN_OR_RETURN(const auto pair, table_.pair_of(handle));
   const std::scoped_lock lock(pair->mutex);
   const auto handshake = std::ranges::find(pair->handshakes, handle, &PairHandshake::handle);
   if (handshake == pair->handshakes.end()) return fail(Code::unknown_handshake);
-  auto* const done = std::get_if<Established>(&handshake->state);
+  auto* const done = std::get_if<EstablishedSession>(&handshake->state);
   if (done == nullptr) return fail(Code::handshake_not_finished);
   return f(*pair, *handshake, *done);
 }
 
 template <class F>
 auto PkiDh::with_established(HandshakeHandle handle, F&& f) const
-    -> Result<std::invoke_result_t<F, const Established&>> {
-  using Answer = Result<std::invoke_result_t<F, const Established&>>;
-  return with_session(handle,
-                      [&](const IdentityPair&, PairHandshake&, const Established& done) -> Answer {
-                        return f(done);
-                      });
+    -> Result<std::invoke_result_t<F, const EstablishedSession&>> {
+  using Answer = Result<std::invoke_result_t<F, const EstablishedSession&>>;
+  return with_session(
+      handle, [&](const IdentityPair&, PairHandshake&, const EstablishedSession& done) -> Answer {
+        return f(done);
+      });
 }
 
 }  // namespace ddssec::authentication

@@ -15,7 +15,7 @@ Status check_role(bool is_right, std::string_view call) {
 constexpr std::size_t kMaxFinishedPerPair = 4;
 
 bool is_pending(const PairHandshake& handshake) {
-  return !std::holds_alternative<Established>(handshake.state);
+  return !std::holds_alternative<EstablishedSession>(handshake.state);
 }
 
 Status check_participant_data_size(BytesView participant_data) {
@@ -217,7 +217,7 @@ void PkiDh::drop_excess(HandshakeHandle newest) {
 }
 
 // If our certificate was renewed, the one of this handshake may have ended since it began.
-Status PkiDh::note_authenticated(const IdentityPair& pair, const Established& done) {
+Status PkiDh::note_authenticated(const IdentityPair& pair, const EstablishedSession& done) {
   DDSSEC_ASSIGN_OR_RETURN(const auto own, pair.local->verify(done.own->certificate,
                                                              services_.clock.calendar_seconds()));
   return table_.set_authenticated(
@@ -226,7 +226,7 @@ Status PkiDh::note_authenticated(const IdentityPair& pair, const Established& do
 }
 
 // The peer is proven, but its response is not, because it is not signed.
-void PkiDh::note_unused_ocsp(const IdentityPair& pair, const Established& done) const {
+void PkiDh::note_unused_ocsp(const IdentityPair& pair, const EstablishedSession& done) const {
   const auto& why = done.peer.ocsp_unused();
   if (!why) return;
   auto details = why->details();
@@ -251,7 +251,7 @@ Result<PkiDh::HandshakeStep> PkiDh::process_step(HandshakeHandle handle, const T
   DDSSEC_ASSIGN_OR_RETURN(const auto what, handshake_context(*pair));
   DDSSEC_ASSIGN_OR_RETURN(auto outcome, process(handshake->state, what, message));
   if (outcome.next) {
-    if (const auto* done = std::get_if<Established>(&*outcome.next)) {
+    if (const auto* done = std::get_if<EstablishedSession>(&*outcome.next)) {
       DDSSEC_RETURN_IF_ERROR(check_same_domain(
           done->peer.domain(), domain_in_participant_data(handshake->participant_data)));
       DDSSEC_RETURN_IF_ERROR(note_authenticated(*pair, *done));
@@ -259,7 +259,7 @@ Result<PkiDh::HandshakeStep> PkiDh::process_step(HandshakeHandle handle, const T
     static_assert(std::is_nothrow_move_assignable_v<HandshakeState>);
     handshake->state = std::move(*outcome.next);
     if (!is_pending(*handshake)) handshake->unproven = {};
-    if (const auto* done = std::get_if<Established>(&handshake->state))
+    if (const auto* done = std::get_if<EstablishedSession>(&handshake->state))
       note_unused_ocsp(*pair, *done);
   }
   return HandshakeStep{handle, outcome.result, std::move(outcome.message)};

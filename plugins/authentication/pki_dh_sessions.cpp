@@ -3,7 +3,7 @@
 namespace ddssec::authentication {
 namespace {
 
-spi::SessionFacts facts_of(const Established& session) {
+spi::SessionFacts facts_of(const EstablishedSession& session) {
   return {.presented_permissions = sha256(session.own->permissions),
           .peer_keeps_session = session.peer.keeps_session(),
           .peer_reads_lists = session.peer.reads_lists()};
@@ -12,11 +12,12 @@ spi::SessionFacts facts_of(const Established& session) {
 }  // namespace
 
 Result<std::shared_ptr<const spi::SharedSecret>> PkiDh::shared_secret(HandshakeHandle handshake) {
-  return reported(with_established(handshake, [](const Established& done) { return done.secret; }));
+  return reported(
+      with_established(handshake, [](const EstablishedSession& done) { return done.secret; }));
 }
 
 Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handshake) {
-  const auto with_facts = [](const Established& done) {
+  const auto with_facts = [](const EstablishedSession& done) {
     auto credential = done.peer.credential();
     if (credential) spi::add_session_facts(*credential, facts_of(done));
     return credential;
@@ -29,9 +30,10 @@ Result<Token> PkiDh::authenticated_peer_credential_token(HandshakeHandle handsha
 }
 
 std::string PkiDh::authenticated_subject(HandshakeHandle handshake) {
-  return with_established(
-             handshake,
-             [](const Established& done) { return done.peer.chain().certificate().subject(); })
+  return with_established(handshake,
+                          [](const EstablishedSession& done) {
+                            return done.peer.chain().certificate().subject();
+                          })
       .value_or(std::string());
 }
 
@@ -48,7 +50,7 @@ void PkiDh::drop_credentials_given_out() {
     const std::scoped_lock lock((*pair)->mutex);
     const auto handshake = std::ranges::find((*pair)->handshakes, handle, &PairHandshake::handle);
     if (handshake == (*pair)->handshakes.end()) continue;
-    if (auto* const done = std::get_if<Established>(&handshake->state))
+    if (auto* const done = std::get_if<EstablishedSession>(&handshake->state))
       done->peer.drop_credential();
   }
 }
@@ -59,12 +61,13 @@ Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
   using Offered = Result<std::optional<Token>>;
   return with_session(
       handle,
-      [&](const IdentityPair& pair, PairHandshake& handshake, Established& done) -> Offered {
+      [&](const IdentityPair& pair, PairHandshake& handshake, EstablishedSession& done) -> Offered {
         return next_offer(done, *pair.local, handshake.offer, services_.clock.calendar_seconds());
       });
 }
 
-Result<JudgedOffer> PkiDh::judge_peer_offer(const IdentityPair& pair, const Established& session,
+Result<JudgedOffer> PkiDh::judge_peer_offer(const IdentityPair& pair,
+                                            const EstablishedSession& session,
                                             const Token& offer) const {
   const auto trust = pair.local->peer_trust();
   auto judged =
@@ -78,7 +81,8 @@ Result<JudgedOffer> PkiDh::judge_peer_offer(const IdentityPair& pair, const Esta
 
 Result<Token> PkiDh::judge_renewal(HandshakeHandle handle, const Token& offer) {
   return with_session(
-      handle, [&](const IdentityPair& pair, PairHandshake&, Established& done) -> Result<Token> {
+      handle,
+      [&](const IdentityPair& pair, PairHandshake&, EstablishedSession& done) -> Result<Token> {
         DDSSEC_ASSIGN_OR_RETURN(const auto found, judge_peer_offer(pair, done, offer));
         return *found.peer.credential();
       });
@@ -86,7 +90,8 @@ Result<Token> PkiDh::judge_renewal(HandshakeHandle handle, const Token& offer) {
 
 Result<Token> PkiDh::accept_renewal(HandshakeHandle handle, const Token& offer) {
   return with_session(
-      handle, [&](const IdentityPair& pair, PairHandshake&, Established& done) -> Result<Token> {
+      handle,
+      [&](const IdentityPair& pair, PairHandshake&, EstablishedSession& done) -> Result<Token> {
         DDSSEC_ASSIGN_OR_RETURN(auto found, judge_peer_offer(pair, done, offer));
         const bool is_new = found.peer.certificate() != done.peer.certificate();
         auto former = std::exchange(done.peer, std::move(found.peer));
@@ -100,7 +105,7 @@ Result<Token> PkiDh::accept_renewal(HandshakeHandle handle, const Token& offer) 
       });
 }
 
-Event PkiDh::renewed_peer(const IdentityPair& pair, const Established& session) const {
+Event PkiDh::renewed_peer(const IdentityPair& pair, const EstablishedSession& session) const {
   const auto& chain = session.peer.chain();
   return event_about(table_.name_of(pair.remote_handle),
                      Error(Code::peer_identity_renewed,
@@ -114,7 +119,8 @@ Result<spi::SessionFacts> PkiDh::note_renewal_accepted(HandshakeHandle handle,
                                                        const Token& answer) {
   using Facts = Result<spi::SessionFacts>;
   return reported(with_session(
-      handle, [&](const IdentityPair& pair, PairHandshake& handshake, Established& done) -> Facts {
+      handle,
+      [&](const IdentityPair& pair, PairHandshake& handshake, EstablishedSession& done) -> Facts {
         if (const auto fits = check_answer(handshake.offer, answer); !fits)
           return std::unexpected(
               fits.error().with_default_document("answer of " + done.peer.certificate().subject()));

@@ -5,10 +5,10 @@
 namespace ddssec::authentication {
 namespace {
 
-using Taken = OwnIdentity::AuthoritiesTaken;
+using AuthorityRenewal = OwnIdentity::AuthorityRenewal;
 
-Taken renew_authorities(OwnIdentity& identity, TrustStores& stores,
-                        const PluginServices& services) {
+AuthorityRenewal renew_authorities(OwnIdentity& identity, TrustStores& stores,
+                                   const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto taken = identity.renew_authorities(stores, services.clock);
   if (!taken) services.events.raise(event_about(us, taken.error()));

@@ -7,7 +7,7 @@
 namespace ddssec::authentication {
 namespace {
 
-using OurOwn = IdentityTable::OurOwn;
+using OwnIdentityEntry = IdentityTable::OwnIdentityEntry;
 
 // Returns the reason why the identity must be revoked: it is on a list and its verification fails,
 // even if that is only because memory ran out. A peer that is on no list stays until its expiry or
@@ -42,7 +42,7 @@ bool is_about_time_or_lists(Code code) {
 
 // Returns the reason why a peer must leave after CAs were removed from the file: no remaining CA
 // issued its certificate. For a peer that stays, the end of the session is computed again.
-std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authenticated& peer,
+std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::AuthenticatedPeer& peer,
                                 const OwnIdentity& whose, const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
@@ -60,7 +60,8 @@ std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authe
   return std::nullopt;
 }
 
-void look_at_lists(const OurOwn& local, TrustStores& stores, const PluginServices& services) {
+void look_at_lists(const OwnIdentityEntry& local, TrustStores& stores,
+                   const PluginServices& services) {
   const auto renewed = local.identity->renew_revocation_lists(stores, services.clock);
   const auto us = our_name(local.identity->guid());
   if (!renewed) return services.events.raise(event_about(us, renewed.error()));
@@ -72,7 +73,7 @@ void look_at_lists(const OurOwn& local, TrustStores& stores, const PluginService
 
 // Returns the same for a peer whose session goes on with a later certificate. The certificate of
 // its handshake may have expired since, but must not have been revoked.
-std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const TrustStore& trust,
+std::optional<Error> refusal(const IdentityTable::AuthenticatedPeer& peer, const TrustStore& trust,
                              const OwnIdentity& whose, WallTime now) {
   auto reason = refusal(peer.latest(), trust, whose, now);
   if (reason || !peer.listed) return reason;
@@ -81,7 +82,7 @@ std::optional<Error> refusal(const IdentityTable::Authenticated& peer, const Tru
   return has_expired ? std::nullopt : std::move(reason);
 }
 
-void judge(IdentityTable& table, const OurOwn& local, bool by_other_authorities,
+void judge(IdentityTable& table, const OwnIdentityEntry& local, bool by_other_authorities,
            const PluginServices& services, Revocations& out) {
   const auto now = services.clock.calendar_seconds();
   // This waits for handshake steps that began under the former lists, so that no peer authenticates

@@ -13,7 +13,7 @@ namespace ddssec::authentication {
 /// What renewed documents revoke. It is found first, and applied to the table afterwards.
 struct Revocations {
   /// Local and remote identities in use that must be revoked.
-  std::vector<IdentityTable::Revoked> identities;
+  std::vector<IdentityTable::RevokedIdentity> identities;
   struct Judgement {
     std::shared_ptr<OwnIdentity> by;
     std::uint64_t renewal;

@@ -18,7 +18,8 @@ struct Documents {
 
 // Returns the octets that the sender signs. They bind the documents to this session and to this
 // side of it.
-Bytes signed_octets(const Established& session, const Guid& sender, const Documents& documents) {
+Bytes signed_octets(const EstablishedSession& session, const Guid& sender,
+                    const Documents& documents) {
   const auto handshake = sha256(session.transcript.final_input());
   const auto guid = sender.octets();
   const std::array<spi::NamedOctets, 5> fields = {
@@ -38,7 +39,8 @@ spi::Token answer_to(const Sha256Digest& digest) {
 
 }  // namespace
 
-Result<std::optional<spi::Token>> next_offer(const Established& session, const OwnIdentity& local,
+Result<std::optional<spi::Token>> next_offer(const EstablishedSession& session,
+                                             const OwnIdentity& local,
                                              std::optional<RenewalOffer>& last, WallTime now) {
   auto own = local.presented();
   if (own == session.own) return std::nullopt;
@@ -59,7 +61,7 @@ Result<std::optional<spi::Token>> next_offer(const Established& session, const O
   return offer;
 }
 
-Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& offer,
+Result<JudgedOffer> judge_offer(const EstablishedSession& session, const spi::Token& offer,
                                 const Guid& guid, const OfferRules& rules) {
   DDSSEC_ASSIGN_OR_RETURN(const auto fields, TokenFields::of(offer, TokenClass::renewal));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, fields.required(kCertificate));

@@ -16,7 +16,8 @@ struct RenewalOffer {
 /// Returns the next token for the peer of `session`, and records it in `last`. Empty if the session
 /// was made with the documents that `local` presents now, or if these were offered as often as is
 /// sensible. Errors: those of pki::sign.
-Result<std::optional<spi::Token>> next_offer(const Established& session, const OwnIdentity& local,
+Result<std::optional<spi::Token>> next_offer(const EstablishedSession& session,
+                                             const OwnIdentity& local,
                                              std::optional<RenewalOffer>& last, WallTime now);
 
 /// A peer's offer that was found to be genuine.
@@ -32,7 +33,7 @@ struct OfferRules {
 };
 /// Judges the offer of the peer with that `guid`. Errors: those of TokenFields, those of
 /// JudgedPeer::renewed, those of check_ocsp_status, signature_invalid.
-Result<JudgedOffer> judge_offer(const Established& session, const spi::Token& offer,
+Result<JudgedOffer> judge_offer(const EstablishedSession& session, const spi::Token& offer,
                                 const Guid& guid, const OfferRules& rules);
 
 /// Success if `answer` belongs to that offer. Errors: those of TokenFields, unexpected_message.

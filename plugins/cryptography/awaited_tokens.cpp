@@ -6,7 +6,7 @@ void AwaitedTokens::await(std::uint64_t exchange, const TokenKey& key, Time now)
   if (awaited_.size() >= kMax || awaited_.contains({exchange, key})) return;
   auto& of_subject = of_subject_[named_subject(key.remote.prefix)];
   if (of_subject >= kMaxOfSubject) return;
-  awaited_.try_emplace({exchange, key}, Waiting{now});
+  awaited_.try_emplace({exchange, key}, Wait{now});
   ++of_subject;
 }
 

@@ -64,11 +64,11 @@ class AwaitedTokens {
   }
 
  private:
-  struct Waiting {
+  struct Wait {
     Time since;
     unsigned reviews = 0;
   };
-  using All = std::map<std::pair<std::uint64_t, TokenKey>, Waiting>;
+  using All = std::map<std::pair<std::uint64_t, TokenKey>, Wait>;
   All::iterator first_of(std::uint64_t exchange) { return awaited_.lower_bound({exchange, {}}); }
   void erase(All::iterator entry);
 

@@ -56,11 +56,11 @@ Endian endian_of(BytesView submessage) {
 }
 
 // Reads a GAP from after the ids of reader and writer.
-Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
+Result<SkippedRanges> read_gap(Reader& in, const EntityId& writer) {
   constexpr std::uint32_t kMaxBits = 256;
   DDSSEC_ASSIGN_OR_RETURN(const auto begin, read_number(in));
   DDSSEC_ASSIGN_OR_RETURN(const auto base, read_number(in));
-  Skipped out{writer, {{begin, base}}};
+  SkippedRanges out{writer, {{begin, base}}};
   DDSSEC_ASSIGN_OR_RETURN(const auto number, in.read<std::uint32_t>());
   const auto bits = std::min(number, kMaxBits);
   for (std::uint32_t word = 0; word < (bits + 31) / 32; ++word) {
@@ -72,9 +72,9 @@ Result<Skipped> read_gap(Reader& in, const EntityId& writer) {
   return out;
 }
 
-Result<Skipped> read_heartbeat(Reader& in, const EntityId& writer) {
+Result<SkippedRanges> read_heartbeat(Reader& in, const EntityId& writer) {
   DDSSEC_ASSIGN_OR_RETURN(const auto first, read_number(in));
-  return Skipped{writer, {{0, first}}};
+  return SkippedRanges{writer, {{0, first}}};
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ EntityId reader_of_data(BytesView submessage) {
   return EntityId::from(submessage.subspan(kWriterAt - EntityId::size, EntityId::size));
 }
 
-std::optional<Skipped> read_skipped(BytesView submessage) {
+std::optional<SkippedRanges> read_skipped(BytesView submessage) {
   const auto id = submessage[0];
   if (id != submessage_id::kGap && id != submessage_id::kHeartbeat) return std::nullopt;
   if (submessage.size() < kEntitiesEnd) return std::nullopt;

@@ -40,12 +40,12 @@ EntityId reader_of_data(BytesView submessage);
 Result<DataPiece> read_data_piece(BytesView submessage);
 
 /// The numbers that a GAP names, or those below the first number of a HEARTBEAT.
-struct Skipped {
+struct SkippedRanges {
   EntityId writer;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;  ///< begin and end
 };
 /// Reads such numbers; empty if the submessage is neither a GAP nor a HEARTBEAT, or ends too early.
-std::optional<Skipped> read_skipped(BytesView submessage);
+std::optional<SkippedRanges> read_skipped(BytesView submessage);
 
 /// The content of an ACKNACK from a local reader.
 struct Acknowledgment {

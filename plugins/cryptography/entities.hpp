@@ -3,7 +3,7 @@
 // Ownership and lifetime: the registry owns entities, and entities own their keys. One thread at a
 // time makes changes, under the mutex of CryptographyState. The message path follows pointers under
 // a ReadGuard without any lock. It follows only two kinds of data. Some never change during an
-// entity's life (handle, kind, protection, pointers to the parents). The others are Published:
+// entity's life (handle, kind, protection, pointers to the parents). The others are published:
 // local keys, key material from tokens, pairs and routes are replaced as a whole, and the former
 // object is destroyed after its last reader. An entity is unlinked from all tables and from the
 // registry before it is retired. Children are retired with their parents, so a pointer to a parent
@@ -48,7 +48,7 @@ using KeyLevel = std::shared_ptr<ReceiveKey> LevelKeys::*;
 
 /// The keys of a remote entity from its tokens: the newest, and former revisions that stay valid
 /// for a while (key_revision.hpp).
-struct RemoteKeys final : Retirable, LevelKeys {
+struct RemoteKeys final : RetirableObject, LevelKeys {
   struct FormerKeys : LevelKeys {
     std::chrono::nanoseconds until;  ///< by the monotonic clock
   };
@@ -64,7 +64,7 @@ struct LocalParticipant final : Entity {
   Cipher cipher = Cipher::aes256_gcm;           ///< cipher of messages and builtin endpoints
   Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< cipher of the application's endpoints
   spi::CipherMask allowed_ciphers = spi::kAllCiphers;
-  Published<SendKey> key;  ///< nullptr if RTPS messages are not protected
+  PublishedPointer<SendKey> key;  ///< nullptr if RTPS messages are not protected
   std::atomic<bool> is_cut_off = false;
   bool protects_discovery = false;
   ClosedDiscovery closed_discovery = {};
@@ -106,7 +106,7 @@ class NamesSpoken {
 };
 
 /// The state that one local and one remote participant share.
-struct ParticipantPair final : Retirable {
+struct ParticipantPair final : RetirableObject {
   explicit ParticipantPair(const LocalParticipant& local_participant) : local(local_participant) {}
   const LocalParticipant& local;
   std::uint64_t number = 0;  ///< number of the key exchange; unique
@@ -124,7 +124,7 @@ struct ParticipantPair final : Retirable {
   std::unique_ptr<ReceiveKey> key_exchange_receive;
   /// True once the local volatile reader has sent anything to the peer (kept_tokens.hpp).
   std::atomic<bool> has_reader_spoken = false;
-  Published<RemoteKeys> remote_keys;
+  PublishedPointer<RemoteKeys> remote_keys;
   NamesSpoken names_spoken;            ///< names of other authenticated peers
   FragmentedTokens fragmented_tokens;  ///< key token messages that went to the peer in fragments
 
@@ -134,7 +134,7 @@ struct ParticipantPair final : Retirable {
 
 /// Maps a local participant's handle to its pair. There are as many rows as local participants in
 /// the process.
-struct PairTable final : Retirable {
+struct PairTable final : RetirableObject {
   struct Row {
     std::int64_t local;
     ParticipantPair* pair;
@@ -150,7 +150,7 @@ struct RemoteParticipant final : Entity {
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_map<std::int64_t, std::unique_ptr<ParticipantPair>>
       pairs;  ///< by local participant
-  Published<PairTable> pair_table;
+  PublishedPointer<PairTable> pair_table;
   Routes routes;                            ///< routes to its endpoints that protect submessages
   PayloadPositions payload_positions = {};  ///< positions of its writers that protect payloads only
   mutable PeerDiscovery discovery = {};
@@ -172,7 +172,7 @@ struct RemoteParticipant final : Entity {
 /// acknowledge the samples of another with the same entity id. With origin authentication, the
 /// receiver's own MAC prevents this, and the reader has one key.
 struct PeerKey {
-  Published<SendKey> key;
+  PublishedPointer<SendKey> key;
   std::unique_ptr<SendKey> next = {};
   /// Number of the participant's writers that are matched with the reader.
   std::size_t writers = 0;
@@ -197,8 +197,8 @@ struct LocalEndpoint final : Entity {
   /// Decides which peers get keys; nullptr if there is no check here.
   std::shared_ptr<const spi::MatchGate> gate = {};
   Cipher cipher = Cipher::aes256_gcm;
-  Published<SendKey> submessage_key;  ///< nullptr if it has peer keys
-  Published<SendKey> payload_key;
+  PublishedPointer<SendKey> submessage_key;  ///< nullptr if it has peer keys
+  PublishedPointer<SendKey> payload_key;
   std::unordered_map<std::int64_t, std::shared_ptr<PeerKey>> peer_keys;  ///< by participant
   std::unique_ptr<SendKey> next_submessage_key = {}, next_payload_key = {};
   /// A reader's key that is sent but never used, because only payloads are protected.
@@ -227,7 +227,7 @@ struct RemoteEndpoint final : Entity {
   RemoteParticipant& participant;
   std::unique_ptr<ReceiverKey> receiver_key;  ///< local key for it; nullptr if not needed
   std::shared_ptr<PeerKey> peer_key = {};  ///< local key for its participant; nullptr if not needed
-  Published<RemoteKeys> remote_keys;
+  PublishedPointer<RemoteKeys> remote_keys;
   std::atomic<std::uint64_t> route = 0;  ///< number of its only valid route; 0 if there is none
   /// Subject whose place it takes among the local writer's receivers.
   std::optional<SubjectId> place_subject = {};

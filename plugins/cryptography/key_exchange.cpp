@@ -57,7 +57,7 @@ class HeldTokens {
   }
 
  private:
-  std::optional<TokenLedger::Held> held_;
+  std::optional<TokenLedger::StoredTokens> held_;
   std::span<const spi::Token> tokens_;
 };
 

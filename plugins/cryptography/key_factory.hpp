@@ -60,11 +60,11 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<std::unique_ptr<SendKey>> send_key(KeyMaterial material);
   Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
   /// Makes a key of the next revision for `key`; nullptr if there is no such key.
-  Result<std::unique_ptr<SendKey>> revised(const Published<SendKey>& key);
+  Result<std::unique_ptr<SendKey>> revised(const PublishedPointer<SendKey>& key);
   Status revise(LocalEndpoint& endpoint);
   static void cancel_revision(LocalEndpoint& endpoint) noexcept;
   void activate_revision(LocalEndpoint& endpoint);
-  void put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next);
+  void put_to_use(PublishedPointer<SendKey>& key, std::unique_ptr<SendKey>& next);
   /// Reads the key limits of the properties. Errors: invalid_property, key_limits_without_revision,
   /// those of the random source.
   Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);

@@ -88,7 +88,7 @@ ReceiveKey* former_key(const RemoteKeys& keys, KeyLevel level, TransformKind kin
 
 // ---- revisions of local keys
 
-Result<std::unique_ptr<SendKey>> KeyFactory::revised(const Published<SendKey>& key) {
+Result<std::unique_ptr<SendKey>> KeyFactory::revised(const PublishedPointer<SendKey>& key) {
   const auto* const present = key.read();
   if (present == nullptr) return nullptr;
   const auto& of = present->material();
@@ -143,7 +143,7 @@ void KeyFactory::cancel_revision(LocalEndpoint& endpoint) noexcept {
   for (const auto& [participant, peer] : endpoint.peer_keys) peer->next.reset();
 }
 
-void KeyFactory::put_to_use(Published<SendKey>& key, std::unique_ptr<SendKey>& next) {
+void KeyFactory::put_to_use(PublishedPointer<SendKey>& key, std::unique_ptr<SendKey>& next) {
   if (next) key.replace(std::move(next), state_.retired_objects);
 }
 
@@ -190,7 +190,7 @@ bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) const {
 std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) const {
   const ReadGuard guard;  // a sending thread may go on to the next session
   std::uint64_t most = 0;
-  const auto count = [&](const Published<SendKey>& published) {
+  const auto count = [&](const PublishedPointer<SendKey>& published) {
     if (const auto* const key = published.read()) most = std::max(most, key->blocks_used());
   };
   count(participant.key);
@@ -219,7 +219,7 @@ void KeyFactory::forget_former_keys() {
 }
 
 void KeyFactory::forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now) {
-  const auto prune = [&](Published<RemoteKeys>& keys) {
+  const auto prune = [&](PublishedPointer<RemoteKeys>& keys) {
     if (const auto* const present = keys.read())
       keys.replace(without_ended(*present, now), state_.retired_objects);
   };

@@ -53,7 +53,7 @@ std::unique_ptr<ReceiveSession> ReceiveKey::blank() {
   return session;
 }
 
-Published<ReceiveSession>& ReceiveKey::place_for_next() {
+PublishedPointer<ReceiveSession>& ReceiveKey::place_for_next() {
   const auto now = time_.load(std::memory_order_relaxed);
   // Unsigned differences order the uses even when the counter wraps. An empty place is oldest.
   return *std::ranges::max_element(sessions_, {}, [&](const auto& one) -> std::uint64_t {

@@ -18,7 +18,7 @@ namespace ddssec::cryptography {
 
 /// The expanded keys of a remote session. `receiver` is nullptr if there is no receiver-specific
 /// key.
-struct ReceiveSession final : Retirable {
+struct ReceiveSession final : RetirableObject {
   SessionId id;
   ExpandedKey key;
   std::unique_ptr<ExpandedKey> receiver;
@@ -39,11 +39,11 @@ class NewestPosition {
   void note(const NewestPosition& other, RetiredObjects& retired_objects);
 
  private:
-  struct Place final : Retirable {
+  struct Place final : RetirableObject {
     explicit Place(SendPosition at) : position(std::move(at)) {}
     const SendPosition position;
   };
-  Published<Place> newest_;
+  PublishedPointer<Place> newest_;
 };
 
 /// Decrypts and verifies messages that one remote entity sends with one key. Any number of threads
@@ -55,7 +55,7 @@ class NewestPosition {
 /// use). A miss costs a derivation and a key expansion. Fast DDS changes its session every 32
 /// messages. So the object of a dropped session is set aside and used again for the next one, and
 /// nothing is allocated.
-class ReceiveKey final : public Retirable {
+class ReceiveKey final : public RetirableObject {
  public:
   static constexpr std::size_t kMaxSessions = 4;
 
@@ -116,7 +116,7 @@ class ReceiveKey final : public Retirable {
     std::uint64_t epoch = 0;
   };
   std::unique_ptr<ReceiveSession> blank();
-  Published<ReceiveSession>& place_for_next();
+  PublishedPointer<ReceiveSession>& place_for_next();
 
   static std::shared_ptr<NewestPosition> position_of(std::optional<SendPosition> said) {
     return said ? std::make_shared<NewestPosition>(std::move(*said)) : nullptr;
@@ -127,7 +127,7 @@ class ReceiveKey final : public Retirable {
   const KeyMaterial material_;
   const KindTraits traits_;
   const KeyServices& services_;
-  std::array<Published<ReceiveSession>, kMaxSessions> sessions_;
+  std::array<PublishedPointer<ReceiveSession>, kMaxSessions> sessions_;
   std::atomic<std::uint32_t> time_ = 0;  // counts remembered sessions
   std::mutex mutex_;                     // guards aside_ and writing to sessions_
   ReplacedSession aside_;

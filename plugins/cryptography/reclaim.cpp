@@ -93,7 +93,7 @@ RetiredObjects::~RetiredObjects() {
   while (first_) first_ = std::move(first_->retired_after_);
 }
 
-void RetiredObjects::retire(std::unique_ptr<Retirable> object) noexcept {
+void RetiredObjects::retire(std::unique_ptr<RetirableObject> object) noexcept {
   if (!object) return;
   {
     const std::lock_guard lock(mutex_);
@@ -110,7 +110,7 @@ void RetiredObjects::retire(std::unique_ptr<Retirable> object) noexcept {
 
 // Stamps increase along the list, so the first object that may still be read keeps all objects
 // after it.
-std::unique_ptr<Retirable> RetiredObjects::take_reclaimable() noexcept {
+std::unique_ptr<RetirableObject> RetiredObjects::take_reclaimable() noexcept {
   const std::lock_guard lock(mutex_);
   if (!first_ || !is_safe(first_->epoch_)) return nullptr;
   auto dead = std::move(first_);

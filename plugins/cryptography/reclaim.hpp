@@ -40,16 +40,16 @@ class ReadGuard {
 };
 
 /// Base class of objects that can be retired.
-class Retirable {
+class RetirableObject {
  public:
-  Retirable() = default;
-  virtual ~Retirable() = default;
-  Retirable(const Retirable&) = delete;
-  Retirable& operator=(const Retirable&) = delete;
+  RetirableObject() = default;
+  virtual ~RetirableObject() = default;
+  RetirableObject(const RetirableObject&) = delete;
+  RetirableObject& operator=(const RetirableObject&) = delete;
 
  private:
   friend class RetiredObjects;
-  std::unique_ptr<Retirable> retired_after_;
+  std::unique_ptr<RetirableObject> retired_after_;
   std::uint64_t epoch_ = 0;
 };
 
@@ -70,28 +70,28 @@ class RetiredObjects {
 
   /// Takes ownership of an unlinked object (or null), and frees objects that have become safe.
   /// Allocates no memory, so an unlinked object can always be kept for its readers.
-  void retire(std::unique_ptr<Retirable> object) noexcept;
+  void retire(std::unique_ptr<RetirableObject> object) noexcept;
   /// Returns the number of objects that still wait.
   std::size_t size() const;
 
  private:
-  std::unique_ptr<Retirable> take_reclaimable() noexcept;
+  std::unique_ptr<RetirableObject> take_reclaimable() noexcept;
 
   mutable std::mutex mutex_;
-  std::unique_ptr<Retirable> first_;  ///< a list in the order of retirement
-  Retirable* last_ = nullptr;
+  std::unique_ptr<RetirableObject> first_;  ///< a list in the order of retirement
+  RetirableObject* last_ = nullptr;
   std::size_t size_ = 0;
 };
 
 /// An owning pointer. Readers follow it under a ReadGuard while one writer at a time replaces it.
 template <class T>
-class Published {
+class PublishedPointer {
  public:
-  Published() = default;
-  explicit Published(std::unique_ptr<T> first) : pointer_(first.release()) {}
-  ~Published() { delete pointer_.load(); }
-  Published(const Published&) = delete;
-  Published& operator=(const Published&) = delete;
+  PublishedPointer() = default;
+  explicit PublishedPointer(std::unique_ptr<T> first) : pointer_(first.release()) {}
+  ~PublishedPointer() { delete pointer_.load(); }
+  PublishedPointer(const PublishedPointer&) = delete;
+  PublishedPointer& operator=(const PublishedPointer&) = delete;
 
   /// Call it under a ReadGuard, or as the only writer.
   T* read() const noexcept { return pointer_.load(); }

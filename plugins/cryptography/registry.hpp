@@ -23,7 +23,7 @@ enum class EntityKind : std::uint8_t {
 };
 
 /// An object with a handle. The registry assigns the handle, which never changes.
-class Entity : public Retirable {
+class Entity : public RetirableObject {
  public:
   explicit Entity(EntityKind kind) : kind_(kind) {}
   EntityKind kind() const { return kind_; }

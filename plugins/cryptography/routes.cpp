@@ -32,8 +32,8 @@ RemoteEndpoint* Routes::endpoint_of(const Route& route) const {
 // Returns the first route that leads to an endpoint, among the routes at the beginning that are
 // `like`.
 template <class Like>
-Routes::Found Routes::first_of(std::span<const Route> routes, std::int64_t receiver,
-                               Like&& like) const {
+Routes::FoundRoute Routes::first_of(std::span<const Route> routes, std::int64_t receiver,
+                                    Like&& like) const {
   for (const auto& route : routes) {
     if (!like(route)) break;
     if (receiver != 0 && route.local_participant != receiver) continue;
@@ -46,7 +46,7 @@ RemoteEndpoint* Routes::find(KeyId key, std::int64_t receiver, BytesView group) 
   const auto* const table = table_.read();
   if (table == nullptr) return nullptr;
   const auto has_key = [&](const Route& one) { return one.key_id == key; };
-  Found first;
+  FoundRoute first;
   std::size_t candidates = 0;
   for (const auto run : table->runs()) {
     const auto at = std::ranges::lower_bound(run, key, {}, &Route::key_id);

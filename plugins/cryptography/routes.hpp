@@ -73,7 +73,7 @@ class Routes {
 
  private:
   using Run = std::vector<Route>;  // sorted
-  class Table final : public Retirable {
+  class Table final : public RetirableObject {
    public:
     std::span<const std::span<const Route>> runs() const { return views_; }  ///< the longest first
     const std::vector<std::shared_ptr<const Run>>& owners() const { return owners_; }
@@ -83,14 +83,14 @@ class Routes {
     std::vector<std::span<const Route>> views_;
     std::vector<std::shared_ptr<const Run>> owners_;
   };
-  struct Found {
+  struct FoundRoute {
     const Route* route = nullptr;
     RemoteEndpoint* endpoint = nullptr;
   };
 
   RemoteEndpoint* endpoint_of(const Route& route) const;
   template <class Like>
-  Found first_of(std::span<const Route> routes, std::int64_t receiver, Like&& like) const;
+  FoundRoute first_of(std::span<const Route> routes, std::int64_t receiver, Like&& like) const;
   RemoteEndpoint* find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
                               BytesView group) const;
   template <class F>
@@ -98,7 +98,7 @@ class Routes {
   Run merged(const Run& a, const Run& b) const;
 
   const Registry& registry_;
-  Published<Table> table_;
+  PublishedPointer<Table> table_;
   std::size_t gone_ = 0;  ///< the largest number of routes that may lead nowhere
 };
 

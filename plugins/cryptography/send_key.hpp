@@ -36,7 +36,7 @@ struct SendStart {
 };
 
 /// One expanded session key with its counter. Only the counter changes.
-struct SendSession final : Retirable {
+struct SendSession final : RetirableObject {
   SessionId id;
   std::uint64_t number = 0;      ///< 0 for the first of its key
   std::uint64_t suffix = 0;      ///< the suffix of the first IV
@@ -64,7 +64,7 @@ struct SendSession final : Retirable {
 /// A child of fork() has the key and the numbers of its parent, which continues to use them. Before
 /// its first message the child leaves its parent's session for one with a random id and suffix. A
 /// collision would need the two to agree in 32 bits, and to within 2^32 in 64 more.
-class SendKey final : public Retirable {
+class SendKey final : public RetirableObject {
  public:
   /// Creates the key. Error: internal (the kind is not that of a key).
   static Result<std::unique_ptr<SendKey>> create(KeyMaterial material, SendStart start,
@@ -109,14 +109,14 @@ class SendKey final : public Retirable {
   const KindTraits traits_;
   const KeyServices& services_;
   const SendStart start_;
-  const std::uint64_t generation_;  // generation of the process that drew the start
-  Published<SendSession> current_;  // nullptr before the first message
-  std::mutex mutex_;                // held while changing to the next session
+  const std::uint64_t generation_;         // generation of the process that drew the start
+  PublishedPointer<SendSession> current_;  // nullptr before the first message
+  std::mutex mutex_;                       // held while changing to the next session
 };
 
 /// The receiver-specific key that a local sender has for one remote receiver (DDS-Security 1.2,
 /// clause 10.5.3.3.3), expanded for the sender's current session.
-class ReceiverKey final : public Retirable {
+class ReceiverKey final : public RetirableObject {
  public:
   ReceiverKey(KeyId id, MasterReceiverKey key, const KeyServices& services)
       : id_(id), key_(std::move(key)), services_(services) {}
@@ -132,7 +132,7 @@ class ReceiverKey final : public Retirable {
  private:
   /// The derivation uses the sender's salt, so the same session number under another revision is a
   /// different session.
-  struct Session final : Retirable {
+  struct Session final : RetirableObject {
     SessionId id;
     TransformKind kind;
     ExpandedKey key;
@@ -145,7 +145,7 @@ class ReceiverKey final : public Retirable {
   const KeyId id_;
   const MasterReceiverKey key_;
   const KeyServices& services_;
-  Published<Session> current_;
+  PublishedPointer<Session> current_;
   std::mutex mutex_;  // held while expanding
 };
 

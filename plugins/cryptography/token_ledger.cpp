@@ -154,8 +154,8 @@ Result<TokenDecision> TokenLedger::note(const TokenMessage& message, const Token
   return TokenDecision{TokenDecision::Kind::ticket, ticket};
 }
 
-std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token> tokens,
-                                                     const TicketUser& user) {
+std::optional<TokenLedger::StoredTokens> TokenLedger::redeem(std::span<const spi::Token> tokens,
+                                                             const TicketUser& user) {
   if (!has_place_for_ticket(tokens)) return std::nullopt;
   Ticket ticket;
   std::ranges::copy_n(tokens.front().binary_properties.front().value.begin(),
@@ -167,9 +167,9 @@ std::optional<TokenLedger::Held> TokenLedger::redeem(std::span<const spi::Token>
   awaited_.came(user.exchange, key);
   no_longer_pending(entry);
   const auto packed = std::exchange(entry.tokens, {});
-  if (user.exchange <= entry.newest.exchange) return Held{key.remote, packed.tokens()};
+  if (user.exchange <= entry.newest.exchange) return StoredTokens{key.remote, packed.tokens()};
   entry.awaited_by = user;
-  return Held{key.remote, {}};
+  return StoredTokens{key.remote, {}};
 }
 
 void TokenLedger::no_longer_pending(Entry& entry) {

@@ -139,7 +139,7 @@ class TokenLedger {
   /// second.
   bool poll_stranded(std::uint64_t exchange, std::chrono::nanoseconds now);
 
-  struct Held {
+  struct StoredTokens {
     Guid remote;                     ///< the sender of the tokens
     std::vector<spi::Token> tokens;  ///< empty if they came before the user's exchange
   };
@@ -147,7 +147,7 @@ class TokenLedger {
   /// no longer has. Empty if `tokens` has no ticket that is still valid. The caller wipes the
   /// result. The host may present a ticket of a session that has ended, and takes no other
   /// afterwards. So the tokens of the present session go to `user` as soon as they come.
-  std::optional<Held> redeem(std::span<const spi::Token> tokens, const TicketUser& user);
+  std::optional<StoredTokens> redeem(std::span<const spi::Token> tokens, const TicketUser& user);
 
   /// Returns the number of all entries, for tests.
   std::size_t size() const;
@@ -186,16 +186,16 @@ class TokenLedger {
     std::uint64_t exchange;
   };
   /// The acknowledgments within one kSpan.
-  struct Acknowledged {
+  struct AcknowledgmentRecord {
     std::chrono::nanoseconds since;
     std::uint64_t exchange;
     std::uint64_t next;
   };
   static constexpr std::chrono::seconds kSpan{10};
   /// The messages of an exchange that the host has taken.
-  struct Taken {
-    std::uint64_t next = 0;          ///< all messages below this number
-    Acknowledged* latest = nullptr;  ///< in acknowledged_; nullptr if that was too long ago
+  struct TakenMessages {
+    std::uint64_t next = 0;                  ///< all messages below this number
+    AcknowledgmentRecord* latest = nullptr;  ///< in acknowledged_; nullptr if that was too long ago
   };
   static constexpr std::uint64_t kUnproven = std::uint64_t{1} << 63;
 
@@ -231,8 +231,8 @@ class TokenLedger {
   Entries entries_;
   std::set<std::pair<std::uint64_t, const Key*>> by_exchange_;  // exchange of Entry::passed
   std::deque<EndedExchange> ended_;                             // in the order in which they ended
-  std::deque<Acknowledged> acknowledged_;                       // in order of time
-  std::map<std::uint64_t, Taken> taken_;                        // by exchange
+  std::deque<AcknowledgmentRecord> acknowledged_;               // in order of time
+  std::map<std::uint64_t, TakenMessages> taken_;                // by exchange
   std::map<Ticket, Entries::iterator> tickets_;
   std::map<std::uint64_t, Account> accounts_;
   std::set<std::uint64_t> stranded_;  // exchanges

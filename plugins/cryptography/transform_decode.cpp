@@ -25,7 +25,7 @@ Status check_header(const ReceiveKey& key, const CryptoHeader& header, bool is_e
 
 // Writes plain octets to `place` and returns true if the tag is right. Otherwise it writes no
 // plain octets.
-bool open_content(const Protected& message, const ExpandedKey& key, std::uint8_t* place) {
+bool open_content(const ProtectedParts& message, const ExpandedKey& key, std::uint8_t* place) {
   if (message.is_encrypted)
     return key.open(message.header.iv, {}, message.content, place, message.footer.tag());
   if (!key.verify(message.header.iv, message.content, message.footer.tag())) return false;
@@ -43,7 +43,7 @@ struct AnySurroundings {
 // remembered only after `fits(content)` confirms that the message is where its sender put it, so
 // that a copy at another place uses up no IV.
 template <class Fits = AnySurroundings>
-[[gnu::always_inline]] inline Result<std::size_t> open_with_key(const Protected& message,
+[[gnu::always_inline]] inline Result<std::size_t> open_with_key(const ProtectedParts& message,
                                                                 ReceiveKey& key, MutableBytes out,
                                                                 Fits&& fits = {}) {
   DDSSEC_RETURN_IF_ERROR(check_header(key, message.header, message.is_encrypted));
@@ -69,7 +69,7 @@ template <class Fits = AnySurroundings>
 }
 
 // Returns the newest key of a remote entity at one level, if its tokens have come.
-Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) {
+Result<ReceiveKey*> received(const PublishedPointer<RemoteKeys>& keys, KeyLevel level) {
   const auto* const published = keys.read();
   if (published == nullptr || !(published->*level)) return fail(Code::key_material_not_received);
   return (published->*level).get();
@@ -78,8 +78,9 @@ Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) 
 // Returns the key of the revision that the message names. If the kind differs in anything else,
 // returns the newest key, so that check_header reports the difference.
 [[gnu::cold]] Result<ReceiveKey*> of_revision(const CryptographyState& state,
-                                              const Published<RemoteKeys>& keys, KeyLevel level,
-                                              ReceiveKey& newest, TransformKind named) {
+                                              const PublishedPointer<RemoteKeys>& keys,
+                                              KeyLevel level, ReceiveKey& newest,
+                                              TransformKind named) {
   if (named.octets[3] != newest.material().kind.octets[3]) return &newest;
   if (const auto* const published = keys.read(); published != nullptr)
     if (auto* const key = former_key(*published, level, named, state.services.clock.monotonic()))
@@ -90,14 +91,14 @@ Result<ReceiveKey*> received(const Published<RemoteKeys>& keys, KeyLevel level) 
 // The newest key of a remote entity at one level, and where its former ones are.
 struct KeyOfLevel {
   const CryptographyState& state;
-  const Published<RemoteKeys>& keys;
+  const PublishedPointer<RemoteKeys>& keys;
   KeyLevel level;
   ReceiveKey& newest;
 };
 
 // Decrypts a message with the newest key, or with a former one if the message names its revision.
 template <class Fits = AnySurroundings>
-Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const Protected& message,
+Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const ProtectedParts& message,
                                            MutableBytes out, Fits&& fits = {}) {
   auto* key = &of.newest;
   if (message.header.kind != of.newest.material().kind) [[unlikely]] {
@@ -297,7 +298,7 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes ou
 Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
                                  bool prefix_is_network_order) {
   return open_message(encoded, frame, out, prefix_is_network_order,
-                      [&](const Protected& message, MutableBytes to, const auto& fits) {
+                      [&](const ProtectedParts& message, MutableBytes to, const auto& fits) {
                         return open_with_key(message, key, to, fits);
                       });
 }
@@ -350,7 +351,7 @@ Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle rece
                           received(pair->remote_keys, &LevelKeys::submessage));
   auto& key = *found_key;
   return open_message(encoded, kMessageFrame, out, state_.header_prefix_is_network_order,
-                      [&](const Protected& message, MutableBytes to, const auto& fits) {
+                      [&](const ProtectedParts& message, MutableBytes to, const auto& fits) {
                         return open_with_any_revision(
                             {state_, pair->remote_keys, &LevelKeys::submessage, key}, message, to,
                             fits);

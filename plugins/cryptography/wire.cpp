@@ -106,13 +106,13 @@ std::optional<TagView> CryptoFooter::receiver_mac(KeyId id) const {
   return std::nullopt;
 }
 
-Result<Protected> read_protected_payload(BytesView encoded) {
+Result<ProtectedParts> read_protected_payload(BytesView encoded) {
   constexpr std::size_t kLengthSize = 4;
   // Fast DDS fills the submessage up to whole words after the footer, so the footer is found by the
   // length before the ciphertext. A signed payload has no length: it must be exact.
   constexpr std::size_t kMaxPadding = 3;
   if (encoded.size() < kCryptoHeaderSize + kFooterSize) return fail(Code::secure_group_malformed);
-  Protected out{
+  ProtectedParts out{
       .header = crypto_header_at(encoded), .is_encrypted = false, .content = {}, .footer = {}};
   DDSSEC_ASSIGN_OR_RETURN(out.is_encrypted, encrypts(out.header));
   auto rest = encoded.subspan(kCryptoHeaderSize);
@@ -144,9 +144,10 @@ Result<CryptoHeader> read_prefix(BytesView encoded, Frame frame) {
   return crypto_header_at(encoded.subspan(kSubmessageHeaderSize));
 }
 
-Result<Protected> read_protected_group(BytesView encoded, Frame frame) {
+Result<ProtectedParts> read_protected_group(BytesView encoded, Frame frame) {
   DDSSEC_ASSIGN_OR_RETURN(auto prefix, read_prefix(encoded, frame));
-  Protected out{.header = std::move(prefix), .is_encrypted = false, .content = {}, .footer = {}};
+  ProtectedParts out{
+      .header = std::move(prefix), .is_encrypted = false, .content = {}, .footer = {}};
   DDSSEC_ASSIGN_OR_RETURN(out.is_encrypted, encrypts(out.header));
   const auto rest = encoded.subspan(kSubmessageHeaderSize + kCryptoHeaderSize);
   DDSSEC_ASSIGN_OR_RETURN(const auto postfix, find_postfix(rest, frame));

@@ -77,7 +77,7 @@ struct CryptoFooter {
 };
 
 /// A protected message or payload, taken apart; borrowed.
-struct Protected {
+struct ProtectedParts {
   CryptoHeader header;
   bool is_encrypted;  ///< the content came as CryptoContent
   BytesView content;  ///< ciphertext, or the signed octets
@@ -86,10 +86,10 @@ struct Protected {
 
 /// Reads a protected payload. The kind decides whether it has a CryptoContent. Errors:
 /// secure_group_malformed, receiver_specific_macs_not_allowed, crypto_header_kind_unknown.
-Result<Protected> read_protected_payload(BytesView encoded);
+Result<ProtectedParts> read_protected_payload(BytesView encoded);
 /// Reads a whole SEC_ group, or the part of an RTPS message after its header. Errors:
 /// secure_group_malformed, secure_flags_unsupported, crypto_header_kind_unknown.
-Result<Protected> read_protected_group(BytesView encoded, Frame frame);
+Result<ProtectedParts> read_protected_group(BytesView encoded, Frame frame);
 /// Reads the CryptoHeader of a SEC_ group, whatever follows. Errors as above.
 Result<CryptoHeader> read_prefix(BytesView encoded, Frame frame);
 

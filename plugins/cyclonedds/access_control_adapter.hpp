@@ -33,14 +33,14 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// mask of GovernanceFact.
   static std::uint32_t governance_facts_of(spi::IdentityHandle local) noexcept;
 
-  struct Renewed {
+  struct RenewedDocument {
     std::uint64_t times;
     std::string text;  ///< the signed document
   };
   /// Answers authentication's question: returns the permissions of a local participant of any
   /// domain, if they were renewed more than `known` times.
-  static std::optional<Renewed> renewed_permissions(spi::IdentityHandle local,
-                                                    std::uint64_t known) noexcept;
+  static std::optional<RenewedDocument> renewed_permissions(spi::IdentityHandle local,
+                                                            std::uint64_t known) noexcept;
 
   /// Answers authentication's question: the number of times that renewed permissions of a local
   /// participant of any domain removed a right from one of its endpoints.

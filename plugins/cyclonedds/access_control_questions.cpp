@@ -74,7 +74,7 @@ void AccessControlAdapter::cut_off(spi::IdentityHandle local) {
     adapter->facts_.cut_off(local, Code::identity_ended);
 }
 
-std::optional<AccessControlAdapter::Renewed> AccessControlAdapter::renewed_permissions(
+std::optional<AccessControlAdapter::RenewedDocument> AccessControlAdapter::renewed_permissions(
     spi::IdentityHandle local, std::uint64_t known) noexcept {
   try {
     const std::shared_lock lock(adapters().mutex);
@@ -85,7 +85,8 @@ std::optional<AccessControlAdapter::Renewed> AccessControlAdapter::renewed_permi
       if (times <= known) return std::nullopt;
       const auto token = adapter->plugin().permissions_credential_token(*permissions);
       if (!token) return std::nullopt;
-      return Renewed{times, std::string(spi::property_value(token->properties, "dds.perm.cert"))};
+      return RenewedDocument{times,
+                             std::string(spi::property_value(token->properties, "dds.perm.cert"))};
     }
   } catch (...) {
     // If memory is short, the question comes again.

@@ -87,22 +87,22 @@ class AuthenticationAdapter final : public dds_security_authentication {
   std::map<spi::IdentityHandle, std::uint64_t> losses_;
   /// A session that presented permissions with a right that was lost, or a handshake that presents
   /// them.
-  struct Ending {
+  struct EndingSession {
     spi::IdentityHandle local;
     Guid remote;
     /// The time after which no handshake with these permissions is under way.
     std::chrono::nanoseconds until;
   };
-  std::vector<Ending> endings_;  ///< for the timer's thread
+  std::vector<EndingSession> endings_;  ///< for the timer's thread
   /// A remote participant that has proven the end of its session, and what happened after that.
-  struct EndedByPeer {
+  struct EndedSession {
     std::chrono::nanoseconds at;
     bool is_dropped = false;                           ///< the host has dropped it, too
     std::optional<std::chrono::nanoseconds> met = {};  ///< when the host met it again
   };
-  std::map<Guid, EndedByPeer> ended_by_peer_;  ///< for the timer's thread
+  std::map<Guid, EndedSession> ended_by_peer_;  ///< for the timer's thread
   /// Reports such a participant, if it is time. Returns true if there is nothing more to report.
-  bool is_settled(const Guid& guid, EndedByPeer& end);
+  bool is_settled(const Guid& guid, EndedSession& end);
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };
 

@@ -97,7 +97,7 @@ class GovernanceFacts {
   }
 
  private:
-  struct Known {
+  struct KnownFacts {
     spi::IdentityHandle local;
     std::uint32_t facts;
     std::optional<Code> cut_off = {};
@@ -105,7 +105,7 @@ class GovernanceFacts {
   };
 
   mutable std::mutex mutex_;
-  std::map<spi::PermissionsHandle, Known> locals_;
+  std::map<spi::PermissionsHandle, KnownFacts> locals_;
 };
 
 }  // namespace ddssec::cyclonedds

@@ -12,7 +12,7 @@ void HandshakeWatch::note_met(WatchedPair pair, const Guid& guid, CoreTimerState
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
   known.since = now;
-  auto& half = known.unfinished.try_emplace(pair.local, Half{now, timer}).first->second;
+  auto& half = known.unfinished.try_emplace(pair.local, LocalHandshake{now, timer}).first->second;
   half.asked_again.reset();
   if (timer == CoreTimerState::stopped) half.met = now;
 }
@@ -22,7 +22,8 @@ void HandshakeWatch::not_admitted(WatchedPair pair, const Guid& guid, CoreTimerS
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
   known.was_disturbed = true;
-  known.unfinished.try_emplace(pair.local, Half{now, timer}).first->second.asked_again = now;
+  known.unfinished.try_emplace(pair.local, LocalHandshake{now, timer}).first->second.asked_again =
+      now;
 }
 
 bool HandshakeWatch::was_unanswered(const Guid& remote) const {
@@ -122,7 +123,7 @@ bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
 
 // The memory is bounded. An attacker that invents GUIDs makes it forget those that were given up
 // longest ago.
-HandshakeWatch::Past& HandshakeWatch::past_of(const Guid& guid, Duration now) {
+HandshakeWatch::PastWaits& HandshakeWatch::past_of(const Guid& guid, Duration now) {
   if (!past_.contains(guid) && past_.size() >= kMaxPeers)
     past_.erase(
         std::ranges::min_element(past_, {}, [](const auto& entry) { return entry.second.last; }));
@@ -155,7 +156,7 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
 
 // True if the handshake of one pair must begin again. It must in any case if the core's timer runs
 // for it.
-bool HandshakeWatch::begin_pair_again(const Half& half, const Remote& remote) {
+bool HandshakeWatch::begin_pair_again(const LocalHandshake& half, const Remote& remote) {
   constexpr auto kAsksNoMore = std::chrono::seconds(10);  // the host asks once a second
   const auto now = clock_.monotonic();
   if (now - half.met < kMaxWait) return false;
@@ -168,7 +169,7 @@ bool HandshakeWatch::begin_pair_again(const Half& half, const Remote& remote) {
 
 // Gives up the handshakes of other local participants with a peer that has a session with one.
 bool HandshakeWatch::give_up_pairs(IdentityHandle handle, const Remote& remote,
-                                   std::vector<Stuck>& out) {
+                                   std::vector<StuckHandshake>& out) {
   const auto now = clock_.monotonic();
   for (const auto& [local, half] : remote.unfinished) {
     if (!begin_pair_again(half, remote)) continue;
@@ -193,11 +194,11 @@ void HandshakeWatch::note_finished(IdentityHandle handle, Remote& remote, const 
   if (remote.unfinished.empty()) begun_again_.erase(remote.guid);
 }
 
-std::vector<HandshakeWatch::Stuck> HandshakeWatch::give_up(const Questions& ask) {
+std::vector<HandshakeWatch::StuckHandshake> HandshakeWatch::give_up(const Questions& ask) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   std::erase_if(past_, [&](const auto& entry) { return now - entry.second.last > kForgetAfter; });
-  std::vector<Stuck> out;
+  std::vector<StuckHandshake> out;
   for (auto& [handle, remote] : remotes_) {
     remote.is_settled = is_settled(handle, remote, ask);
     note_finished(handle, remote, ask);

@@ -78,7 +78,7 @@ class HandshakeWatch {
   /// Forgets a local or a remote participant.
   void forget(spi::IdentityHandle participant);
 
-  struct Stuck {
+  struct StuckHandshake {
     spi::IdentityHandle remote;
     Guid guid;
     bool was_disturbed;    ///< true if a message was refused
@@ -106,12 +106,12 @@ class HandshakeWatch {
     std::function<Duration(spi::IdentityHandle)> last_heard = {};
   };
   /// Returns the remote participants to revoke now, each once.
-  std::vector<Stuck> give_up(const Questions& ask);
-  std::vector<Stuck> give_up() { return give_up({}); }
+  std::vector<StuckHandshake> give_up(const Questions& ask);
+  std::vector<StuckHandshake> give_up() { return give_up({}); }
 
  private:
   /// The handshake of one local participant with a remote one.
-  struct Half {
+  struct LocalHandshake {
     Duration met;
     CoreTimerState timer;
     /// The time when the host asked again about a peer that is not admitted.
@@ -130,9 +130,9 @@ class HandshakeWatch {
     /// True if it is not given up while its builtin endpoints are matched.
     bool is_settled = false;
     /// The handshakes by local participant, until its keys are there.
-    std::map<spi::IdentityHandle, Half> unfinished = {};
+    std::map<spi::IdentityHandle, LocalHandshake> unfinished = {};
   };
-  struct Past {
+  struct PastWaits {
     unsigned times = 0;
     Duration last{};
     bool was_longest = false;  ///< true if the wait was as long as possible
@@ -143,16 +143,17 @@ class HandshakeWatch {
   bool is_stuck(const Remote& remote, Duration now) const;
   void note_finished(spi::IdentityHandle handle, Remote& remote, const Questions& ask);
   void note_begun_again(const Guid& remote, Duration now);
-  bool begin_pair_again(const Half& half, const Remote& remote);
-  bool give_up_pairs(spi::IdentityHandle handle, const Remote& remote, std::vector<Stuck>& out);
-  Past& past_of(const Guid& guid, Duration now);
+  bool begin_pair_again(const LocalHandshake& half, const Remote& remote);
+  bool give_up_pairs(spi::IdentityHandle handle, const Remote& remote,
+                     std::vector<StuckHandshake>& out);
+  PastWaits& past_of(const Guid& guid, Duration now);
   Remote* of(spi::HandshakeHandle handshake);
 
   const Clock& clock_;
   mutable std::mutex mutex_;
   std::map<spi::IdentityHandle, Remote> remotes_;
   std::map<spi::HandshakeHandle, WatchedPair> handshakes_;
-  std::map<Guid, Past> past_;
+  std::map<Guid, PastWaits> past_;
   /// The times when remote participants were last revoked for one local participant while another
   /// had a session with them. They are kept until all have one.
   std::map<Guid, Duration> begun_again_;

@@ -142,27 +142,28 @@ class Entities final : public HostEntities {
     const std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(
         host_.create_listener(nullptr), host_.delete_listener);
     ignore_all(host_, listener.get());
-    const Owned topic(host_, host_.create_topic(participant.handle, &carrier_type(), name.c_str(),
-                                                nullptr, listener.get()));
+    const OwnedEntity topic(host_, host_.create_topic(participant.handle, &carrier_type(),
+                                                      name.c_str(), nullptr, listener.get()));
     if (topic.handle < 0) return false;
     const std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)> qos(host_.create_qos(),
                                                                     host_.delete_qos);
     const auto octets = ended.octets();
     host_.set_user_data(qos.get(), octets.data(), octets.size());
     host_.set_partition(qos.get(), partition.c_str());
-    const Owned reader(
+    const OwnedEntity reader(
         host_, host_.create_reader(participant.handle, topic.handle, qos.get(), listener.get()));
     return reader.handle >= 0;
   }
 
  private:
-  struct Owned {
-    Owned(const Functions& functions, dds_entity_t entity) : host(functions), handle(entity) {}
-    ~Owned() {
+  struct OwnedEntity {
+    OwnedEntity(const Functions& functions, dds_entity_t entity)
+        : host(functions), handle(entity) {}
+    ~OwnedEntity() {
       if (handle >= 0) host.delete_entity(handle);
     }
-    Owned(const Owned&) = delete;
-    Owned& operator=(const Owned&) = delete;
+    OwnedEntity(const OwnedEntity&) = delete;
+    OwnedEntity& operator=(const OwnedEntity&) = delete;
     const Functions& host;
     const dds_entity_t handle;
   };

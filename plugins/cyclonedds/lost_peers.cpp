@@ -96,7 +96,7 @@ bool AuthenticationAdapter::revoke_noted(const std::stop_token& stop, const Revo
   bool any = false;
   for (const auto& [remote, guid] : remotes_.all()) {
     if (stop.stop_requested()) return any;
-    const auto ends = [&guid = guid, this](const Ending& one) {
+    const auto ends = [&guid = guid, this](const EndingSession& one) {
       return one.remote == guid && lost_sessions_.has_session(one.local, guid);
     };
     if (std::erase_if(endings_, ends) == 0) continue;
@@ -104,7 +104,7 @@ bool AuthenticationAdapter::revoke_noted(const std::stop_token& stop, const Revo
     revoke(remote.value);
     any = true;
   }
-  std::erase_if(endings_, [&](const Ending& one) { return one.until <= now; });
+  std::erase_if(endings_, [&](const EndingSession& one) { return one.until <= now; });
   return any;
 }
 
@@ -121,7 +121,7 @@ bool AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
     host_->notice(
         Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
     if (ended_by_peer_.size() < kMaxEndedByPeer)
-      ended_by_peer_.try_emplace(guid, EndedByPeer{host_->clock().monotonic()});
+      ended_by_peer_.try_emplace(guid, EndedSession{host_->clock().monotonic()});
     lost_sessions_.about_to_drop(guid);
     revoke(remote.value);
     any = true;
@@ -134,7 +134,7 @@ void AuthenticationAdapter::report_ended_by_peer() {
     at = is_settled(at->first, at->second) ? ended_by_peer_.erase(at) : std::next(at);
 }
 
-bool AuthenticationAdapter::is_settled(const Guid& guid, EndedByPeer& end) {
+bool AuthenticationAdapter::is_settled(const Guid& guid, EndedSession& end) {
   constexpr std::chrono::seconds kPatience{4}, kMemory{60};
   const auto now = host_->clock().monotonic();
   bool is_met = false, is_in_session = false;

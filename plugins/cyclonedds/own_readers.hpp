@@ -64,7 +64,7 @@ class OwnReaders {
   /// One announcement of a reader, or its end.
   struct Announcement;
   /// The fragments of an announcement that were sent so far.
-  struct Begun {
+  struct BegunAnnouncement {
     rtps::SequenceNumber number{1};
     std::uint32_t next = 1;  ///< the number of the next fragment
     Bytes octets = {};
@@ -79,7 +79,7 @@ class OwnReaders {
 
   mutable std::mutex mutex_;
   std::set<Guid> announced_;
-  std::map<std::int64_t, Begun> begun_;  ///< by sender
+  std::map<std::int64_t, BegunAnnouncement> begun_;  ///< by sender
   /// The host never drops the announcement of a deleted reader: it repeats all to a participant
   /// that joins later. None may therefore be forgotten here while its owner lives, because its end
   /// would be carried again.

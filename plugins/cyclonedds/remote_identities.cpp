@@ -108,9 +108,10 @@ bool RemoteIdentities::has_ended(IdentityHandle local) const {
   return ended_locals_.contains(local);
 }
 
-RemoteIdentities::ToRevoke RemoteIdentities::to_revoke(std::span<const IdentityHandle> ended) {
+RemoteIdentities::HandlesToRevoke RemoteIdentities::to_revoke(
+    std::span<const IdentityHandle> ended) {
   const std::lock_guard lock(mutex_);
-  ToRevoke out;
+  HandlesToRevoke out;
   for (const auto handle : ended)
     if (find(handle) == nullptr && ended_locals_.insert(handle).second)
       out.locals.push_back(handle);

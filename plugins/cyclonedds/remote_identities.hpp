@@ -46,14 +46,14 @@ class RemoteIdentities {
   /// True if `poll` has reported this local participant.
   bool has_ended(spi::IdentityHandle local) const;
 
-  struct ToRevoke {
+  struct HandlesToRevoke {
     std::vector<spi::IdentityHandle> remotes = {};  ///< the host's handles
     std::vector<spi::IdentityHandle> locals = {};
   };
   /// Converts the result of the plugin's `poll` to the host's handles. The host can remove a
   /// remote participant only for all local ones. So a remote participant that is reported only
   /// because a local participant ended stays for the others that have met it.
-  ToRevoke to_revoke(std::span<const spi::IdentityHandle> ended);
+  HandlesToRevoke to_revoke(std::span<const spi::IdentityHandle> ended);
 
  private:
   struct Remote {

@@ -45,7 +45,7 @@ struct Host {
     std::ranges::copy(ticket.octets, value.begin());
     return tokens;
   }
-  std::optional<TokenLedger::Held> use(const Ticket& ticket) {
+  std::optional<TokenLedger::StoredTokens> use(const Ticket& ticket) {
     return ledger.redeem(with(ticket), {});
   }
   bool use() { return use(ticket).has_value(); }

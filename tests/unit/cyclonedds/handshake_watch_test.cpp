@@ -17,8 +17,8 @@ Guid guid_of(std::uint32_t number) {
 
 struct HandshakeWatchTest : testing::Test {
   // Looks every 100 ms for that long, and returns the peers that are given up.
-  std::vector<HandshakeWatch::Stuck> after(std::chrono::nanoseconds time) {
-    std::vector<HandshakeWatch::Stuck> out;
+  std::vector<HandshakeWatch::StuckHandshake> after(std::chrono::nanoseconds time) {
+    std::vector<HandshakeWatch::StuckHandshake> out;
     for (; time > 0ns; time -= 100ms) {
       clock.advance(100ms);
       for (const auto& one : watch.give_up(ask)) out.push_back(one);

@@ -75,7 +75,7 @@ class Recorder {
       static_cast<void>(opened(*payload, payloads));
   }
 
-  std::optional<Bytes> opened(const cryptography::Protected& what, Level& level) {
+  std::optional<Bytes> opened(const cryptography::ProtectedParts& what, Level& level) {
     using namespace cryptography;
     bool known = false;
     for (const auto& material : materials_) {
