@@ -16,7 +16,7 @@ void CdrReader::take_text(std::string& value, std::size_t bound) {
   value = text;
 }
 
-CdrReader::Delimited::Delimited(CdrReader& reader, bool wanted)
+CdrReader::DelimitedScope::DelimitedScope(CdrReader& reader, bool wanted)
     : reader_(reader),
       outer_end_(reader.end_),
       is_active_(wanted && reader.version_ == XcdrVersion::xcdr2) {
@@ -26,7 +26,7 @@ CdrReader::Delimited::Delimited(CdrReader& reader, bool wanted)
   if (reader_.status_) reader_.end_ = reader_.reader_.position() + size;
 }
 
-CdrReader::Delimited::~Delimited() {
+CdrReader::DelimitedScope::~DelimitedScope() {
   if (!is_active_ || !reader_.status_) return;
   static_cast<void>(reader_.reader_.skip(reader_.remaining()));
   reader_.end_ = outer_end_;

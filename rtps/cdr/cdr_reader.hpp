@@ -73,7 +73,7 @@ class CdrReader {
     } else if constexpr (detail::Sequence<T>) {
       take_sequence(value, bound, element_bound);
     } else if constexpr (detail::Array<T>) {
-      const Delimited delimited(*this, !detail::kArrayNeedsNoHeader<typename T::value_type>);
+      const DelimitedScope delimited(*this, !detail::kArrayNeedsNoHeader<typename T::value_type>);
       take_array(value, bound, element_bound);
     } else {
       take_struct(value);
@@ -84,7 +84,7 @@ class CdrReader {
   template <DdsType T>
   void take_key(T& value, KeyLayout layout) {
     constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
-    const Delimited delimited(*this, appendable && layout == KeyLayout::delimited);
+    const DelimitedScope delimited(*this, appendable && layout == KeyLayout::delimited);
     const bool all = !has_key<T>();
     detail::for_each_member(value, [&](const auto& member) {
       using M = std::remove_reference_t<decltype(member.value)>;
@@ -149,7 +149,7 @@ class CdrReader {
 
   template <class E>
   void take_sequence(std::vector<E>& value, std::size_t bound, std::size_t element_bound) {
-    const Delimited delimited(*this, !detail::kNeedsNoHeader<E>);
+    const DelimitedScope delimited(*this, !detail::kNeedsNoHeader<E>);
     const auto count = take_count(detail::min_size<E>(), bound);
     if (!status_) return;
     if constexpr (std::is_same_v<E, std::uint8_t>) {
@@ -185,7 +185,7 @@ class CdrReader {
     constexpr bool appendable = TypeTraits<T>::extensibility == Extensibility::appendable;
     if (depth_ >= kMaxNesting) return refuse(Code::length_out_of_range);
     ++depth_;
-    const Delimited delimited(*this, appendable);
+    const DelimitedScope delimited(*this, appendable);
     [[maybe_unused]] std::size_t taken = 0;
     // If an older writer's appendable type ends early, the other members keep their defaults
     // (XTypes 7.6.3.4).
@@ -202,12 +202,12 @@ class CdrReader {
 
   /// Restricts the reader to the octets that a DHEADER announces. The destructor skips what is left
   /// of them.
-  class Delimited {
+  class DelimitedScope {
    public:
-    Delimited(CdrReader& reader, bool wanted);
-    ~Delimited();
-    Delimited(const Delimited&) = delete;
-    Delimited& operator=(const Delimited&) = delete;
+    DelimitedScope(CdrReader& reader, bool wanted);
+    ~DelimitedScope();
+    DelimitedScope(const DelimitedScope&) = delete;
+    DelimitedScope& operator=(const DelimitedScope&) = delete;
 
    private:
     CdrReader& reader_;

@@ -6,27 +6,27 @@
 
 namespace ddssec::rtps {
 
-struct CallbackLock::Waiting {
+struct CallbackLock::Waiter {
   const ThreadId thread;
   const CallbackLock& lock;
   const bool is_first;
-  Waiting* next = nullptr;
+  Waiter* next = nullptr;
 };
 
 // All waits of the process. The list is in the stacks of the waiting threads, so that a wait
 // allocates nothing.
-struct CallbackLock::Waits {
+struct CallbackLock::WaitList {
   std::mutex mutex;  // protects the list and all locks
   std::condition_variable changed;
-  Waiting* list = nullptr;
+  Waiter* list = nullptr;
   std::size_t count = 0;
 
-  void add(Waiting& one) {
+  void add(Waiter& one) {
     one.next = std::exchange(list, &one);
     ++count;
     changed.notify_all();  // because of this wait, waits of other threads may never end
   }
-  void remove(const Waiting& one) {
+  void remove(const Waiter& one) {
     auto** at = &list;
     while (*at != &one) at = &(*at)->next;
     *at = one.next;
@@ -34,15 +34,15 @@ struct CallbackLock::Waits {
   }
 };
 
-CallbackLock::Waits& CallbackLock::waits() {
-  static Waits all;
+CallbackLock::WaitList& CallbackLock::waits() {
+  static WaitList all;
   return all;
 }
 
 // The waits must be destroyed after the last lock.
 CallbackLock::CallbackLock() { waits(); }
 
-const CallbackLock::Waiting* CallbackLock::waiting(ThreadId thread) {
+const CallbackLock::Waiter* CallbackLock::waiting(ThreadId thread) {
   for (const auto* one = waits().list; one != nullptr; one = one->next)
     if (one->thread == thread) return one;
   return nullptr;
@@ -51,7 +51,7 @@ const CallbackLock::Waiting* CallbackLock::waiting(ThreadId thread) {
 // Follows the chain: the thread that holds the lock, the lock for which that thread waits, the
 // thread that holds that one, and so on. A chain cannot have more steps than there are waits,
 // unless it leads into a circle of other threads, which they resolve.
-bool CallbackLock::never_ends(const Waiting& own) const {
+bool CallbackLock::never_ends(const Waiter& own) const {
   const auto* lock = this;
   for (std::size_t steps = 0; steps <= waits().count && lock->depth_ > 0; ++steps) {
     if (lock->owner_ == own.thread) return true;
@@ -62,7 +62,7 @@ bool CallbackLock::never_ends(const Waiting& own) const {
   return false;
 }
 
-bool CallbackLock::wait_for(Waiting& own) {
+bool CallbackLock::wait_for(Waiter& own) {
   auto& all = waits();
   std::unique_lock held(all.mutex, std::adopt_lock);
   all.add(own);
@@ -82,7 +82,7 @@ bool CallbackLock::acquire(Wait wait) {
   const ThreadId self = &self_object;
   const std::lock_guard held(waits().mutex);
   const bool is_free = depth_ == 0 || owner_ == self;
-  Waiting own{self, *this, wait == Wait::first};
+  Waiter own{self, *this, wait == Wait::first};
   if (!is_free && (wait == Wait::none || !wait_for(own))) return false;
   take(self);
   return true;

@@ -27,13 +27,13 @@ class CallbackLock {
 
  private:
   using ThreadId = const void*;  ///< the address of an object that each thread has
-  struct Waits;
-  struct Waiting;
-  static Waits& waits();
-  static const Waiting* waiting(ThreadId thread);
+  struct WaitList;
+  struct Waiter;
+  static WaitList& waits();
+  static const Waiter* waiting(ThreadId thread);
   void take(ThreadId thread);
-  bool never_ends(const Waiting& waiting) const;
-  bool wait_for(Waiting& waiting);
+  bool never_ends(const Waiter& waiting) const;
+  bool wait_for(Waiter& waiting);
 
   ThreadId owner_ = nullptr;
   std::uint32_t depth_ = 0;  ///< how often its owner has acquired it

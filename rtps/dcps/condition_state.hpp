@@ -61,7 +61,7 @@ struct WaitSetState : std::enable_shared_from_this<WaitSetState> {
 
  private:
   /// `own` is the thread's place among those that wait for the only participant, or nullptr.
-  void wait_until(std::unique_lock<std::mutex>& lock, TimePoint end, ServingTurn::Waiting* own);
+  void wait_until(std::unique_lock<std::mutex>& lock, TimePoint end, ServingTurn::WaitScope* own);
 };
 
 }  // namespace ddssec::rtps

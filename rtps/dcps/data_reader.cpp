@@ -176,7 +176,7 @@ bool AnyDataReader::wait_for_unread(std::chrono::nanoseconds timeout) {
   auto held = lock();
   return context_.wait(
       held, timeout, [&] { return reception_.cache().any({.sample = SampleState::not_read}); },
-      ServingTurn::For::data);
+      ServingTurn::WaitReason::data);
 }
 
 SampleLostStatus AnyDataReader::sample_lost_status() {

@@ -29,7 +29,7 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
     : Endpoint(publisher, context, topic, std::move(qos),
                {"writer", "publisher", StatusKind::publication_matched,
                 StatusKind::offered_incompatible_qos, StatusKind::offered_deadline_missed}),
-      Timed(context.timers()),
+      TimedObject(context.timers()),
       version_(version_of(qos_)),
       listeners_(this->publisher().listening_, publisher.participant().listening_),
       instances_(qos_),

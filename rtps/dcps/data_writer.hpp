@@ -34,7 +34,7 @@ struct OctetWrite {
 
 /// A writer of serialized samples; the base class of DataWriter<T>. Created and deleted by its
 /// publisher. Thread-safe.
-class AnyDataWriter : public Endpoint, private Timed {
+class AnyDataWriter : public Endpoint, private TimedObject {
  public:
   ~AnyDataWriter() override;
 

@@ -34,11 +34,11 @@ class Groups {
   /// True if there is no group. The caller holds the lock.
   bool empty() const { return publishers_.all().empty() && subscribers_.all().empty(); }
   /// All groups, released from the participant.
-  struct Released {
+  struct ReleasedGroups {
     ContainedEntities<Publisher>::All publishers;
     ContainedEntities<Subscriber>::All subscribers;
   };
-  Released release() { return {publishers_.release(), subscribers_.release()}; }
+  ReleasedGroups release() { return {publishers_.release(), subscribers_.release()}; }
 
  private:
   bool enables_new() const;

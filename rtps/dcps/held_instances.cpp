@@ -121,7 +121,7 @@ bool HeldInstances::can_pay(const HeldInstance* instance, const HeldShareOf& sha
 }
 
 bool HeldInstances::has_room_for_octets(std::size_t octets, const HeldShareOf& share,
-                                        const Freed& freed) const {
+                                        const FreedOctets& freed) const {
   const auto held = octets_ - freed.octets;
   if (held + octets > kMaxOctets) return false;
   if (!share || octets <= freed.own) return true;
@@ -139,7 +139,7 @@ HeldInstances::Rejection HeldInstances::rejects(const HeldInstance* instance, co
                                  instance == nullptr ? InstanceHandle{} : instance->handle, share))
     return {Reason::by_instances_limit, true};
   const bool replaces = change.is_alive() && instance != nullptr && is_full(*instance);
-  Freed freed;
+  FreedOctets freed;
   if (replaces) freed.octets = instance->oldest()->change.payload.size();
   if (replaces && instance->oldest()->share == share) freed.own = freed.octets;
   const bool is_held_back =
@@ -278,7 +278,7 @@ void HeldInstances::insert(HeldInstance& instance, HeldSample held) {
   if (indexes_sources_) instance.by_source.emplace(order_of(*at), at);
   if (!at->valid) instance.invalid_at = at;
   if (at->expires != kNever)
-    expiring_.emplace(std::pair(at->expires, at->expiry), Expiring{&instance, at});
+    expiring_.emplace(std::pair(at->expires, at->expiry), ExpiringSample{&instance, at});
   Rollback stored([&] { erase(instance, at); });
   if (is_ordered()) order_.insert(instance, at);
   for (auto* query : queries_) query->add(instance, at);
@@ -319,7 +319,7 @@ HeldSamples::iterator HeldInstances::erase(HeldInstance& instance, HeldSamples::
   return after;
 }
 
-std::optional<HeldInstances::Expiring> HeldInstances::expired(MonotonicTime now) const {
+std::optional<HeldInstances::ExpiringSample> HeldInstances::expired(MonotonicTime now) const {
   if (next_expiry() > now || expiring_.empty()) return std::nullopt;
   return expiring_.begin()->second;
 }
@@ -334,7 +334,7 @@ void HeldInstances::erase_all(HeldInstance& instance) {
 
 bool HeldInstances::can_hold_back(const HeldInstance& instance, const Change& change,
                                   const HeldShareOf& share) const {
-  Freed freed;
+  FreedOctets freed;
   if (instance.held_back) freed.octets = instance.held_back->payload.size();
   if (instance.share_of_held_back == share) freed.own = freed.octets;
   return can_pay(&instance, share) && has_room_for_octets(change.payload.size(), share, freed);

@@ -82,12 +82,12 @@ class HeldInstances {
   /// each instance, and it reports the latest state.
   void insert_invalid(HeldInstance& instance, const Guid& writer, const std::optional<Time>& time);
   HeldSamples::iterator erase(HeldInstance& instance, HeldSamples::const_iterator at);
-  struct Expiring {
+  struct ExpiringSample {
     HeldInstance* instance;
     HeldSamples::const_iterator sample;
   };
   /// Returns the first sample that has expired.
-  std::optional<Expiring> expired(MonotonicTime now) const;
+  std::optional<ExpiringSample> expired(MonotonicTime now) const;
   /// Returns kNever if no sample expires.
   MonotonicTime next_expiry() const;
   void erase_all(HeldInstance& instance);
@@ -155,10 +155,11 @@ class HeldInstances {
   bool can_pay(const HeldInstance* instance, const HeldShareOf& share) const;
   /// What is released at the same time: `octets` in all, and of these `own` that belong to the same
   /// share.
-  struct Freed {
+  struct FreedOctets {
     std::size_t octets = 0, own = 0;
   };
-  bool has_room_for_octets(std::size_t octets, const HeldShareOf& share, const Freed& freed) const;
+  bool has_room_for_octets(std::size_t octets, const HeldShareOf& share,
+                           const FreedOctets& freed) const;
   void hold(const HeldShareOf& share, std::size_t octets);
   void release(const HeldShareOf& share, std::size_t octets);
   void count_sample(const HeldSample& sample, int sign);
@@ -173,7 +174,7 @@ class HeldInstances {
   std::map<InstanceHandle, HeldInstance> instances_;
   std::map<KeyHash, HeldInstance*> by_key_;
   InstanceWriters joined_;
-  std::map<std::pair<MonotonicTime, std::uint64_t>, Expiring> expiring_;
+  std::map<std::pair<MonotonicTime, std::uint64_t>, ExpiringSample> expiring_;
   std::uint64_t expiries_ = 0, places_ = 0;
   HeldSamples spare_;  ///< nodes for reuse, so that storing a sample allocates none
   std::size_t samples_ = 0, octets_ = 0;

@@ -36,13 +36,13 @@ class ManualLiveliness {
 };
 
 /// The lease of one writer, with its own timer.
-class OfferedLiveliness final : private Timed {
+class OfferedLiveliness final : private TimedObject {
  public:
   /// `lost` is called once for each time that the lease runs out. `timers` and `of_participant`
   /// must outlive this object.
   OfferedLiveliness(TimerQueue& timers, ManualLiveliness& of_participant,
                     std::function<void()> lost)
-      : Timed(timers), of_participant_(of_participant), lost_(std::move(lost)) {}
+      : TimedObject(timers), of_participant_(of_participant), lost_(std::move(lost)) {}
 
   /// Begins the lease, because the writer is enabled.
   void start(const Liveliness& liveliness, MonotonicTime now);

@@ -5,7 +5,7 @@
 
 namespace ddssec::rtps {
 
-thread_local const ParticipantContext::Calling* ParticipantContext::calling_ = nullptr;
+thread_local const ParticipantContext::CallingScope* ParticipantContext::calling_ = nullptr;
 
 ParticipantContext::ParticipantContext(const PluginServices& services, Server& server,
                                        std::shared_ptr<ServingTurn> turn,
@@ -56,12 +56,13 @@ void ParticipantContext::wake_if(MonotonicTime other) {
   server_.wake();
 }
 
-ParticipantContext::Calling::Calling(const ParticipantContext& context, CallbackLock::Wait wait)
+ParticipantContext::CallingScope::CallingScope(const ParticipantContext& context,
+                                               CallbackLock::Wait wait)
     : context_(context), holds_(context.callbacks_.acquire(wait)), outer_(calling_) {
   calling_ = this;
 }
 
-ParticipantContext::Calling::~Calling() {
+ParticipantContext::CallingScope::~CallingScope() {
   calling_ = outer_;
   if (holds_) context_.callbacks_.release();
 }
@@ -84,7 +85,7 @@ bool ParticipantContext::dispatch() {
     const std::lock_guard lock(mutex_);
     if (pending_.empty()) return false;
   }
-  const Calling calling(*this, CallbackLock::Wait::none);
+  const CallingScope calling(*this, CallbackLock::Wait::none);
   while (calling) {
     Entity* entity = nullptr;
     {

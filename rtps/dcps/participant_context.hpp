@@ -78,7 +78,7 @@ class ParticipantContext {
   /// anything. A thread that waits for data may serve a participant that has a thread.
   template <class Ready>
   bool wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds timeout, Ready ready,
-            ServingTurn::For reason = ServingTurn::For::other);
+            ServingTurn::WaitReason reason = ServingTurn::WaitReason::other);
   bool has_pending() const { return !pending_.empty(); }
   /// Notes that listeners must be called for a status of the entity.
   void enqueue(Link<Entity>& entity) { entity.append_to(pending_); }
@@ -90,7 +90,7 @@ class ParticipantContext {
     bool changed = false;
     {
       const std::lock_guard lock(mutex_);
-      const Serving serving(*this, changed);
+      const ServingScope serving(*this, changed);
       f();
     }
     if (changed) changed_.notify_all();
@@ -107,12 +107,12 @@ class ParticipantContext {
   bool in_callback() const;
   /// Exists in the thread that calls listeners, from before the first call until after the last
   /// one.
-  class Calling {
+  class CallingScope {
    public:
-    Calling(const ParticipantContext& context, CallbackLock::Wait wait);
-    ~Calling();
-    Calling(const Calling&) = delete;
-    Calling& operator=(const Calling&) = delete;
+    CallingScope(const ParticipantContext& context, CallbackLock::Wait wait);
+    ~CallingScope();
+    CallingScope(const CallingScope&) = delete;
+    CallingScope& operator=(const CallingScope&) = delete;
     /// False if no listener may be called now.
     explicit operator bool() const { return holds_; }
 
@@ -120,7 +120,7 @@ class ParticipantContext {
     friend class ParticipantContext;
     const ParticipantContext& context_;
     const bool holds_;
-    const Calling* const outer_;
+    const CallingScope* const outer_;
   };
   /// See NoCallbacks, which calls both.
   [[nodiscard]] bool hold_callbacks(CallbackLock::Wait wait) { return callbacks_.acquire(wait); }
@@ -136,11 +136,11 @@ class ParticipantContext {
 
  private:
   /// Exists while work is done with the lock held, also if an exception ends the work.
-  struct Serving {
-    Serving(ParticipantContext& of, bool& has_changed) : context(of), changed(has_changed) {
+  struct ServingScope {
+    ServingScope(ParticipantContext& of, bool& has_changed) : context(of), changed(has_changed) {
       context.is_serving_ = true;
     }
-    ~Serving() {
+    ~ServingScope() {
       context.is_serving_ = false;
       changed = std::exchange(context.has_changed_while_serving_, false);
     }
@@ -154,7 +154,7 @@ class ParticipantContext {
   template <class Ready>
   bool wait_beside_thread(std::unique_lock<std::mutex>& lock,
                           std::chrono::steady_clock::time_point end, Ready ready,
-                          ServingTurn::For reason);
+                          ServingTurn::WaitReason reason);
   /// Wakes the server for listeners, timers or work at time `other` that cannot wait, unless it has
   /// already been woken.
   void wake_if(MonotonicTime other);
@@ -176,12 +176,12 @@ class ParticipantContext {
   mutable CallbackLock callbacks_;
   mutable std::recursive_mutex members_;
   /// The listener call of this thread: the innermost one if a listener calls poll().
-  static thread_local const Calling* calling_;
+  static thread_local const CallingScope* calling_;
 };
 
 template <class Ready>
 bool ParticipantContext::wait(std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds timeout,
-                              Ready ready, ServingTurn::For reason) {
+                              Ready ready, ServingTurn::WaitReason reason) {
   constexpr std::chrono::nanoseconds kMax = std::chrono::hours(24 * 365);
   if (ready()) return true;
   const auto end = std::chrono::steady_clock::now() + std::min(timeout, kMax);
@@ -200,8 +200,8 @@ bool ParticipantContext::wait(std::unique_lock<std::mutex>& lock, std::chrono::n
 template <class Ready>
 bool ParticipantContext::wait_beside_thread(std::unique_lock<std::mutex>& lock,
                                             std::chrono::steady_clock::time_point end, Ready ready,
-                                            ServingTurn::For reason) {
-  ServingTurn::Waiting waiting(*turn_, reason);
+                                            ServingTurn::WaitReason reason) {
+  ServingTurn::WaitScope waiting(*turn_, reason);
   while (!ready()) {
     const auto left = end - std::chrono::steady_clock::now();
     if (left <= std::chrono::nanoseconds::zero()) return false;

@@ -152,7 +152,7 @@ void ParticipantService::serve(std::chrono::nanoseconds timeout) {
 // Cancellation is off while the thread serves: if it was cancelled in a system call, it would leave
 // the participant's work half done.
 void ParticipantService::serve_for_waiting(std::chrono::nanoseconds timeout,
-                                           ServingTurn::Waiting& waiting) {
+                                           ServingTurn::WaitScope& waiting) {
   {
     int state = 0;
     ::pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
@@ -163,7 +163,7 @@ void ParticipantService::serve_for_waiting(std::chrono::nanoseconds timeout,
 }
 
 void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds timeout,
-                                                ServingTurn::Waiting& waiting) {
+                                                ServingTurn::WaitScope& waiting) {
   const auto has_pending = [&] {
     const std::lock_guard held(context_.mutex());
     return context_.has_pending();
@@ -172,7 +172,7 @@ void ParticipantService::serve_once_for_waiting(std::chrono::nanoseconds timeout
   const auto until = tick(timeout);
   const bool may_look = until && !has_pending();
   waiting.end_work();
-  EventLoop::Readable readable;
+  EventLoop::ReadableSockets readable;
   if (may_look)
     readable = sockets_->loop().poll(std::max(*until - context_.now(), MonotonicTime::zero()));
   if (!waiting.begin_work()) return;

@@ -49,8 +49,9 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
 
  private:
   void wake() override;
-  void serve_for_waiting(std::chrono::nanoseconds timeout, ServingTurn::Waiting& waiting) override;
-  void serve_once_for_waiting(std::chrono::nanoseconds timeout, ServingTurn::Waiting& waiting);
+  void serve_for_waiting(std::chrono::nanoseconds timeout,
+                         ServingTurn::WaitScope& waiting) override;
+  void serve_once_for_waiting(std::chrono::nanoseconds timeout, ServingTurn::WaitScope& waiting);
   void end_serving() override { sockets_->loop().wake(); }
   void notify_waiting() override { context_.notify_waiting(); }
   ServingTurn::Server& turn_server() { return *this; }

@@ -133,7 +133,7 @@ void Presenter::refund_ready(const Source& source, std::size_t price) {
   forget_empty(held);
 }
 
-void Presenter::forget_empty(std::map<GuidPrefix, Held>::iterator held) {
+void Presenter::forget_empty(std::map<GuidPrefix, IdentityOctets>::iterator held) {
   if (held->second.octets() == 0) held_.erase(held);
 }
 

@@ -104,7 +104,7 @@ class Presenter {
     SequenceNumber progress;  ///< group sequence number
   };
   /// The room that one reader needs for its items of a batch.
-  struct Wanted {
+  struct NeededRoom {
     WantedRoom room;
     Guid writer;  ///< one of the writers
   };
@@ -119,7 +119,7 @@ class Presenter {
     std::vector<Item> items;
     SequenceNumber last;  ///< last group sequence number in the batch
     MonotonicTime since{};
-    std::map<PresentedReader*, Wanted> wanted = {};
+    std::map<PresentedReader*, NeededRoom> wanted = {};
     bool is_blocked = false;  ///< true if no room was found for it
     bool retries = false;     ///< true if readers have taken samples since
   };
@@ -136,7 +136,7 @@ class Presenter {
     std::map<StreamKey, std::size_t> leaving;
   };
   /// The octets that are held of one identity.
-  struct Held {
+  struct IdentityOctets {
     std::size_t open = 0, ready = 0;
     std::size_t octets() const { return open + ready; }
   };
@@ -146,12 +146,12 @@ class Presenter {
     return kPricePerItem + item.change.payload.size();
   }
   /// True if the identity has used its share, which is as much as is still free.
-  bool is_over(const Held& held) const { return octets_ + held.octets() >= kMaxOctets; }
+  bool is_over(const IdentityOctets& held) const { return octets_ + held.octets() >= kMaxOctets; }
   void charge_open(const Source& source, Set& set, std::size_t price);
   void refund_open(const Source& source, Set& set, std::size_t price);
   void charge_ready(const Source& source, const Batch& batch);
   void refund_ready(const Source& source, std::size_t price);
-  void forget_empty(std::map<GuidPrefix, Held>::iterator held);
+  void forget_empty(std::map<GuidPrefix, IdentityOctets>::iterator held);
   /// Returns false if changes of that source are refused for now.
   bool make_room(const Source& source);
   void give_up_largest(const GuidPrefix& identity);
@@ -185,7 +185,7 @@ class Presenter {
   std::size_t in_vain_ = 0;    ///< items of the unsuccessful searches since the last pause
   SourceKey searched_;         ///< source of the batch that was searched last
   std::size_t octets_ = 0;     ///< octets of everything that is held
-  std::map<GuidPrefix, Held> held_;
+  std::map<GuidPrefix, IdentityOctets> held_;
   std::map<SourceKey, Source> sources_;
   std::map<StreamKey, SourceKey> source_of_;
 };

@@ -27,7 +27,7 @@ void QueryMatches::add(HeldInstance& instance, HeldSamples::iterator sample) {
   if (!sample->valid || !filter_.passes(sample->change.payload.view()).value_or(false)) return;
   const auto known = by_handle_.find(instance.handle);
   if (known == by_handle_.end()) {
-    std::list<Passing> one;
+    std::list<PassingSamples> one;
     one.push_back({.instance = &instance});
     one.front().samples.emplace(place_in_instance(*sample), sample);
     by_handle_.emplace(instance.handle, one.begin());
@@ -66,12 +66,12 @@ void QueryMatches::count(const HeldInstance& instance, int sign) {
   counts_.add(instance, passing->unread, passing->samples.size() - passing->unread, sign);
 }
 
-const QueryMatches::Passing* QueryMatches::of(InstanceHandle instance) const {
+const QueryMatches::PassingSamples* QueryMatches::of(InstanceHandle instance) const {
   const auto at = by_handle_.find(instance);
   return at == by_handle_.end() ? nullptr : &*at->second;
 }
 
-const QueryMatches::Passing* QueryMatches::after(InstanceHandle instance) const {
+const QueryMatches::PassingSamples* QueryMatches::after(InstanceHandle instance) const {
   const auto at = by_handle_.upper_bound(instance);
   return at == by_handle_.end() ? nullptr : &*at->second;
 }

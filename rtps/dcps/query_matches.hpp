@@ -28,7 +28,7 @@ class QueryMatches {
   void count(const HeldInstance& instance, int sign);
 
   /// The samples of one instance that pass; there is at least one.
-  struct Passing {
+  struct PassingSamples {
     HeldInstance* instance;
     std::map<SourceOrder, HeldSamples::iterator> samples = {};
     std::size_t unread = 0;
@@ -37,11 +37,11 @@ class QueryMatches {
   bool any(const States& states) const { return counts_.any(states); }
   /// Returns the instances, in the order in which the first sample of each passed. An instance may
   /// leave the list while it is iterated.
-  const std::list<Passing>& instances() const { return passing_; }
+  const std::list<PassingSamples>& instances() const { return passing_; }
   /// Returns nullptr if none of its samples passes.
-  const Passing* of(InstanceHandle instance) const;
+  const PassingSamples* of(InstanceHandle instance) const;
   /// Returns the next instance by handle, or nullptr if there is none.
-  const Passing* after(InstanceHandle instance) const;
+  const PassingSamples* after(InstanceHandle instance) const;
   /// Returns the samples in the order of arrival; empty unless the reader keeps this order.
   const ArrivalOrder& order() const { return order_; }
 
@@ -49,8 +49,8 @@ class QueryMatches {
   void clear();
 
   BoundFilter filter_;
-  std::list<Passing> passing_;
-  std::map<InstanceHandle, std::list<Passing>::iterator> by_handle_;
+  std::list<PassingSamples> passing_;
+  std::map<InstanceHandle, std::list<PassingSamples>::iterator> by_handle_;
   ArrivalOrder order_;
   StateCounts counts_;
 };

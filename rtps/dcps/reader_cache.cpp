@@ -143,31 +143,31 @@ MonotonicTime ReaderCache::expiry_of(const Change& change, const Moment& at) con
                            : kNever;
 }
 
-std::optional<ReaderCache::Stored> ReaderCache::rejects_again(const Change& change,
-                                                              const Moment& at) const {
+std::optional<ReaderCache::StoreReport> ReaderCache::rejects_again(const Change& change,
+                                                                   const Moment& at) const {
   if (expiry_of(change, at) <= at.now) return std::nullopt;
   const auto* instance = held_.find(change.key_hash.value_or(KeyHash{}));
   if (instance == nullptr && change.key_octets == 0 && key_of_) return std::nullopt;
   const auto& share = writer_of(change.writer).share;
   if (instance != nullptr && waits(*instance, change, at)) {
     if (held_.can_hold_back(*instance, change, share)) return std::nullopt;
-    return Stored{StoreResult::rejected, SampleRejectedReason::by_samples_limit, instance->handle,
-                  true};
+    return StoreReport{StoreResult::rejected, SampleRejectedReason::by_samples_limit,
+                       instance->handle, true};
   }
   const auto [reason, crowded] =
       held_.rejects(instance, change, share, instance == nullptr ? change.key_octets : 0);
   if (reason == SampleRejectedReason::not_rejected) return std::nullopt;
-  return Stored{StoreResult::rejected, reason,
-                instance == nullptr ? InstanceHandle{} : instance->handle, crowded};
+  return StoreReport{StoreResult::rejected, reason,
+                     instance == nullptr ? InstanceHandle{} : instance->handle, crowded};
 }
 
 // Nothing may change before a rejection, because the change will be offered again.
-ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
+ReaderCache::StoreReport ReaderCache::store(Change& change, const Moment& at) {
   limit_source_time(change, at);
   const auto expires = expiry_of(change, at);
   auto* const instance = held_.find(change.key_hash.value_or(KeyHash{}));
   if (instance == nullptr) return store_first(change, expires, at.now);
-  const Stored dropped{StoreResult::dropped, {}, instance->handle};
+  const StoreReport dropped{StoreResult::dropped, {}, instance->handle};
   if (expires <= at.now) return dropped;
   if (!may_own(*instance, change.writer)) {
     // The writer is still one of the writers of the instance, which ends when all of them have
@@ -183,15 +183,15 @@ ReaderCache::Stored ReaderCache::store(Change& change, const Moment& at) {
                     : was_replaced(held_, *instance, change)) {
     // An unregister counts even if the change is too old: without it the instance would never end.
     const bool ends = change.status.unregistered && leave(*instance, change.writer, at.now);
-    return ends ? Stored{StoreResult::stored, {}, dropped.instance} : dropped;
+    return ends ? StoreReport{StoreResult::stored, {}, dropped.instance} : dropped;
   }
   if (waits(*instance, change, at)) return hold_back(*instance, change, expires);
   return store_next(*instance, change, expires, at.now);
 }
 
 // An unregister of an unknown instance is dropped: there is nothing to end.
-ReaderCache::Stored ReaderCache::store_first(Change& change, MonotonicTime expires,
-                                             MonotonicTime now) {
+ReaderCache::StoreReport ReaderCache::store_first(Change& change, MonotonicTime expires,
+                                                  MonotonicTime now) {
   const bool says_something = change.is_alive() || change.status.disposed;
   if (expires <= now || !says_something) return {StoreResult::dropped, {}, {}};
   Payload key_value;
@@ -209,8 +209,8 @@ ReaderCache::Stored ReaderCache::store_first(Change& change, MonotonicTime expir
   return insert(instance, change, expires, now);
 }
 
-ReaderCache::Stored ReaderCache::store_next(Instance& instance, Change& change,
-                                            MonotonicTime expires, MonotonicTime now) {
+ReaderCache::StoreReport ReaderCache::store_next(Instance& instance, Change& change,
+                                                 MonotonicTime expires, MonotonicTime now) {
   // The writer leaves. Readers get its last sample, which was held back, before its end.
   const bool brings_last =
       change.status.unregistered && !change.status.disposed && holds_back(instance, change.writer);
@@ -222,9 +222,9 @@ ReaderCache::Stored ReaderCache::store_next(Instance& instance, Change& change,
   return insert(instance, change, expires, now);
 }
 
-ReaderCache::Stored ReaderCache::insert(Instance& instance, Change& change, MonotonicTime expires,
-                                        MonotonicTime now) {
-  const Stored stored{StoreResult::stored, {}, instance.handle};
+ReaderCache::StoreReport ReaderCache::insert(Instance& instance, Change& change,
+                                             MonotonicTime expires, MonotonicTime now) {
+  const StoreReport stored{StoreResult::stored, {}, instance.handle};
   if (change.is_alive()) {
     const auto& share = writer_of(change.writer).share;
     store_alive(instance, {.change = std::move(change), .expires = expires, .share = share}, now);
@@ -237,9 +237,9 @@ ReaderCache::Stored ReaderCache::insert(Instance& instance, Change& change, Mono
 
 // Holds the change back, because the minimum separation has not passed (DDS 1.4, 2.2.3.12). When it
 // has passed, a reliable reader gets the last of these samples.
-ReaderCache::Stored ReaderCache::hold_back(Instance& instance, Change& change,
-                                           MonotonicTime expires) {
-  const Stored dropped{StoreResult::dropped, {}, instance.handle};
+ReaderCache::StoreReport ReaderCache::hold_back(Instance& instance, Change& change,
+                                                MonotonicTime expires) {
+  const StoreReport dropped{StoreResult::dropped, {}, instance.handle};
   if (!is_reliable_) return dropped;
   const auto& share = writer_of(change.writer).share;
   const auto origin = change.origin();

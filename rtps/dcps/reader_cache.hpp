@@ -39,7 +39,7 @@ class ReaderCache {
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
 
   enum class StoreResult : std::uint8_t { stored, dropped, rejected };
-  struct Stored {
+  struct StoreReport {
     StoreResult outcome = StoreResult::stored;
     SampleRejectedReason reason = SampleRejectedReason::not_rejected;
     InstanceHandle instance;
@@ -48,9 +48,9 @@ class ReaderCache {
   /// Stores the change, unless it is rejected: then nothing has changed, and it may be offered
   /// again. A change is dropped if readers must not see it: its writer is not the owner, or it is
   /// too late or expired.
-  Stored store(Change& change, const Moment& at);
+  StoreReport store(Change& change, const Moment& at);
   /// Returns the rejection of a change that was rejected before, if there is still no room for it.
-  std::optional<Stored> rejects_again(const Change& change, const Moment& at) const;
+  std::optional<StoreReport> rejects_again(const Change& change, const Moment& at) const;
 
   /// Makes samples be read in the order of their arrival, whatever their instance (ordered access
   /// with TOPIC or GROUP scope). `arrivals` is the counter, which other readers may share.
@@ -120,10 +120,11 @@ class ReaderCache {
   const Writer& writer_of(const Guid& guid) const;
   bool may_own(const Instance& instance, const Guid& writer) const;
   void limit_source_time(Change& change, const Moment& at);
-  Stored store_first(Change& change, MonotonicTime expires, MonotonicTime now);
-  Stored store_next(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);
-  Stored insert(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);
-  Stored hold_back(Instance& instance, Change& change, MonotonicTime expires);
+  StoreReport store_first(Change& change, MonotonicTime expires, MonotonicTime now);
+  StoreReport store_next(Instance& instance, Change& change, MonotonicTime expires,
+                         MonotonicTime now);
+  StoreReport insert(Instance& instance, Change& change, MonotonicTime expires, MonotonicTime now);
+  StoreReport hold_back(Instance& instance, Change& change, MonotonicTime expires);
   void store_alive(Instance& instance, HeldSample sample, MonotonicTime now);
   void store_end(Instance& instance, const Change& change, MonotonicTime now);
   /// Moves what the instance holds back to its samples. Returns false if it was dropped instead.

@@ -39,8 +39,9 @@ KeyHash ReceivedSamples::instance_of(const Change& change, const KeyProtection& 
   return type_.with_key ? key_of(change, keys).value_or(KeyHash{}) : KeyHash{};
 }
 
-ReceivedSamples::Received ReceivedSamples::receive(Change& change, BoundFilter* filter,
-                                                   const KeyProtection& keys, const Moment& at) {
+ReceivedSamples::ReceptionReport ReceivedSamples::receive(Change& change, BoundFilter* filter,
+                                                          const KeyProtection& keys,
+                                                          const Moment& at) {
   if (change.is_examined && seen_)  // checked before the digests of large payloads are computed
     if (const auto refusal = cache_->rejects_again(change, at))
       return {Reception::rejected, *refusal};

@@ -29,13 +29,13 @@ class ReceivedSamples {
     rejected,        ///< nothing has changed; the change may be offered again
     unreadable_key,  ///< taken: the end of an instance whose key cannot be read
   };
-  struct Received {
+  struct ReceptionReport {
     Reception outcome = Reception::unseen;
-    ReaderCache::Stored stored = {};  ///< set if the outcome is `stored` or `rejected`
+    ReaderCache::StoreReport stored = {};  ///< set if the outcome is `stored` or `rejected`
   };
   /// Takes a change. `filter` is the reader's content filter, or nullptr if it has none.
-  Received receive(Change& change, BoundFilter* filter, const KeyProtection& keys,
-                   const Moment& at);
+  ReceptionReport receive(Change& change, BoundFilter* filter, const KeyProtection& keys,
+                          const Moment& at);
 
   /// Returns the instance that `receive` would find. The default value if the type has no key, or
   /// if the key of this change cannot be read.

@@ -12,7 +12,7 @@
 namespace ddssec::rtps {
 
 /// A LivelinessMonitor with its own timer, and the LIVELINESS_CHANGED status.
-class RequestedLiveliness final : private Timed {
+class RequestedLiveliness final : private TimedObject {
  public:
   /// Called with the writers whose leases ended.
   using Lost = std::function<void(std::span<const Guid> writers, MonotonicTime now)>;
@@ -20,7 +20,7 @@ class RequestedLiveliness final : private Timed {
   /// outlive this object.
   RequestedLiveliness(TimerQueue& timers, EndpointListener& reader, StatusChanges& changes,
                       Lost lost)
-      : Timed(timers), reader_(reader), changes_(changes), lost_(std::move(lost)) {}
+      : TimedObject(timers), reader_(reader), changes_(changes), lost_(std::move(lost)) {}
 
   void add_writer(const Guid& writer, Duration lease, MonotonicTime now);
   void remove_writer(const Guid& writer);

@@ -11,7 +11,7 @@
 namespace ddssec::rtps {
 
 SampleReception::SampleReception(const Reader& reader, Reports reports)
-    : Timed(reader.context.timers()),
+    : TimedObject(reader.context.timers()),
       context_(reader.context),
       topic_(reader.topic),
       filter_(reader.filter),
@@ -134,7 +134,8 @@ bool SampleReception::store(Change& change) {
 }
 
 // A reliable writer keeps the change and offers it again. The change is counted only once.
-void SampleReception::reject(const Change& change, const ReaderCache::Stored& stored, bool is_new) {
+void SampleReception::reject(const Change& change, const ReaderCache::StoreReport& stored,
+                             bool is_new) {
   has_refused_ = true;
   const std::pair which(change.writer, change.sequence_number);
   if (std::exchange(last_rejected_, which) == which || !is_new) return;

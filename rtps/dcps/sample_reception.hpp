@@ -13,7 +13,7 @@ namespace ddssec::rtps {
 
 /// Passes changes from the protocol through PRESENTATION to the samples, and updates statuses and
 /// conditions. Has its own timer. The caller holds the participant's lock.
-class SampleReception final : private PresentedReader, private Timed {
+class SampleReception final : private PresentedReader, private TimedObject {
  public:
   /// The objects that it reports to. All must outlive it.
   struct Reports {
@@ -91,7 +91,7 @@ class SampleReception final : private PresentedReader, private Timed {
   /// Call it when samples have left the reader.
   void present_again();
   bool store(Change& change);
-  void reject(const Change& change, const ReaderCache::Stored& stored, bool is_new);
+  void reject(const Change& change, const ReaderCache::StoreReport& stored, bool is_new);
   void report_crowded(const Guid& writer, SampleRejectedReason reason);
   void report_time_ahead(const Guid& writer);
   void report_unreadable_key(const Change& change);

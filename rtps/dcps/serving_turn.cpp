@@ -13,8 +13,9 @@ ServingTurn::ServingTurn(Server& server)
   if (timer_.number() < 0) own_until_ = Clock::time_point::max();
 }
 
-ServingTurn::Waiting::Waiting(ServingTurn& turn, For reason, std::shared_ptr<WaitSetState> set)
-    : turn_(turn), may_serve_(reason == For::data), set_(std::move(set)) {
+ServingTurn::WaitScope::WaitScope(ServingTurn& turn, WaitReason reason,
+                                  std::shared_ptr<WaitSetState> set)
+    : turn_(turn), may_serve_(reason == WaitReason::data), set_(std::move(set)) {
   const auto now = Clock::now();
   const std::lock_guard held(turn.mutex_);
   turn.returns_soon_ = now - turn.last_end_ < kGrace;
@@ -25,7 +26,7 @@ ServingTurn::Waiting::Waiting(ServingTurn& turn, For reason, std::shared_ptr<Wai
   if (turn.holder_ == Holder::none) turn.arm(std::chrono::nanoseconds::zero());
 }
 
-ServingTurn::Waiting::~Waiting() {
+ServingTurn::WaitScope::~WaitScope() {
   const auto now = Clock::now();
   const std::lock_guard held(turn_.mutex_);
   turn_.note_displaced(*this);
@@ -34,7 +35,7 @@ ServingTurn::Waiting::~Waiting() {
   if (serves_) turn_.give_up(now);
 }
 
-bool ServingTurn::Waiting::serves() {
+bool ServingTurn::WaitScope::serves() {
   if (!may_serve_) return false;
   const auto now = Clock::now();
   const std::lock_guard held(turn_.mutex_);
@@ -60,18 +61,18 @@ bool ServingTurn::may_begin(Clock::time_point now) {
   return true;
 }
 
-void ServingTurn::note_displaced(Waiting& waiting) {
+void ServingTurn::note_displaced(WaitScope& waiting) {
   if (!waiting.serves_ || leader_ == &waiting) return;
   waiting.serves_ = false;
   if (--displaced_ == 0) given_up_.notify_all();
 }
 
-void ServingTurn::add(Waiting& waiting) {
+void ServingTurn::add(WaitScope& waiting) {
   waiting.next_ = std::exchange(list_, &waiting);
   ++count_;
 }
 
-void ServingTurn::remove(Waiting& waiting) {
+void ServingTurn::remove(WaitScope& waiting) {
   auto** at = &list_;
   while (*at != &waiting) at = &(*at)->next_;
   *at = waiting.next_;

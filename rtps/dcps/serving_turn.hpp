@@ -53,14 +53,14 @@ class ServingTurn {
   static constexpr std::chrono::nanoseconds kMaxOwn = std::chrono::seconds(10);
   static constexpr std::chrono::nanoseconds kBesideHeld = std::chrono::milliseconds(10);
 
-  class Waiting;
+  class WaitScope;
   class Server {
    public:
     virtual ~Server() = default;
     /// Waits for sockets and timers once, for at most `timeout`, and serves them. All work is done
     /// between `waiting.begin_work()`, if that returns true, and `waiting.end_work()`. Calls no
     /// listener.
-    virtual void serve_for_waiting(std::chrono::nanoseconds timeout, Waiting& waiting) = 0;
+    virtual void serve_for_waiting(std::chrono::nanoseconds timeout, WaitScope& waiting) = 0;
     /// Ends a call of serve_for_waiting, from any thread.
     virtual void end_serving() = 0;
     /// Makes the threads that wait in calls of the participant check again.
@@ -70,19 +70,19 @@ class ServingTurn {
   /// thread keeps the turn.
   explicit ServingTurn(Server& server);
 
-  enum class For : std::uint8_t {
+  enum class WaitReason : std::uint8_t {
     data,  ///< the thread may serve while it waits
     other  ///< the participant's thread serves
   };
   /// A wait of the calling thread, from its construction until its destruction.
-  class Waiting {
+  class WaitScope {
    public:
     /// `set` is the wait set whose condition variable the thread waits on; nullptr if it waits in a
     /// call of the participant.
-    Waiting(ServingTurn& turn, For reason, std::shared_ptr<WaitSetState> set = {});
-    ~Waiting();
-    Waiting(const Waiting&) = delete;
-    Waiting& operator=(const Waiting&) = delete;
+    WaitScope(ServingTurn& turn, WaitReason reason, std::shared_ptr<WaitSetState> set = {});
+    ~WaitScope();
+    WaitScope(const WaitScope&) = delete;
+    WaitScope& operator=(const WaitScope&) = delete;
     /// True if the thread has the turn and must call `serve`; false if another thread serves. The
     /// caller holds the mutex of its condition variable until it waits, so that no notification is
     /// lost.
@@ -103,7 +103,7 @@ class ServingTurn {
     const std::shared_ptr<WaitSetState> set_;
     bool serves_ = false;         ///< as far as this thread knows
     std::uint64_t progress_ = 0;  ///< while it serves: its last value of ServingTurn::progress_
-    Waiting* next_ = nullptr;
+    WaitScope* next_ = nullptr;
   };
 
   // For the participant's thread:
@@ -128,12 +128,12 @@ class ServingTurn {
   enum class Holder : std::uint8_t { none, own, application };
 
   // The caller holds the mutex:
-  void add(Waiting& waiting);
-  void remove(Waiting& waiting);
+  void add(WaitScope& waiting);
+  void remove(WaitScope& waiting);
   void give_up(Clock::time_point now);
   void arm(std::chrono::nanoseconds after);
   bool may_begin(Clock::time_point now);
-  void note_displaced(Waiting& waiting);
+  void note_displaced(WaitScope& waiting);
 
   // For the participant's thread:
   /// The progress that it has seen of the application thread that serves.
@@ -149,7 +149,7 @@ class ServingTurn {
   std::mutex mutex_;            ///< a leaf: no other lock is taken with it
   std::condition_variable given_up_;
   Holder holder_ = Holder::own;
-  const Waiting* leader_ = nullptr;  ///< set if an application thread has the turn
+  const WaitScope* leader_ = nullptr;  ///< set if an application thread has the turn
   /// The number of threads whose turn was taken away while they served, and that still serve.
   std::atomic<int> displaced_ = 0;
   /// Increases whenever an application thread gets the turn, its work begins or ends, or its turn
@@ -158,7 +158,7 @@ class ServingTurn {
   bool is_closed_ = false, is_due_at_once_ = false, is_armed_ = false;
   /// True if the last wait began less than kGrace after the one before.
   bool returns_soon_ = false;
-  Waiting* list_ = nullptr;
+  WaitScope* list_ = nullptr;
   std::size_t count_ = 0;
   Clock::time_point given_up_at_{}, last_end_{}, last_turn_{}, own_until_{};
 };

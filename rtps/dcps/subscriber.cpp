@@ -80,7 +80,7 @@ void Subscriber::pause(bool paused) {
 
 void Subscriber::notify_datareaders() {
   {
-    const ParticipantContext::Calling calling(context_, CallbackLock::Wait::while_it_ends);
+    const ParticipantContext::CallingScope calling(context_, CallbackLock::Wait::while_it_ends);
     if (!calling) return;
     for (auto* reader : datareaders({.sample = SampleState::not_read}))
       reader->listeners_.notify_of_data_available(*reader,

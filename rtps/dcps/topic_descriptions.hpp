@@ -46,11 +46,11 @@ class TopicDescriptions {
   bool empty() const { return topics_.all().empty() && filtered_.all().empty(); }
   /// All topics, released from the participant. Content-filtered topics refer to the others and are
   /// destroyed first.
-  struct Released {
+  struct ReleasedTopics {
     ContainedEntities<Topic>::All topics;
     ContainedEntities<ContentFilteredTopic>::All filtered;
   };
-  Released release() { return {topics_.release(), filtered_.release()}; }
+  ReleasedTopics release() { return {topics_.release(), filtered_.release()}; }
 
  private:
   bool drop_reference(Topic& topic, bool& unused) const;

@@ -65,17 +65,17 @@ void WaitSetState::wait_until(std::unique_lock<std::mutex>& lock, TimePoint end)
     if (attached.state->turn && std::ranges::find(turns, attached.state->turn) == turns.end())
       turns.push_back(attached.state->turn);
   if (turns.size() == 1) {
-    ServingTurn::Waiting place(*turns.front(), ServingTurn::For::data, shared_from_this());
+    ServingTurn::WaitScope place(*turns.front(), ServingTurn::WaitReason::data, shared_from_this());
     return wait_until(lock, end, &place);
   }
-  std::list<ServingTurn::Waiting> places;
+  std::list<ServingTurn::WaitScope> places;
   for (const auto& turn : turns)
-    places.emplace_back(*turn, ServingTurn::For::other, shared_from_this());
+    places.emplace_back(*turn, ServingTurn::WaitReason::other, shared_from_this());
   wait_until(lock, end, nullptr);
 }
 
 void WaitSetState::wait_until(std::unique_lock<std::mutex>& lock, TimePoint end,
-                              ServingTurn::Waiting* own) {
+                              ServingTurn::WaitScope* own) {
   const auto any = [](const auto& attached) { return attached.state->trigger.load(); };
   while (std::ranges::none_of(conditions, any)) {
     const auto left = end - std::chrono::steady_clock::now();

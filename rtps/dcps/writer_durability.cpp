@@ -16,14 +16,15 @@ WriterDurability::~WriterDurability() {
   if (is_open()) store_->close_stream(stream_);
 }
 
-Result<WriterDurability::Restored> WriterDurability::open(DurableStore& store, StreamKey key,
-                                                          const DurabilityService& service,
-                                                          const Moment& now, Duration lifespan) {
+Result<WriterDurability::RestoredHistory> WriterDurability::open(DurableStore& store, StreamKey key,
+                                                                 const DurabilityService& service,
+                                                                 const Moment& now,
+                                                                 Duration lifespan) {
   DDSSEC_ASSIGN_OR_RETURN(auto opened, store.open_stream(std::move(key), service, now, lifespan));
   lifespan_ = lifespan;
   store_ = &store;
   stream_ = opened.id;
-  return Restored{std::move(opened.history), std::move(opened.expires)};
+  return RestoredHistory{std::move(opened.history), std::move(opened.expires)};
 }
 
 void WriterDurability::append(Change& change, const Guid& writer, SequenceNumber number,

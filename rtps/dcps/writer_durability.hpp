@@ -27,15 +27,15 @@ class WriterDurability {
 
   /// The samples that an earlier writer left, and the time at which each of them expires; kNever if
   /// it does not.
-  struct Restored {
+  struct RestoredHistory {
     std::vector<Change> history;
     std::vector<MonotonicTime> expires;
   };
   /// Returns the samples that an earlier writer left in the stream. `store` must outlive this
   /// object. `lifespan` is that of the writer, whose samples live no longer. Errors: those of
   /// DurableStore::open_stream.
-  Result<Restored> open(DurableStore& store, StreamKey key, const DurabilityService& service,
-                        const Moment& now, Duration lifespan = kDurationInfinite);
+  Result<RestoredHistory> open(DurableStore& store, StreamKey key, const DurabilityService& service,
+                               const Moment& now, Duration lifespan = kDurationInfinite);
   bool is_open() const { return store_ != nullptr; }
 
   /// Sets the LIFESPAN of samples that are appended from now on.

@@ -69,9 +69,9 @@ Status DurableStore::wait(std::chrono::nanoseconds timeout, Ready ready) {
   return fail(Code::rtps_timeout, {.document = store_.path()});
 }
 
-Result<DurableStore::Opened> DurableStore::open_stream(StreamKey key,
-                                                       const DurabilityService& service,
-                                                       const Moment& now, Duration lifespan) {
+Result<DurableStore::OpenedStream> DurableStore::open_stream(StreamKey key,
+                                                             const DurabilityService& service,
+                                                             const Moment& now, Duration lifespan) {
   std::unique_lock store(store_mutex_, kMaxOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
   forget_closed();
@@ -102,9 +102,9 @@ Result<bool> DurableStore::is_empty() {
   return count == 0;
 }
 
-Result<DurableStore::Opened> DurableStore::load(StreamId id, const DurabilityService& service,
-                                                std::uint64_t after, const Moment& now,
-                                                Duration lifespan) {
+Result<DurableStore::OpenedStream> DurableStore::load(StreamId id, const DurabilityService& service,
+                                                      std::uint64_t after, const Moment& now,
+                                                      Duration lifespan) {
   DDSSEC_RETURN_IF_ERROR(wait(kMaxOpen, [&] { return committed_ >= after; }));
   const std::unique_lock store(store_mutex_, kMaxOpen);
   if (!store) return fail(Code::rtps_timeout, {.document = store_.path()});
@@ -113,7 +113,7 @@ Result<DurableStore::Opened> DurableStore::load(StreamId id, const DurabilitySer
   const auto expires = index_.open(id, service, history, now, lifespan);
   const auto removed = clean_up(id, now, history.rows.size());
   const std::set<std::int64_t> gone(removed.begin(), removed.end());
-  Opened out{.id = id, .history = {}, .rows = {}, .heard = std::move(history.heard)};
+  OpenedStream out{.id = id, .history = {}, .rows = {}, .heard = std::move(history.heard)};
   for (std::size_t i = 0; i < history.rows.size(); ++i) {
     if (gone.contains(history.rows[i])) continue;
     out.history.push_back(std::move(history.changes[i]));
@@ -150,7 +150,7 @@ void DurableStore::forget_closed() {
   }
 }
 
-DurableStore::Appended DurableStore::append(StoredChange change, const Moment& now) {
+DurableStore::AppendReport DurableStore::append(StoredChange change, const Moment& now) {
   const std::lock_guard held(mutex_);
   const auto identity = change.identity;
   if (identity && !may_append(*identity, change.change.payload.size())) return {};
@@ -159,7 +159,7 @@ DurableStore::Appended DurableStore::append(StoredChange change, const Moment& n
   {
     auto& stored = pending_.emplace_back(std::move(change));
     Rollback undo([&] { pending_.pop_back(); });
-    Appended out{index_.add(stored, now)};
+    AppendReport out{index_.add(stored, now)};
     if (out.outcome.decision != SampleIndex::Decision::waits) {
       undo.release();
       out.number = count_pending(now.wall);

@@ -32,7 +32,7 @@ class DurableStore {
   /// Commits the changes that were appended, if possible.
   ~DurableStore();
 
-  struct Opened {
+  struct OpenedStream {
     StreamId id;
     std::vector<Change> history;
     std::vector<std::int64_t> rows;  ///< the rows of the samples in `history`
@@ -45,13 +45,13 @@ class DurableStore {
   /// stored samples that are later than `now` overtake nothing. `lifespan` limits how long the
   /// samples live, in addition to the limit that is stored with each; those that have expired are
   /// removed. Errors: those of SampleStore, and those of flush.
-  Result<Opened> open_stream(StreamKey key, const DurabilityService& service, const Moment& now,
-                             Duration lifespan = kDurationInfinite);
+  Result<OpenedStream> open_stream(StreamKey key, const DurabilityService& service,
+                                   const Moment& now, Duration lifespan = kDurationInfinite);
   /// Closes the stream. Once everything that was appended to it is committed, it is removed if it
   /// has no samples.
   void close_stream(StreamId stream);
 
-  struct Appended {
+  struct AppendReport {
     SampleIndex::AddResult outcome;
     std::uint64_t number = 0;  ///< committed() reaches this number when the change is stored
     /// True if the change waits although nothing else of its identity is being stored: it may wait
@@ -60,7 +60,7 @@ class DurableStore {
   };
   /// Appends a change. Never waits for a disk. A change with the decision `waits` was not appended:
   /// try again later. Call clean_up before it, so that samples that have expired use no room.
-  Appended append(StoredChange change, const Moment& now);
+  AppendReport append(StoredChange change, const Moment& now);
   void append(StreamId stream, const Change& change, const Moment& now) {
     append({.stream = stream, .change = change}, now);
   }
@@ -116,8 +116,8 @@ class DurableStore {
   void report(const Error* failure, std::uint64_t beyond_limits,
               const std::vector<StoreShares::Refusals>& refusals) noexcept;
   /// Loads a stream. `after` is the change that must be committed before.
-  Result<Opened> load(StreamId id, const DurabilityService& service, std::uint64_t after,
-                      const Moment& now, Duration lifespan);
+  Result<OpenedStream> load(StreamId id, const DurabilityService& service, std::uint64_t after,
+                            const Moment& now, Duration lifespan);
   /// Removes closed streams without samples. The caller holds the store's mutex.
   void forget_closed();
   bool over() const {

@@ -60,7 +60,7 @@ std::vector<std::string> scope_of(const std::string& domain_tag, const PropertyL
 }
 
 // Returns the LIFESPAN that is long enough for all these samples: none of them lives longer.
-Duration lifespan_of(const DurableStore::Opened& opened, const Moment& at) {
+Duration lifespan_of(const DurableStore::OpenedStream& opened, const Moment& at) {
   auto out = kDurationZero;
   for (std::size_t i = 0; i < opened.history.size(); ++i) {
     const auto& change = opened.history[i];
@@ -90,7 +90,7 @@ Duration lifespan_of(const ParticipantContext& context, const Guid& writer) {
 KeptTopic::KeptTopic(ParticipantContext& context, DurableStore& store,
                      std::shared_ptr<HeldOctets> held, EndpointData writer,
                      std::function<void()> on_first_sample)
-    : Timed(&context.timers()),
+    : TimedObject(&context.timers()),
       context_(context),
       store_(store),
       held_(std::move(held)),

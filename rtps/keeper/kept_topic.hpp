@@ -23,7 +23,7 @@ namespace ddssec::rtps {
 /// identities, are those of the memory as well. A sample above the share of its identity stays with
 /// its writer until there is room. With OWNERSHIP EXCLUSIVE it keeps what a reader would have seen:
 /// the samples of the owner of each instance. The participant calls it with its lock held.
-class KeptTopic final : private EndpointListener, private Timed {
+class KeptTopic final : private EndpointListener, private TimedObject {
  public:
   /// How long the writers that own stored instances have to come back after the topic was opened.
   /// Until then, samples of these instances by other writers wait.
@@ -121,11 +121,11 @@ class KeptTopic final : private EndpointListener, private Timed {
   RequestPace pace_;
   MonotonicTime next_late_check_{};
   /// A change that is being stored.
-  struct Unstored {
+  struct UnstoredChange {
     std::uint64_t number;  ///< see DurableStore::append
     SequenceNumber change;
   };
-  std::map<Guid, std::deque<Unstored>> unstored_;  ///< by writer
+  std::map<Guid, std::deque<UnstoredChange>> unstored_;  ///< by writer
   /// The samples that are served, by their rows in the store.
   std::map<std::int64_t, SequenceNumber> rows_;
 };

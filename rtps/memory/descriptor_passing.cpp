@@ -107,8 +107,8 @@ struct DescriptorPassing::Shared {
 
   mutable std::mutex lock;  // protects all below; no call that could wait is made with it
   std::deque<Work> work;
-  std::vector<Fetched> fetched;
-  std::vector<Prepared> prepared;
+  std::vector<FetchedSegment> fetched;
+  std::vector<PreparedSlots> prepared;
   std::size_t unfinished = 0;  // work whose results were not taken yet
   std::uint64_t last_id = 0;
   bool has_thread = false, refuses = false, has_ended = false;
@@ -310,13 +310,13 @@ std::uint64_t DescriptorPassing::wipe(SampleSlots slots) {
   return shared_->push(Wipe{std::move(slots)});
 }
 
-std::vector<DescriptorPassing::Fetched> DescriptorPassing::take_fetched() {
+std::vector<DescriptorPassing::FetchedSegment> DescriptorPassing::take_fetched() {
   const std::lock_guard held(shared_->lock);
   shared_->unfinished -= shared_->fetched.size();
   return std::exchange(shared_->fetched, {});
 }
 
-std::vector<DescriptorPassing::Prepared> DescriptorPassing::take_prepared() {
+std::vector<DescriptorPassing::PreparedSlots> DescriptorPassing::take_prepared() {
   const std::lock_guard held(shared_->lock);
   shared_->unfinished -= shared_->prepared.size();
   return std::exchange(shared_->prepared, {});

@@ -25,12 +25,12 @@ class DescriptorPassing {
   static constexpr std::chrono::milliseconds kMaxEnd{200};
 
   /// A descriptor that was fetched.
-  struct Fetched {
+  struct FetchedSegment {
     std::uint64_t id = 0;
     MemoryResult<MappedSegment> segment;
   };
   /// Slots that were made or wiped.
-  struct Prepared {
+  struct PreparedSlots {
     std::uint64_t id = 0;
     MemoryResult<SampleSlots> slots;
   };
@@ -63,8 +63,8 @@ class DescriptorPassing {
   /// accepted.
   std::uint64_t wipe(SampleSlots slots);
 
-  std::vector<Fetched> take_fetched();
-  std::vector<Prepared> take_prepared();
+  std::vector<FetchedSegment> take_fetched();
+  std::vector<PreparedSlots> take_prepared();
 
  private:
   struct Shared;

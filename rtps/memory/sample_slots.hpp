@@ -41,17 +41,17 @@ class SampleSlots {
   void cancel() { segment_.cancel(); }
 
  private:
-  struct Used {
+  struct UsedSlot {
     SequenceNumber number;
     MonotonicTime since{};
     Reference reference;
   };
   explicit SampleSlots(Segment segment) : segment_(std::move(segment)), used_(segment_.slots()) {}
-  const Used& oldest() const { return used_[first_]; }
+  const UsedSlot& oldest() const { return used_[first_]; }
   void release_oldest();
 
   Segment segment_;
-  std::vector<Used> used_;  // a ring: `count_` from `first_` on, oldest first
+  std::vector<UsedSlot> used_;  // a ring: `count_` from `first_` on, oldest first
   std::size_t first_ = 0;
   std::size_t count_ = 0;
 };

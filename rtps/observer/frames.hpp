@@ -33,7 +33,7 @@ class Frames {
     std::size_t offset;
     Bytes octets;
   };
-  struct Partial {
+  struct PartialDatagram {
     Bytes key;  ///< addresses, protocol, identification
     std::vector<Fragment> fragments;
     std::optional<std::size_t> size;  ///< known once the last fragment has arrived
@@ -41,7 +41,7 @@ class Frames {
   std::optional<Datagram> read_ipv4(BytesView packet);
   std::optional<Bytes> reassemble(BytesView key, Fragment fragment, bool is_last);
 
-  std::deque<Partial> partial_;  ///< oldest first
+  std::deque<PartialDatagram> partial_;  ///< oldest first
 };
 
 }  // namespace ddssec::rtps

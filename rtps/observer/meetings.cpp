@@ -150,7 +150,7 @@ std::optional<Finding> contradiction(const Side& a, const Side& b) {
   return std::nullopt;
 }
 
-std::string times(const Seen& seen) {
+std::string times(const Sightings& seen) {
   return seen.count == 1 ? "once" : fmt::format("{} times", seen.count);
 }
 
@@ -160,7 +160,7 @@ std::optional<Finding> standstill(const Side& a, const Side& b, MonotonicTime en
   const auto& request = a.sent.at(HandshakeStep::request);
   const auto& reply = b.sent.at(HandshakeStep::reply);
   const auto& final = a.sent.at(HandshakeStep::final);
-  const auto waited = [&](const Seen& seen) { return end - seen.first >= kAnswerTimeout; };
+  const auto waited = [&](const Sightings& seen) { return end - seen.first >= kAnswerTimeout; };
   if (final && waited(final)) {
     const auto& silent = a.sent.at(HandshakeStep::keys) ? b : a;
     return Finding{Rule::CAP012, fmt::format("the handshake of {} with {} is done, and {} sends no "

@@ -50,7 +50,7 @@ std::string_view to_string(HandshakeStep step) {
   return kNames.at(static_cast<std::size_t>(step));
 }
 
-void Seen::note(MonotonicTime at) {
+void Sightings::note(MonotonicTime at) {
   if (count++ == 0) first = at;
   last = at;
 }

@@ -19,7 +19,7 @@ namespace ddssec::rtps {
 struct EndpointData;
 
 /// The number of times that something was seen, and when.
-struct Seen {
+struct Sightings {
   std::uint64_t count = 0;
   MonotonicTime first{}, last{};
   explicit operator bool() const { return count > 0; }
@@ -39,9 +39,9 @@ std::string_view to_string(HandshakeStep step);
 
 /// The messages that one participant sent to another one.
 struct HandshakeFlow {
-  std::array<Seen, 5> steps = {};
-  Seen& at(HandshakeStep step) { return steps[static_cast<std::size_t>(step)]; }
-  const Seen& at(HandshakeStep step) const { return steps[static_cast<std::size_t>(step)]; }
+  std::array<Sightings, 5> steps = {};
+  Sightings& at(HandshakeStep step) { return steps[static_cast<std::size_t>(step)]; }
+  const Sightings& at(HandshakeStep step) const { return steps[static_cast<std::size_t>(step)]; }
 };
 
 /// The names in a certificate.
@@ -66,7 +66,7 @@ struct ObservedParticipant {
   VendorId vendor;
   DomainId domain = -1;             ///< -1 if no announcement names it
   std::set<std::string> addresses;  ///< addresses from which it was heard
-  Seen messages;
+  Sightings messages;
   std::uint64_t protected_messages = 0;
   std::uint64_t protected_submessages = 0;
   std::set<TransformKind> kinds;    ///< kinds of the protected messages and submessages
@@ -113,7 +113,7 @@ class Observer {
   const Participants& participants() const { return participants_; }
   /// Returns the messages from the first participant to the second.
   const HandshakeFlow& flow(const GuidPrefix& from, const GuidPrefix& to) const;
-  const Seen& datagrams() const { return datagrams_; }
+  const Sightings& datagrams() const { return datagrams_; }
   std::uint64_t rtps_messages() const { return rtps_messages_; }
   /// Returns the number of messages of participants, and of topics, for which there was no room.
   std::uint64_t left_out() const { return left_out_; }
@@ -141,7 +141,7 @@ class Observer {
   Participants participants_;
   std::map<std::pair<GuidPrefix, GuidPrefix>, HandshakeFlow> flows_;
   FragmentStore fragments_;
-  Seen datagrams_;
+  Sightings datagrams_;
   std::uint64_t rtps_messages_ = 0;
   std::uint64_t left_out_ = 0;
   std::size_t topic_octets_ = 0;  ///< octets of the topics of all participants

@@ -33,7 +33,7 @@ bool confirms(const ParticipantCore& core, const EndpointData& clear, const Endp
 ClearAnnouncements::ClearAnnouncements(ParticipantCore& core, LocalEndpoints& local,
                                        RemoteParticipants& remotes, EndpointMatcher& matcher,
                                        BuiltinMatcher& builtin)
-    : Timed(core.timers),
+    : TimedObject(core.timers),
       core_(core),
       local_(local),
       remotes_(remotes),

@@ -8,7 +8,7 @@ namespace ddssec::rtps {
 
 /// Doubts each change by an unprotected announcement, and asks the participant again what it
 /// announces.
-class ClearAnnouncements final : private Timed {
+class ClearAnnouncements final : private TimedObject {
  public:
   /// How often a participant is told which announcements of ours there are.
   static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(32);

@@ -10,7 +10,7 @@
 namespace ddssec::rtps {
 
 /// EndpointMatcher asks it before each match, and reports the end of each.
-class MatchPlaces final : private Timed {
+class MatchPlaces final : private TimedObject {
  public:
   /// The number of waiting endpoints that are tried at a time for one local endpoint, and the pause
   /// after that.
@@ -20,7 +20,10 @@ class MatchPlaces final : private Timed {
   /// `match_again` is called for an endpoint that need not wait any more.
   MatchPlaces(ParticipantCore& core, LocalEndpoints& local,
               std::function<void(const EntityId& local, const Guid& remote)> match_again)
-      : Timed(core.timers), core_(core), local_(local), match_again_(std::move(match_again)) {}
+      : TimedObject(core.timers),
+        core_(core),
+        local_(local),
+        match_again_(std::move(match_again)) {}
 
   /// The matches of a local endpoint, which may be a writer or a reader.
   struct Local {

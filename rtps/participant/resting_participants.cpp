@@ -40,7 +40,7 @@ void RestingParticipants::rest(RemoteParticipant& remote) {
   core_.sender.amplification_limit().end(prefix);
   auto& dormant = core_.security->dormant();
   dormant.keep(prefix);
-  resting_.insert_or_assign(prefix, Resting{without_session(remote), std::move(endpoints)});
+  resting_.insert_or_assign(prefix, RestingRemote{without_session(remote), std::move(endpoints)});
   remotes_.remove(prefix);
   std::erase_if(resting_, [&](const auto& one) { return !dormant.contains(one.first); });
 }

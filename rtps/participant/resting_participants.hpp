@@ -30,7 +30,7 @@ class RestingParticipants {
   void match_again(RemoteParticipant& remote);
 
  private:
-  struct Resting {
+  struct RestingRemote {
     RemoteParticipant remote;
     std::vector<EndpointData> endpoints;  ///< those that only the participant can have announced
   };
@@ -39,7 +39,7 @@ class RestingParticipants {
   RemoteParticipants& remotes_;
   EndpointMatcher& matcher_;
   BuiltinMatcher& builtin_;
-  std::map<GuidPrefix, Resting> resting_;
+  std::map<GuidPrefix, RestingRemote> resting_;
 };
 
 }  // namespace ddssec::rtps

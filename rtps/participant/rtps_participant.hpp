@@ -50,7 +50,7 @@ class RtpsParticipant {
   void allow_delayed_flush() { core_.sender.allow_delayed_flush(); }
   /// As long as the returned object exists, messages are collected; they are sent together when it
   /// is destroyed.
-  MessageSender::Gathering gather() { return MessageSender::Gathering(core_.sender); }
+  MessageSender::GatheringScope gather() { return MessageSender::GatheringScope(core_.sender); }
   /// Processes one datagram. `source` is the address that it came from, which limits how much
   /// unproven data one address can store.
   void receive(BytesView datagram, MonotonicTime now, const Locator& source = {});

@@ -128,7 +128,7 @@ void MessageSender::wait_for_more(BytesView message) {
 }
 
 void MessageSender::send_waiting() {
-  const Outgoing out{std::span(messages_).first(waiting_), to_, dscp_, interface_};
+  const OutgoingMessages out{std::span(messages_).first(waiting_), to_, dscp_, interface_};
   if (!limited_.is_zero())
     send_limited(out);
   else if (waiting_ > 0)
@@ -137,7 +137,7 @@ void MessageSender::send_waiting() {
   waiting_octets_ = 0;
 }
 
-void MessageSender::send_limited(const Outgoing& out) {
+void MessageSender::send_limited(const OutgoingMessages& out) {
   for (const auto& message : out.messages) {
     const auto to = limit_.charge(limited_, message.size(), out.to);
     if (!to.empty()) transport_.send_all({{&message, 1}, to, out.dscp, out.interface});

@@ -24,8 +24,8 @@ namespace ddssec::rtps {
 struct Destination {
   GuidPrefix prefix = {};                   ///< zero: all participants at the locators
   std::span<const Locator> locators = {};   ///< borrowed for the call
-  std::uint8_t dscp = 0;                    ///< see Outgoing
-  std::size_t interface = kEveryInterface;  ///< see Outgoing
+  std::uint8_t dscp = 0;                    ///< see OutgoingMessages
+  std::size_t interface = kEveryInterface;  ///< see OutgoingMessages
   /// The participant whose AmplificationLimit is charged; zero means that of `prefix`.
   GuidPrefix charged = {};
 };
@@ -81,7 +81,7 @@ class MessageSender {
   /// Returns the limits on the octets that are sent to unproven participants. A message above the
   /// limit is not sent.
   AmplificationLimit& amplification_limit() { return limit_; }
-  /// Sends everything that was added. While a Gathering exists, this happens at its end.
+  /// Sends everything that was added. While a GatheringScope exists, this happens at its end.
   void flush();
   /// Sends a whole message without changes.
   void send_alone(BytesView message, std::span<const Locator> to) {
@@ -93,14 +93,14 @@ class MessageSender {
   /// As flush_now, in a destructor, which must not throw.
   void flush_at_end() noexcept;
   /// While an instance exists, nothing is flushed, so that the results of one event share messages.
-  class Gathering {
+  class GatheringScope {
    public:
-    explicit Gathering(MessageSender& sender) : sender_(sender) { ++sender_.gatherings_; }
-    ~Gathering() {
+    explicit GatheringScope(MessageSender& sender) : sender_(sender) { ++sender_.gatherings_; }
+    ~GatheringScope() {
       if (--sender_.gatherings_ == 0 && sender_.is_flush_wanted_) sender_.flush_at_end();
     }
-    Gathering(const Gathering&) = delete;
-    Gathering& operator=(const Gathering&) = delete;
+    GatheringScope(const GatheringScope&) = delete;
+    GatheringScope& operator=(const GatheringScope&) = delete;
 
    private:
     MessageSender& sender_;
@@ -198,7 +198,7 @@ class MessageSender {
   void finish_message();
   void wait_for_more(BytesView message);
   void send_waiting();
-  void send_limited(const Outgoing& out);
+  void send_limited(const OutgoingMessages& out);
   MutableBytes slot(std::size_t index);
 
   Transport& transport_;

@@ -25,7 +25,7 @@ void check(WriterProxy& proxy, const Message&... message) {
 
 StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& sender,
                                Deliver deliver, TimerQueue* timers)
-    : Timed(timers),
+    : TimedObject(timers),
       guid_(guid),
       is_reliable_(reliable),
       sender_(sender),
@@ -245,8 +245,8 @@ std::size_t StatefulReader::request_refused(const Guid& writer) {
   return octets.value_or(0);
 }
 
-StatefulReader::Refused StatefulReader::refused() const {
-  Refused out{.abandoned = abandoned_};
+StatefulReader::RefusedCounts StatefulReader::refused() const {
+  RefusedCounts out{.abandoned = abandoned_};
   for (const auto& [guid, proxy] : writers_) out.waiting += proxy.refused();
   return out;
 }

@@ -15,7 +15,7 @@ namespace ddssec::rtps {
 /// Delivers each writer's changes in order, each once. Its memory is limited: changes that arrived
 /// early and samples with missing fragments are kept up to the limits below. Above them, the
 /// identity that holds the most loses its latest ones, which are requested again. No clock or lock.
-class StatefulReader final : private Timed {
+class StatefulReader final : private TimedObject {
  public:
   static constexpr std::uint32_t kMaxSample = 64u << 20;
   /// Limits, which can be lowered for readers whose samples are small.
@@ -121,13 +121,13 @@ class StatefulReader final : private Timed {
   /// Requests again what was refused for now, because that writer may have replaced it. Returns the
   /// octets of the samples that will be sent again if it has not.
   std::size_t request_refused(const Guid& writer);
-  struct Refused {
+  struct RefusedCounts {
     std::uint64_t waiting = 0;    ///< changes that wait behind one that was refused for now
     std::uint64_t abandoned = 0;  ///< changes that waited when their writers left; never reset
   };
   /// Returns the numbers of refused changes. A writer that comes back offers again what was
   /// abandoned.
-  Refused refused() const;
+  RefusedCounts refused() const;
   /// True once everything has arrived that the matched reliable writers held when they were first
   /// heard.
   bool has_history() const;

@@ -16,7 +16,7 @@ constexpr std::size_t kChangeOctets = 64;
 
 StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& sender,
                                TimerQueue* timers)
-    : Timed(timers),
+    : TimedObject(timers),
       guid_(guid),
       qos_(qos),
       sender_(sender),

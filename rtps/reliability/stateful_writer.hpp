@@ -17,7 +17,7 @@
 namespace ddssec::rtps {
 
 /// Sends only through the sender. No clock or lock: the caller passes times and serializes calls.
-class StatefulWriter final : private Timed {
+class StatefulWriter final : private TimedObject {
  public:
   /// The largest number of content filters that the writer applies. Further readers get everything
   /// and filter themselves.

@@ -11,16 +11,16 @@ namespace ddssec::rtps {
 class TimerQueue;
 
 /// An object that must be called at certain times.
-class Timed {
+class TimedObject {
  public:
-  virtual ~Timed() { cancel(); }
-  Timed(const Timed&) = delete;
-  Timed& operator=(const Timed&) = delete;
+  virtual ~TimedObject() { cancel(); }
+  TimedObject(const TimedObject&) = delete;
+  TimedObject& operator=(const TimedObject&) = delete;
 
  protected:
   /// Without a queue, the owner calls the object at times of its own choice.
-  explicit Timed(TimerQueue* queue) : queue_(queue) {}
-  explicit Timed(TimerQueue& queue) : queue_(&queue) {}
+  explicit TimedObject(TimerQueue* queue) : queue_(queue) {}
+  explicit TimedObject(TimerQueue& queue) : queue_(&queue) {}
   /// Called at the requested time or a little earlier. The implementation checks what is due, and
   /// requests its next call.
   virtual void on_time(MonotonicTime now) = 0;
@@ -47,18 +47,18 @@ class TimerQueue {
     while (next() <= now) {
       auto& timed = *heap_.front();
       timed.cancel();
-      Again again{timed, now + kRetry};
+      RetryGuard again{timed, now + kRetry};
       timed.on_time(now);
       again.is_needed = false;
     }
   }
 
  private:
-  friend class Timed;
+  friend class TimedObject;
   static constexpr MonotonicTime kRetry = std::chrono::milliseconds(100);
   /// If an exception ends work that was due, its object is due again.
-  struct Again {
-    ~Again() {
+  struct RetryGuard {
+    ~RetryGuard() {
       if (!is_needed) return;
       try {
         timed.call_at(when);
@@ -66,20 +66,20 @@ class TimerQueue {
         return;  // there is no memory for this either
       }
     }
-    Timed& timed;
+    TimedObject& timed;
     const MonotonicTime when;
     bool is_needed = true;
   };
-  void put(std::size_t place, Timed* timed) {
+  void put(std::size_t place, TimedObject* timed) {
     heap_[place] = timed;
     timed->place_ = place;
   }
-  void raise(std::size_t place, Timed* timed) {
+  void raise(std::size_t place, TimedObject* timed) {
     for (; place > 0 && timed->wanted_ < heap_[(place - 1) / 2]->wanted_; place = (place - 1) / 2)
       put(place, heap_[(place - 1) / 2]);
     put(place, timed);
   }
-  void sink(std::size_t place, Timed* timed) {
+  void sink(std::size_t place, TimedObject* timed) {
     for (auto child = 2 * place + 1; child < heap_.size(); child = 2 * place + 1) {
       if (child + 1 < heap_.size() && heap_[child + 1]->wanted_ < heap_[child]->wanted_) ++child;
       if (timed->wanted_ <= heap_[child]->wanted_) break;
@@ -90,7 +90,7 @@ class TimerQueue {
   }
   /// Adds an object at the end. Its time is still kNever, so the order of the heap holds. If memory
   /// runs out, nothing has changed.
-  void add(Timed* timed) {
+  void add(TimedObject* timed) {
     heap_.push_back(timed);
     timed->place_ = heap_.size() - 1;
   }
@@ -102,16 +102,16 @@ class TimerQueue {
     raise(last->place_, last);
   }
 
-  std::vector<Timed*> heap_;
+  std::vector<TimedObject*> heap_;
 };
 
-inline void Timed::cancel() {
+inline void TimedObject::cancel() {
   if (wanted_ == kNever) return;
   queue_->remove(place_);
   wanted_ = kNever;
 }
 
-inline void Timed::call_at(MonotonicTime when) {
+inline void TimedObject::call_at(MonotonicTime when) {
   if (when >= wanted_ || queue_ == nullptr) return;
   if (wanted_ == kNever) queue_->add(this);
   wanted_ = when;

@@ -168,8 +168,8 @@ void Admission::set_partitions(const EntityId& id, const std::vector<std::string
   if (asked != own_.end()) asked->second.partitions = partitions;
 }
 
-Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
-                                                        const NewEndpoint& endpoint) {
+Result<Admission::AnnouncedSecurity> Admission::create_endpoint(const EntityId& id,
+                                                                const NewEndpoint& endpoint) {
   auto& plugin = core_.own->plugins().access_control;
   const auto names = views_of(endpoint.partitions);
   const spi::EndpointRequest request{
@@ -182,7 +182,7 @@ Result<Admission::Announced> Admission::create_endpoint(const EntityId& id,
       is_writer(id) ? plugin.datawriter_sec_attributes(core_.own->permissions(), request)
                     : plugin.datareader_sec_attributes(core_.own->permissions(), request));
   own_.insert_or_assign(
-      id, Asked{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
+      id, CreationParameters{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
   DDSSEC_RETURN_IF_ERROR(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
   if (core_.governance_changes) DDSSEC_RETURN_IF_ERROR(add_other_protection(id, endpoint.topic));
   return announced(id);
@@ -203,10 +203,10 @@ std::optional<spi::EndpointSecurityAttributes> Admission::other_attributes(
                                                                     *core_.other_governance, topic);
 }
 
-Result<Admission::Announced> Admission::announced(const EntityId& id) {
+Result<Admission::AnnouncedSecurity> Admission::announced(const EntityId& id) {
   const auto& attributes = *core_.keyring.attributes(id);
   DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, core_.keyring.required_ciphers(id));
-  Announced out{spi::security_info(attributes), ciphers, attributes.is_key_protected()};
+  AnnouncedSecurity out{spi::security_info(attributes), ciphers, attributes.is_key_protected()};
   // An endpoint of Fast DDS without security matches one that announces masks only if these masks
   // require access control.
   if (admits_unauthenticated() && is_open(attributes)) out.info.reset();

@@ -60,14 +60,14 @@ class Admission {
     const spi::PropertyList& properties;
   };
   /// The security data with which discovery announces a local endpoint.
-  struct Announced {
+  struct AnnouncedSecurity {
     std::optional<spi::SecurityInfo> info;
     std::optional<spi::CipherMask> required_ciphers;
     bool key_is_protected = false;
   };
   /// Checks whether the local endpoint may be created, and registers it. Errors: those of access
   /// control and cryptography.
-  Result<Announced> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
+  Result<AnnouncedSecurity> create_endpoint(const EntityId& id, const NewEndpoint& endpoint);
   /// Success if our permissions allow the local endpoint in these partitions. Errors: those of
   /// access control.
   Status check_partitions(const EntityId& id, const std::vector<std::string>& partitions);
@@ -104,13 +104,13 @@ class Admission {
   }
   /// Returns the data with which discovery announces a local endpoint now. Error: that of
   /// cryptography.
-  Result<Announced> announced(const EntityId& id);
+  Result<AnnouncedSecurity> announced(const EntityId& id);
   /// Forgets an endpoint that is gone.
   void forget_endpoint(const EntityId& id) { own_.erase(id); }
 
  private:
   /// The parameters with which a local endpoint was created.
-  struct Asked {
+  struct CreationParameters {
     std::string topic;
     std::vector<std::string> partitions;
     spi::PropertyList data_tags;
@@ -144,7 +144,7 @@ class Admission {
                                        const Endpoint& remote);
 
   SecurityCore& core_;
-  std::map<EntityId, Asked> own_;
+  std::map<EntityId, CreationParameters> own_;
   std::vector<std::pair<EntityId, std::string>> builtin_topics_;
   Announcements announcements_;
 };

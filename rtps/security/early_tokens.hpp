@@ -30,7 +30,7 @@ class EarlyTokens {
   std::size_t size() const { return kept_.size(); }
 
  private:
-  struct Kept {
+  struct KeptMessage {
     GenericMessage message;
     std::size_t octets;
     MonotonicTime since;
@@ -38,13 +38,13 @@ class EarlyTokens {
       return message.destination_endpoint == local && message.source_endpoint == remote;
     }
   };
-  void drop(std::vector<Kept>::iterator at);
-  std::vector<Kept> remove_all_of(const Guid& local, const Guid& remote);
+  void drop(std::vector<KeptMessage>::iterator at);
+  std::vector<KeptMessage> remove_all_of(const Guid& local, const Guid& remote);
   bool has_room(std::size_t octets) const {
     return kept_.size() < kMaxMessages && octets_ + octets <= kMaxOctets;
   }
 
-  std::vector<Kept> kept_;
+  std::vector<KeptMessage> kept_;
   std::size_t octets_ = 0;
 };
 

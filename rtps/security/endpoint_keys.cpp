@@ -63,9 +63,9 @@ void LocalKeys::unlist(const EntityId& id, PairKeys& pair) {
 std::optional<Guid> LocalKeys::note_idle(const Guid& remote, const PairKeys& pair) {
   if (pair.handle == 0 || pair.place || is_volatile) return std::nullopt;
   const bool have_come = pair.keys != Sha256Digest{};
-  return idle.add(remote, pair.is_silent ? IdlePairs::Why::silent
-                          : have_come    ? IdlePairs::Why::suspended
-                                         : IdlePairs::Why::keys_awaited);
+  return idle.add(remote, pair.is_silent ? IdlePairs::IdleReason::silent
+                          : have_come    ? IdlePairs::IdleReason::suspended
+                                         : IdlePairs::IdleReason::keys_awaited);
 }
 
 std::optional<Sha256Digest> LocalKeys::submessage_tokens_of(const Guid& remote) const {

@@ -4,7 +4,7 @@
 
 namespace ddssec::rtps {
 
-std::optional<Guid> IdlePairs::add(const Guid& remote, Why why) {
+std::optional<Guid> IdlePairs::add(const Guid& remote, IdleReason why) {
   if (const auto known = places_.find(remote); known != places_.end() && known->second.why == why)
     return std::nullopt;
   remove(remote);

@@ -18,7 +18,7 @@ class IdlePairs {
  public:
   /// Why a pair has keys without being matched. Each reason has a limit of its own: anyone may be
   /// able to announce endpoints in a peer's name, but only the peer can send its keys.
-  enum class Why : std::uint8_t {
+  enum class IdleReason : std::uint8_t {
     keys_awaited,  ///< the remote endpoint has not sent its keys
     suspended,     ///< the remote endpoint has sent its keys, and may match again
     silent,        ///< the remote reader does not answer
@@ -28,7 +28,7 @@ class IdlePairs {
 
   /// Notes that the pair is idle from now on, for that reason only. Returns the pair whose keys
   /// must be given up in exchange, which is removed from here. Empty if there is room.
-  std::optional<Guid> add(const Guid& remote, Why why);
+  std::optional<Guid> add(const Guid& remote, IdleReason why);
   /// Removes the pair, because it is matched or gone. No effect if it is not idle.
   void remove(const Guid& remote);
   /// True if pairs of that subject had to give up their keys.
@@ -43,7 +43,7 @@ class IdlePairs {
     bool has_displaced = false;
   };
   struct Place {
-    Why why;
+    IdleReason why;
     Queue::iterator at;
   };
 

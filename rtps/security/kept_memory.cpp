@@ -44,7 +44,7 @@ void KeptMemory::remove_writer(const EntityId& writer) {
   forget_returned();
 }
 
-void KeptMemory::close_returned(Kept& one) {
+void KeptMemory::close_returned(KeptSegment& one) {
   if (!one.segment) return;
   const auto& segment = one.segment->slots.segment();
   if (segment.is_with_others()) return;
@@ -54,11 +54,11 @@ void KeptMemory::close_returned(Kept& one) {
 
 void KeptMemory::forget_returned() {
   std::ranges::for_each(kept_, close_returned);
-  std::erase_if(kept_, [](const Kept& one) { return one.end && one.end->is_over(); });
+  std::erase_if(kept_, [](const KeptSegment& one) { return one.end && one.end->is_over(); });
 }
 
 bool KeptMemory::is_full(const std::string& identity) const {
-  return std::ranges::count(kept_, identity, &Kept::leaver) >=
+  return std::ranges::count(kept_, identity, &KeptSegment::leaver) >=
          static_cast<std::ptrdiff_t>(kMaxOfOne);
 }
 

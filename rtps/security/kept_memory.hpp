@@ -58,7 +58,7 @@ class KeptMemory {
   std::size_t segments() const { return kept_.size(); }
 
  private:
-  struct Kept {
+  struct KeptSegment {
     EntityId writer;
     std::size_t octets = 0;
     std::string leaver;
@@ -66,9 +66,9 @@ class KeptMemory {
     bool is_over = false;            ///< is not used again
     std::optional<memory::MemoryEnd> end = {};
   };
-  static void close_returned(Kept& one);
+  static void close_returned(KeptSegment& one);
 
-  std::vector<Kept> kept_;
+  std::vector<KeptSegment> kept_;
 };
 
 }  // namespace ddssec::rtps

@@ -79,7 +79,7 @@ void KeyReviser::note_absent(Peer& peer) {
 std::shared_ptr<const PeerIdentity> KeyReviser::identity_of_absent(const GuidPrefix& prefix) const {
   if (const auto dormant = core_.dormant.find(prefix); dormant != core_.dormant.end())
     return dormant->second.peer.state.association()->handshake->identity();
-  const auto at = std::ranges::find(absent_, prefix, &Absent::prefix);
+  const auto at = std::ranges::find(absent_, prefix, &AbsentPeer::prefix);
   return at == absent_.end() ? nullptr : at->identity;
 }
 

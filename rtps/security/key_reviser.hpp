@@ -56,13 +56,13 @@ class KeyReviser {
   }
 
  private:
-  struct Absent {
+  struct AbsentPeer {
     GuidPrefix prefix;
     PeerPermissions permissions;
     std::shared_ptr<const PeerIdentity> identity;
   };
   /// Revised keys that are being sent to the trusted peers.
-  struct UnderWay {
+  struct PendingRevision {
     spi::KeyRevision number;
     MonotonicTime deadline;
   };
@@ -74,9 +74,9 @@ class KeyReviser {
 
   SecurityCore& core_;
   CryptoTokenExchange& exchange_;
-  std::vector<Absent> absent_;
+  std::vector<AbsentPeer> absent_;
   std::optional<MonotonicTime> due_by_;  ///< a revision is requested, and must begin by then
-  std::optional<UnderWay> under_way_;
+  std::optional<PendingRevision> under_way_;
   MonotonicTime retry_{};
 };
 

@@ -110,14 +110,14 @@ bool MappedMemory::may_copy(const GuidPrefix& from, std::size_t octets, Monotoni
   return true;
 }
 
-void MappedMemory::end_request(OfWriter& it) {
+void MappedMemory::end_request(WriterMemory& it) {
   requests_ -= it.request ? 1 : 0;
   it.request.reset();
 }
 
 // DescriptorPassing goes on with the request, and has room for few. So the request counts until its
 // result is there.
-void MappedMemory::abandon_request(const GuidPrefix& from, OfWriter& it) {
+void MappedMemory::abandon_request(const GuidPrefix& from, WriterMemory& it) {
   if (it.request) abandoned_.emplace(it.request->id, from);
   end_request(it);
 }
@@ -134,7 +134,8 @@ void MappedMemory::serve(MonotonicTime now) {
 }
 
 // A segment for which no request waits any longer is unmapped.
-void MappedMemory::on_fetched(memory::DescriptorPassing::Fetched fetched, MonotonicTime now) {
+void MappedMemory::on_fetched(memory::DescriptorPassing::FetchedSegment fetched,
+                              MonotonicTime now) {
   if (abandoned_.erase(fetched.id) > 0) return;
   const auto at = std::ranges::find_if(writers_, [&](const auto& entry) {
     const auto& request = entry.second.request;
@@ -151,7 +152,7 @@ void MappedMemory::on_fetched(memory::DescriptorPassing::Fetched fetched, Monoto
   answer(writer, segment, std::nullopt);
 }
 
-void MappedMemory::keep(OfWriter& it, Segment segment, MonotonicTime now) {
+void MappedMemory::keep(WriterMemory& it, Segment segment, MonotonicTime now) {
   forget_former(it);
   if (it.latest) {
     it.former = std::move(it.latest);
@@ -162,7 +163,7 @@ void MappedMemory::keep(OfWriter& it, Segment segment, MonotonicTime now) {
   ++segments_;
 }
 
-void MappedMemory::forget_former(OfWriter& it) {
+void MappedMemory::forget_former(WriterMemory& it) {
   if (!it.former) return;
   it.former.reset();
   --formers_;

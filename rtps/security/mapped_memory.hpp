@@ -96,7 +96,7 @@ class MappedMemory {
     std::int64_t left;
     MonotonicTime since;
   };
-  struct OfWriter {
+  struct WriterMemory {
     std::set<EntityId> readers = {};
     std::optional<Request> request = {};
     std::optional<Segment> latest = {}, former = {};
@@ -114,17 +114,17 @@ class MappedMemory {
   bool has_octets_for(const GuidPrefix& from, std::size_t more) const;
   std::shared_ptr<Copies> copies_for(const GuidPrefix& from, MonotonicTime now);
   bool may_copy(const GuidPrefix& from, std::size_t octets, MonotonicTime now);
-  void on_fetched(memory::DescriptorPassing::Fetched fetched, MonotonicTime now);
-  void end_request(OfWriter& it);
-  void abandon_request(const GuidPrefix& from, OfWriter& it);
-  void keep(OfWriter& it, Segment segment, MonotonicTime now);
-  void forget_former(OfWriter& it);
+  void on_fetched(memory::DescriptorPassing::FetchedSegment fetched, MonotonicTime now);
+  void end_request(WriterMemory& it);
+  void abandon_request(const GuidPrefix& from, WriterMemory& it);
+  void keep(WriterMemory& it, Segment segment, MonotonicTime now);
+  void forget_former(WriterMemory& it);
 
   memory::DescriptorPassing& passing_;
   const Answer answer_;
   const IdentityOf identity_of_;
   const NotOffered not_offered_;
-  std::map<Guid, OfWriter> writers_;
+  std::map<Guid, WriterMemory> writers_;
   std::map<GuidPrefix, std::shared_ptr<Copies>> copies_;
   std::map<std::string, std::weak_ptr<Copies>> of_identities_;
   /// Requests whose results are no longer wanted, and have not arrived yet.

@@ -54,7 +54,7 @@ class MemoryExchange {
   void answer(const GuidPrefix& to, const MemoryAnswer& answer);
 
   /// A writer, which is told when its memory ends.
-  struct OfWriter {
+  struct WriterEntry {
     StatefulWriter& writer;
     std::unique_ptr<WrittenMemory> memory;
   };
@@ -64,7 +64,7 @@ class MemoryExchange {
   MemoryCore core_;
   std::set<std::string> barred_;
   MonotonicTime next_look_ = kNever;  ///< when to check whether kept memory was returned
-  std::map<EntityId, OfWriter> writers_;
+  std::map<EntityId, WriterEntry> writers_;
   MappedMemory mapped_;
 };
 

@@ -165,21 +165,21 @@ Result<std::size_t> MessageKeys::protect(const spi::ParticipantCryptoHandle* rec
                                                                      plain, out);
 }
 
-Result<MessageKeys::Opened> MessageKeys::open(const Protection& protection,
-                                              spi::ParticipantCryptoHandle sender,
-                                              BytesView message, MutableBytes scratch) {
+Result<MessageKeys::OpenResult> MessageKeys::open(const Protection& protection,
+                                                  spi::ParticipantCryptoHandle sender,
+                                                  BytesView message, MutableBytes scratch) {
   DDSSEC_ASSIGN_OR_RETURN(const auto size,
                           own_.plugins().cryptography.transform().decode_rtps_message(
                               protection.handle, sender, message, scratch));
   const auto newest = protection.revisions.find(sender.value);
   const bool is_newest = newest != protection.revisions.end() &&
                          newest->second == spi::named_key_revision(message.subspan(kHeaderSize));
-  return Opened{size, is_newest ? KeyAge::newest : KeyAge::former};
+  return OpenResult{size, is_newest ? KeyAge::newest : KeyAge::former};
 }
 
-Result<MessageKeys::Opened> MessageKeys::open(spi::ParticipantCryptoHandle sender,
-                                              BytesView message, MutableBytes scratch,
-                                              bool says_next) {
+Result<MessageKeys::OpenResult> MessageKeys::open(spi::ParticipantCryptoHandle sender,
+                                                  BytesView message, MutableBytes scratch,
+                                                  bool says_next) {
   const auto& expected = says_next ? next() : first_;
   auto opened = open(expected, sender, message, scratch);
   if (opened || !second_) [[likely]]

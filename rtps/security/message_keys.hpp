@@ -71,14 +71,14 @@ class MessageKeys {
   /// `receiver`: nullptr: all remote participants.
   Result<std::size_t> protect(const spi::ParticipantCryptoHandle* receiver, BytesView plain,
                               MutableBytes out);
-  struct Opened {
+  struct OpenResult {
     std::size_t size;
     KeyAge age;
   };
   /// `says_next`: the sender no longer uses the former one of two protections. Error then:
   /// message_from_before.
-  Result<Opened> open(spi::ParticipantCryptoHandle sender, BytesView message, MutableBytes scratch,
-                      bool says_next);
+  Result<OpenResult> open(spi::ParticipantCryptoHandle sender, BytesView message,
+                          MutableBytes scratch, bool says_next);
 
  private:
   struct Protection {
@@ -94,8 +94,8 @@ class MessageKeys {
   Status revise(Protection& protection);
   Status activate(Protection& protection);
   void release(const Protection& protection);
-  Result<Opened> open(const Protection& protection, spi::ParticipantCryptoHandle sender,
-                      BytesView message, MutableBytes scratch);
+  Result<OpenResult> open(const Protection& protection, spi::ParticipantCryptoHandle sender,
+                          BytesView message, MutableBytes scratch);
   /// The protection that the document that takes the place of the other one demands.
   const Protection& next() const { return has_swapped_ || !second_ ? first_ : *second_; }
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }

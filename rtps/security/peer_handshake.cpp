@@ -301,7 +301,7 @@ void PeerHandshake::on_final(const GenericMessage& message) {
   for (const auto* answer : answers_.answered_by(plugin_.outline(token))) {
     const auto step = plugin_.process_handshake(answer->handle, token);
     if (!step || step->result != spi::ValidationResult::ok) continue;
-    const Finished finished{answer->handle, answer->request, std::nullopt};
+    const FinishedHandshake finished{answer->handle, answer->request, std::nullopt};
     auto peer_data = answer->peer_data;
     answers_.finish(finished.handle);
     return finish(finished, std::move(peer_data));
@@ -309,7 +309,7 @@ void PeerHandshake::on_final(const GenericMessage& message) {
   ++refusals_;
 }
 
-void PeerHandshake::finish(Finished finished, Bytes peer_data) {
+void PeerHandshake::finish(FinishedHandshake finished, Bytes peer_data) {
   if (finished_) static_cast<void>(plugin_.return_handshake_handle(finished_->handle));
   finished_ = std::move(finished);
   peer_data_ = std::move(peer_data);

@@ -153,7 +153,7 @@ class PeerHandshake {
     GenericMessage message;
     MonotonicTime until;  ///< end of repetitions; kNever for the first request
   };
-  struct Finished {
+  struct FinishedHandshake {
     spi::HandshakeHandle handle;
     Sha256Digest last;  ///< digest of the peer's message that is still answered, or of its request
     std::optional<GenericMessage> final;  ///< the local one, if the local side began
@@ -170,7 +170,7 @@ class PeerHandshake {
                   Messages& out);
   void on_reply(const GenericMessage& message, const Sha256Digest& digest, Messages& out);
   void on_final(const GenericMessage& message);
-  void finish(Finished finished, Bytes peer_data);
+  void finish(FinishedHandshake finished, Bytes peer_data);
   MonotonicTime pause();
   GenericMessage message_of(std::string_view message_class, spi::Token token,
                             const MessageIdentity& related);
@@ -195,7 +195,7 @@ class PeerHandshake {
   int repetitions_ = 0;
   std::optional<Request> request_;
   HandshakeAnswers answers_;
-  std::optional<Finished> finished_;
+  std::optional<FinishedHandshake> finished_;
   bool has_new_proof_ = false;
   Bytes peer_data_;
   std::optional<Error> failure_;

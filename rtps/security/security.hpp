@@ -49,8 +49,8 @@ class Security {
                                              const Admission::Endpoint& remote) {
     return admission_.admit(local, remote);
   }
-  Result<Admission::Announced> create_endpoint(const EntityId& id,
-                                               const Admission::NewEndpoint& endpoint) {
+  Result<Admission::AnnouncedSecurity> create_endpoint(const EntityId& id,
+                                                       const Admission::NewEndpoint& endpoint) {
     return admission_.create_endpoint(id, endpoint);
   }
 

@@ -15,7 +15,7 @@ namespace ddssec::rtps {
 /// nothing costs little memory for each pair, and none for pairs that no longer exist.
 class WaitingTokens {
  public:
-  struct Next {
+  struct WaitingPair {
     EntityId local;
     Guid remote;
     std::optional<spi::KeyStage> stage;  ///< empty: the remote endpoint's keys are requested
@@ -23,7 +23,7 @@ class WaitingTokens {
 
   bool empty() const { return pairs_.empty(); }
   std::size_t size() const { return pairs_.size(); }
-  /// `stage`: see Next.
+  /// `stage`: see WaitingPair.
   void add(const EntityId& local, const Guid& remote, std::optional<spi::KeyStage> stage) {
     auto& due = pairs_[{local, remote}];
     if (!stage)
@@ -33,11 +33,11 @@ class WaitingTokens {
   }
   /// Returns the next message to send. Of one pair, the request comes first, and the tokens of a
   /// revision come last.
-  std::optional<Next> take() {
+  std::optional<WaitingPair> take() {
     if (pairs_.empty()) return std::nullopt;
     const auto at = pairs_.begin();
     auto& due = at->second;
-    Next out{at->first.first, at->first.second, std::nullopt};
+    WaitingPair out{at->first.first, at->first.second, std::nullopt};
     if (!std::exchange(due.is_wanted, false)) {
       const bool is_in_use = std::exchange(due.in_use, false);
       if (!is_in_use) due.revised = false;

@@ -48,7 +48,8 @@ void WrittenMemory::add_reader(const Guid& reader) {
   auto& reading = readings_[reader.prefix];
   may_reuse_ |= reading.readers.empty();
   reading.readers.insert(reader.entity);
-  if (reading.state == Reading::State::mapped) writer_.memory().set_reading(reader.prefix, true);
+  if (reading.state == ReadingParticipant::State::mapped)
+    writer_.memory().set_reading(reader.prefix, true);
 }
 
 void WrittenMemory::remove_reader(const Guid& reader) {
@@ -57,13 +58,13 @@ void WrittenMemory::remove_reader(const Guid& reader) {
   at->second.readers.erase(reader.entity);
   if (!at->second.readers.empty()) return;
   const auto leaver = std::move(at->second.identity);
-  if (at->second.state == Reading::State::mapped) set_waiting(reader.prefix, at->second);
+  if (at->second.state == ReadingParticipant::State::mapped) set_waiting(reader.prefix, at->second);
   readings_.erase(at);
   if (holders_.contains(reader.prefix)) give_up(leaver);
 }
 
-void WrittenMemory::set_mapped(const GuidPrefix& prefix, Reading& reading) {
-  reading.state = Reading::State::mapped;
+void WrittenMemory::set_mapped(const GuidPrefix& prefix, ReadingParticipant& reading) {
+  reading.state = ReadingParticipant::State::mapped;
   reading.tries = 0;
   ++mapped_;
   writer_.memory().set_reading(prefix, true);
@@ -75,15 +76,15 @@ void WrittenMemory::set_mapped(const GuidPrefix& prefix, Reading& reading) {
       Guid{prefix, kEntityIdParticipant}, EventOrigin::its_keys);
 }
 
-void WrittenMemory::set_waiting(const GuidPrefix& prefix, Reading& reading) {
-  if (reading.state == Reading::State::mapped) {
+void WrittenMemory::set_waiting(const GuidPrefix& prefix, ReadingParticipant& reading) {
+  if (reading.state == ReadingParticipant::State::mapped) {
     --mapped_;
     writer_.memory().set_reading(prefix, false);
   }
-  reading.state = Reading::State::waiting;
+  reading.state = ReadingParticipant::State::waiting;
 }
 
-void WrittenMemory::note_refusal(const GuidPrefix& prefix, Reading& reading,
+void WrittenMemory::note_refusal(const GuidPrefix& prefix, ReadingParticipant& reading,
                                  memory::MemoryRefusal why, MonotonicTime now) {
   set_waiting(prefix, reading);
   reading.next = now + std::min(kPause * (1 << reading.tries), kMaxPause);
@@ -96,9 +97,9 @@ void WrittenMemory::on_answer(const GuidPrefix& from, const MemoryAnswer& answer
   const auto at = readings_.find(from);
   if (at == readings_.end() || !slots_ || slots_->segment().id() != answer.segment) return;
   auto& reading = at->second;
-  if (reading.state == Reading::State::waiting) return;
+  if (reading.state == ReadingParticipant::State::waiting) return;
   if (answer.refusal) return note_refusal(from, reading, *answer.refusal, core_.security.now);
-  if (reading.state == Reading::State::offered) set_mapped(from, reading);
+  if (reading.state == ReadingParticipant::State::offered) set_mapped(from, reading);
 }
 
 // ---- segments
@@ -230,15 +231,16 @@ void WrittenMemory::on_prepared(memory::MemoryResult<memory::SampleSlots> slots,
 void WrittenMemory::offer_to_all(MonotonicTime now) {
   if (mapped_ == readings_.size()) return;
   for (auto& [prefix, reading] : readings_) {
-    if (reading.state == Reading::State::mapped || now < reading.next) continue;
-    if (reading.state == Reading::State::offered)
+    if (reading.state == ReadingParticipant::State::mapped || now < reading.next) continue;
+    if (reading.state == ReadingParticipant::State::offered)
       note_refusal(prefix, reading, memory::MemoryRefusal::no_answer, now);
     else
       offer(prefix, reading, now);
   }
 }
 
-void WrittenMemory::offer(const GuidPrefix& prefix, Reading& reading, MonotonicTime now) {
+void WrittenMemory::offer(const GuidPrefix& prefix, ReadingParticipant& reading,
+                          MonotonicTime now) {
   auto* const peer = core_.security.find(prefix);
   reading.next = now + kPause;
   if (peer == nullptr || peer->state.joined() == nullptr || !core_.exchange.has_room(*peer)) return;
@@ -254,7 +256,7 @@ void WrittenMemory::offer(const GuidPrefix& prefix, Reading& reading, MonotonicT
   }
   auto made = core_.passing->offer(slots_->segment(), core_.random, now, reading.identity);
   if (!made) return note_refusal(prefix, reading, made.error(), now);
-  reading.state = Reading::State::offered;
+  reading.state = ReadingParticipant::State::offered;
   holders_.insert(prefix);
   reading.next = now + memory::OpenOffers::kLifetime;
   core_.exchange.send_token(*peer, message_class::kMemory,

@@ -67,7 +67,7 @@ class WrittenMemory final : public SampleMemory {
  private:
   using Form = MemoryForm;
   /// A participant with matched readers.
-  struct Reading {
+  struct ReadingParticipant {
     enum class State : std::uint8_t { waiting, offered, mapped };
     std::set<EntityId> readers = {};
     State state = State::waiting;
@@ -77,7 +77,7 @@ class WrittenMemory final : public SampleMemory {
     std::string identity = {};  ///< proven, since it was offered memory
   };
   /// A segment that is being made or wiped. One that is being wiped is also mapped by others.
-  struct Awaited {
+  struct AwaitedSegment {
     std::uint64_t id = 0;
     std::size_t largest = 0, octets = 0;
     Form form = Form::none;
@@ -101,19 +101,19 @@ class WrittenMemory final : public SampleMemory {
   void give_up(std::string leaver = {});
   void stop_waiting();
   void offer_to_all(MonotonicTime now);
-  void offer(const GuidPrefix& prefix, Reading& reading, MonotonicTime now);
-  void note_refusal(const GuidPrefix& prefix, Reading& reading, memory::MemoryRefusal why,
-                    MonotonicTime now);
-  void set_mapped(const GuidPrefix& prefix, Reading& reading);
-  void set_waiting(const GuidPrefix& prefix, Reading& reading);
+  void offer(const GuidPrefix& prefix, ReadingParticipant& reading, MonotonicTime now);
+  void note_refusal(const GuidPrefix& prefix, ReadingParticipant& reading,
+                    memory::MemoryRefusal why, MonotonicTime now);
+  void set_mapped(const GuidPrefix& prefix, ReadingParticipant& reading);
+  void set_waiting(const GuidPrefix& prefix, ReadingParticipant& reading);
   std::optional<MemoryReference> put(const Change& change, SequenceNumber needed_from,
                                      MonotonicTime now);
 
   MemoryCore& core_;
   StatefulWriter& writer_;
-  std::map<GuidPrefix, Reading> readings_;
+  std::map<GuidPrefix, ReadingParticipant> readings_;
   std::size_t mapped_ = 0;  ///< how many of them have mapped it
-  std::optional<Awaited> awaited_;
+  std::optional<AwaitedSegment> awaited_;
   std::optional<memory::SampleSlots> slots_;
   /// Participants that were offered this segment, and may have mapped it whatever they answer.
   KeptMemory::Holders holders_;

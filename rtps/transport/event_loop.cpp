@@ -61,8 +61,8 @@ Status EventLoop::watch(int fd, std::function<void()> on_readable) {
   return {};
 }
 
-EventLoop::Readable EventLoop::poll(std::chrono::nanoseconds timeout) const {
-  Readable readable;
+EventLoop::ReadableSockets EventLoop::poll(std::chrono::nanoseconds timeout) const {
+  ReadableSockets readable;
   const bool for_ever = timeout < std::chrono::nanoseconds::zero();
   const auto busy = for_ever ? busy_wait_ : std::min(busy_wait_, timeout);
   auto& count = readable.count_;
@@ -74,7 +74,7 @@ EventLoop::Readable EventLoop::poll(std::chrono::nanoseconds timeout) const {
   return readable;
 }
 
-void EventLoop::handle(const Readable& readable) {
+void EventLoop::handle(const ReadableSockets& readable) {
   for (int i = 0; i < readable.count_; ++i) {
     const auto tag = readable.events_[static_cast<std::size_t>(i)].data.u64;
     if (tag != kWakeUp) {

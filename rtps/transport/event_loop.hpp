@@ -22,9 +22,9 @@ class EventLoop {
   /// Makes `wait` first look for readable sockets again and again, for this long.
   void busy_wait(std::chrono::nanoseconds how_long) { busy_wait_ = how_long; }
   /// The sockets that are readable. They remain so until they are handled.
-  class Readable {
+  class ReadableSockets {
    public:
-    Readable() = default;
+    ReadableSockets() = default;
 
    private:
     friend class EventLoop;
@@ -32,9 +32,9 @@ class EventLoop {
     int count_ = 0;
   };
   /// Waits for at most `timeout` (negative: without limit).
-  Readable poll(std::chrono::nanoseconds timeout) const;
+  ReadableSockets poll(std::chrono::nanoseconds timeout) const;
   /// Calls the handlers of the readable sockets.
-  void handle(const Readable& readable);
+  void handle(const ReadableSockets& readable);
   /// Does both.
   void wait(std::chrono::nanoseconds timeout) { handle(poll(timeout)); }
   /// Ends a `wait`. May be called from any thread.

@@ -89,18 +89,18 @@ void ParticipantSockets::send(BytesView message, std::span<const Locator> to) {
   send_all({{&message, 1}, to});
 }
 
-void ParticipantSockets::send_all(const Outgoing& out) {
+void ParticipantSockets::send_all(const OutgoingMessages& out) {
   if (interfaces_.size() == 1 || std::ranges::none_of(out.to, &Locator::is_multicast))
     return send_first(out);
   for (const auto& to : out.to) {
-    const Outgoing one{out.messages, {&to, 1}, out.dscp};
+    const OutgoingMessages one{out.messages, {&to, 1}, out.dscp};
     if (!to.is_multicast() || leaves_by(sockets_.front(), out.interface)) send_first(one);
     for (const auto& further : further_)
       if (to.is_multicast() && leaves_by(further, out.interface)) further.send_all(one);
   }
 }
 
-void ParticipantSockets::send_first(const Outgoing& out) {
+void ParticipantSockets::send_first(const OutgoingMessages& out) {
   sockets_.front().send_all(out, [this, &out](BytesView message, const Locator& to) {
     overflow_.send(message, to, out.dscp);
   });

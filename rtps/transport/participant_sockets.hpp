@@ -57,7 +57,7 @@ class ParticipantSockets final : public Transport {
   void send(BytesView message, std::span<const Locator> to) override;
   /// Messages to an address follow the routing table. Messages to a group are sent through each
   /// interface, or through the one that `out` names.
-  void send_all(const Outgoing& out) override;
+  void send_all(const OutgoingMessages& out) override;
   bool stays_here(const Locator& to) const override;
 
  private:
@@ -73,7 +73,7 @@ class ParticipantSockets final : public Transport {
                                      std::uint32_t port, const Options& options);
   /// Makes messages to the group be sent through this interface as well.
   Status send_by(const NetworkInterface& interface);
-  void send_first(const Outgoing& out);
+  void send_first(const OutgoingMessages& out);
   bool leaves_by(const UdpSocket& socket, std::size_t interface) const;
   LocatorList everywhere(std::uint32_t port) const;
 

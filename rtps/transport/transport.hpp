@@ -10,11 +10,12 @@
 
 namespace ddssec::rtps {
 
-/// The value of Outgoing::interface with which messages to a group are sent through each interface.
+/// The value of OutgoingMessages::interface with which messages to a group are sent through each
+/// interface.
 inline constexpr std::size_t kEveryInterface = std::numeric_limits<std::size_t>::max();
 
 /// Messages for the same receivers, borrowed for the call.
-struct Outgoing {
+struct OutgoingMessages {
   std::span<const BytesView> messages = {};
   std::span<const Locator> to = {};
   std::uint8_t dscp = 0;  ///< differentiated services code point (RFC 2474), 0 to 63
@@ -26,7 +27,7 @@ class Transport {
  public:
   virtual ~Transport() = default;
   /// Sends each message to each locator, as `send` does.
-  virtual void send_all(const Outgoing& out) {
+  virtual void send_all(const OutgoingMessages& out) {
     for (const auto& message : out.messages) send(message, out.to);
   }
   /// Sends one message to each of the locators, at once or not at all: a message that cannot be

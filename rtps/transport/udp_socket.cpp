@@ -210,9 +210,9 @@ BytesView UdpSocket::datagram(std::size_t index) const {
 Locator UdpSocket::source(std::size_t index) const { return locator_of(batch_->sources[index]); }
 
 // The datagrams of one sendmmsg call.
-class UdpSocket::Sending {
+class UdpSocket::SendCall {
  public:
-  Sending(const UdpSocket& socket, std::uint8_t dscp, const Unsent& unsent)
+  SendCall(const UdpSocket& socket, std::uint8_t dscp, const Unsent& unsent)
       : fd_(socket.fd()), has_class_(dscp != 0), unsent_(unsent) {
     if (!has_class_) return;
     const bool v6 = socket.local_.kind == LocatorKind::udp_v6;
@@ -271,8 +271,8 @@ class UdpSocket::Sending {
   std::array<mmsghdr, kBatch> headers_;
 };
 
-void UdpSocket::send_all(const Outgoing& out, const Unsent& unsent) const {
-  Sending sending(*this, out.dscp, unsent);
+void UdpSocket::send_all(const OutgoingMessages& out, const Unsent& unsent) const {
+  SendCall sending(*this, out.dscp, unsent);
   for (const auto& message : out.messages)
     for (const auto& locator : out.to)
       if (locator.kind == local_.kind) sending.add(message, locator);

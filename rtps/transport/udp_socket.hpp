@@ -79,12 +79,12 @@ class UdpSocket {
   using Unsent = std::function<void(BytesView message, const Locator& to)>;
   /// Sends to each locator of this socket's family, kBatch datagrams with each system call. Without
   /// `unsent`, datagrams for which the send buffer has no room are lost.
-  void send_all(const Outgoing& out, const Unsent& unsent = nullptr) const;
+  void send_all(const OutgoingMessages& out, const Unsent& unsent = nullptr) const;
   void send(BytesView message, std::span<const Locator> to) const { send_all({{&message, 1}, to}); }
 
  private:
   struct Batch;
-  class Sending;
+  class SendCall;
   struct BatchDelete {
     void operator()(Batch* batch) const noexcept;
   };

@@ -25,7 +25,7 @@ struct Recorder final : Transport {
   void send(BytesView message, std::span<const Locator>) override {
     sent.push_back(to_bytes(message));
   }
-  void send_all(const Outgoing& out) override {
+  void send_all(const OutgoingMessages& out) override {
     calls.push_back(out.dscp);
     Transport::send_all(out);
   }
@@ -128,9 +128,9 @@ TEST_F(Packing, WhatOneEventBringsAbout_SharesMessages) {
     sender.flush();
   };
   {
-    const MessageSender::Gathering event(sender);
+    const MessageSender::GatheringScope event(sender);
     {
-      const MessageSender::Gathering part_of_it(sender);
+      const MessageSender::GatheringScope part_of_it(sender);
       for (int i = 0; i < 5; ++i) speak(kHere);
     }
     EXPECT_TRUE(transport.sent.empty());

@@ -35,8 +35,8 @@ struct Cache : ::testing::Test {
   }
   Moment moment() const { return {now, Time::from(now)}; }
   /// Stores a change of `key` with the time `at` after the start.
-  ReaderCache::Stored put(std::uint8_t key, std::uint8_t value, StatusInfo status = {},
-                          std::uint8_t from = 1, std::optional<MonotonicTime> stamp = {}) {
+  ReaderCache::StoreReport put(std::uint8_t key, std::uint8_t value, StatusInfo status = {},
+                               std::uint8_t from = 1, std::optional<MonotonicTime> stamp = {}) {
     Change change;
     change.writer = writer(from);
     change.key_hash = KeyHash{key};

@@ -45,7 +45,7 @@ struct Shares : Cache {
     for (std::uint8_t i = 1; i <= 3; ++i)
       cache().set_writer(writer(i), 0, kDurationInfinite, writer(i == 2 ? 1 : i).prefix);
   }
-  ReaderCache::Stored put_octets(std::uint8_t from, std::uint8_t key, std::size_t octets) {
+  ReaderCache::StoreReport put_octets(std::uint8_t from, std::uint8_t key, std::size_t octets) {
     Change change;
     change.writer = writer(from);
     change.key_hash = KeyHash{key};

@@ -18,7 +18,7 @@ struct Server final : Turn::Server {
   std::condition_variable changed;
   int ended = 0, notified = 0, served = 0;
   bool worked = false;
-  void serve_for_waiting(std::chrono::nanoseconds most, Turn::Waiting& by) override {
+  void serve_for_waiting(std::chrono::nanoseconds most, Turn::WaitScope& by) override {
     std::unique_lock held(mutex);
     ++served;
     changed.notify_all();
@@ -39,21 +39,21 @@ struct ServingTurns : ::testing::Test {
   Turn turn{server};
 
   // A thread waits soon after its last wait, and gets the turn.
-  void yield_to(std::optional<Turn::Waiting>& waiting) {
+  void yield_to(std::optional<Turn::WaitScope>& waiting) {
     do {
-      { const Turn::Waiting shortly(turn, Turn::For::data); }
-      waiting.emplace(turn, Turn::For::data);
+      { const Turn::WaitScope shortly(turn, Turn::WaitReason::data); }
+      waiting.emplace(turn, Turn::WaitReason::data);
       EXPECT_FALSE(waiting->serves());
     } while (!turn.yield() && (waiting.reset(), true));
     EXPECT_TRUE(waiting->serves());
   }
-  std::optional<Turn::Waiting> waiting;
+  std::optional<Turn::WaitScope> waiting;
 };
 
 TEST_F(ServingTurns, FirstWait_LeavesTheTurnToTheParticipantsThread) {
   EXPECT_TRUE(turn.await());
   EXPECT_FALSE(turn.yield());
-  waiting.emplace(turn, Turn::For::data);
+  waiting.emplace(turn, Turn::WaitReason::data);
   EXPECT_FALSE(waiting->serves());
   EXPECT_FALSE(turn.yield());
 }
@@ -64,8 +64,8 @@ TEST_F(ServingTurns, WaitSoonAfterTheLast_GetsTheTurnAndIsNotified) {
 }
 
 TEST_F(ServingTurns, WaitForOtherThanData_NeverServes) {
-  { const Turn::Waiting shortly(turn, Turn::For::data); }
-  waiting.emplace(turn, Turn::For::other);
+  { const Turn::WaitScope shortly(turn, Turn::WaitReason::data); }
+  waiting.emplace(turn, Turn::WaitReason::other);
   EXPECT_FALSE(turn.yield());
   EXPECT_FALSE(waiting->serves());
 }
@@ -82,14 +82,14 @@ TEST_F(ServingTurns, WaitWithinTheGrace_GetsTheTurnAgain) {
   yield_to(waiting);
   for (int i = 0; i < 3; ++i) {
     waiting.reset();
-    waiting.emplace(turn, Turn::For::data);
+    waiting.emplace(turn, Turn::WaitReason::data);
     EXPECT_TRUE(waiting->serves());
   }
 }
 
 TEST_F(ServingTurns, SecondThreadWaits_ParticipantsThreadTakesTheTurnAfterTheFirst) {
   yield_to(waiting);
-  Turn::Waiting second(turn, Turn::For::data);
+  Turn::WaitScope second(turn, Turn::WaitReason::data);
   EXPECT_FALSE(second.serves());
   EXPECT_FALSE(waiting->serves());
   waiting.reset();
@@ -131,7 +131,7 @@ TEST_F(ServingTurns, CloseWhileAThreadServes_ReturnsAfterThat) {
   EXPECT_FALSE(turn.await());
   EXPECT_TRUE(turn.yield());
   waits.join();
-  Turn::Waiting late(turn, Turn::For::data);
+  Turn::WaitScope late(turn, Turn::WaitReason::data);
   EXPECT_FALSE(late.serves());
 }
 

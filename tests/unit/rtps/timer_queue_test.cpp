@@ -14,10 +14,10 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 
-struct Alarm final : Timed {
-  explicit Alarm(TimerQueue& queue) : Timed(queue) {}
+struct Alarm final : TimedObject {
+  explicit Alarm(TimerQueue& queue) : TimedObject(queue) {}
   void on_time(MonotonicTime now) override { rang.push_back(now); }
-  using Timed::call_at;
+  using TimedObject::call_at;
   std::vector<MonotonicTime> rang;
 };
 

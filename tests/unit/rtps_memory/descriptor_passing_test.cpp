@@ -27,13 +27,13 @@ bool until(const std::function<bool()>& done) {
 
 struct Passing {
   Passing() { EXPECT_TRUE(it->start()); }
-  std::optional<DescriptorPassing::Fetched> next_fetched() {
-    std::vector<DescriptorPassing::Fetched> all;
+  std::optional<DescriptorPassing::FetchedSegment> next_fetched() {
+    std::vector<DescriptorPassing::FetchedSegment> all;
     until([&] { return !(all = it->take_fetched()).empty(); });
     return all.empty() ? std::nullopt : std::optional(std::move(all[0]));
   }
-  std::optional<DescriptorPassing::Prepared> next_prepared() {
-    std::vector<DescriptorPassing::Prepared> all;
+  std::optional<DescriptorPassing::PreparedSlots> next_prepared() {
+    std::vector<DescriptorPassing::PreparedSlots> all;
     until([&] { return !(all = it->take_prepared()).empty(); });
     return all.empty() ? std::nullopt : std::optional(std::move(all[0]));
   }

@@ -6,7 +6,7 @@
 namespace ddssec::rtps {
 namespace {
 
-using Why = IdlePairs::Why;
+using IdleReason = IdlePairs::IdleReason;
 constexpr auto kMax = static_cast<std::uint32_t>(IdlePairs::kMaxOfOne);
 
 // Returns an endpoint of a participant whose certificate has that subject.
@@ -15,18 +15,18 @@ Guid endpoint(std::uint8_t subject, std::uint32_t number, std::uint8_t participa
           {{static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
             static_cast<std::uint8_t>(number), 7}}};
 }
-void fill(IdlePairs& pairs, std::uint8_t subject, Why why) {
+void fill(IdlePairs& pairs, std::uint8_t subject, IdleReason why) {
   for (std::uint32_t i = 0; i < kMax; ++i)
     EXPECT_FALSE(pairs.add(endpoint(subject, i, static_cast<std::uint8_t>(i % 3)), why));
 }
 
 TEST(IdlePairs, OneMoreThanTheLimit_DisplacesTheOldestOfItsSubject) {
   IdlePairs pairs;
-  fill(pairs, 1, Why::keys_awaited);
-  EXPECT_FALSE(pairs.add(endpoint(2, 0), Why::keys_awaited)) << "another subject";
+  fill(pairs, 1, IdleReason::keys_awaited);
+  EXPECT_FALSE(pairs.add(endpoint(2, 0), IdleReason::keys_awaited)) << "another subject";
   EXPECT_FALSE(pairs.has_displaced(endpoint(1, 0).prefix));
-  EXPECT_EQ(pairs.add(endpoint(1, kMax, 9), Why::keys_awaited), endpoint(1, 0));
-  EXPECT_EQ(pairs.add(endpoint(1, kMax + 1, 9), Why::keys_awaited), endpoint(1, 1, 1));
+  EXPECT_EQ(pairs.add(endpoint(1, kMax, 9), IdleReason::keys_awaited), endpoint(1, 0));
+  EXPECT_EQ(pairs.add(endpoint(1, kMax + 1, 9), IdleReason::keys_awaited), endpoint(1, 1, 1));
   EXPECT_TRUE(pairs.has_displaced(endpoint(1, 0).prefix));
   EXPECT_FALSE(pairs.has_displaced(endpoint(2, 0).prefix));
   EXPECT_EQ(pairs.size(), kMax + 1);
@@ -35,30 +35,30 @@ TEST(IdlePairs, OneMoreThanTheLimit_DisplacesTheOldestOfItsSubject) {
 // Otherwise forged announcements would displace keys that only the peer can send.
 TEST(IdlePairs, OneReason_LeavesTheOthersTheirRoom) {
   IdlePairs pairs;
-  EXPECT_FALSE(pairs.add(endpoint(1, kMax + 5), Why::suspended));
-  EXPECT_FALSE(pairs.add(endpoint(1, kMax + 6), Why::silent));
-  fill(pairs, 1, Why::keys_awaited);
-  EXPECT_EQ(pairs.add(endpoint(1, kMax + 7), Why::keys_awaited), endpoint(1, 0));
+  EXPECT_FALSE(pairs.add(endpoint(1, kMax + 5), IdleReason::suspended));
+  EXPECT_FALSE(pairs.add(endpoint(1, kMax + 6), IdleReason::silent));
+  fill(pairs, 1, IdleReason::keys_awaited);
+  EXPECT_EQ(pairs.add(endpoint(1, kMax + 7), IdleReason::keys_awaited), endpoint(1, 0));
   EXPECT_EQ(pairs.size(), kMax + 2);
 }
 
 TEST(IdlePairs, TheSamePairAgain_TakesNoMoreRoom) {
   IdlePairs pairs;
-  fill(pairs, 1, Why::keys_awaited);
-  EXPECT_FALSE(pairs.add(endpoint(1, 0), Why::keys_awaited));
+  fill(pairs, 1, IdleReason::keys_awaited);
+  EXPECT_FALSE(pairs.add(endpoint(1, 0), IdleReason::keys_awaited));
   EXPECT_EQ(pairs.size(), kMax);
-  EXPECT_FALSE(pairs.add(endpoint(1, 0), Why::suspended)) << "it moves";
-  EXPECT_FALSE(pairs.add(endpoint(1, kMax), Why::keys_awaited));
+  EXPECT_FALSE(pairs.add(endpoint(1, 0), IdleReason::suspended)) << "it moves";
+  EXPECT_FALSE(pairs.add(endpoint(1, kMax), IdleReason::keys_awaited));
   EXPECT_EQ(pairs.size(), kMax + 1);
 }
 
 TEST(IdlePairs, APairThatGoes_LeavesItsRoom) {
   IdlePairs pairs;
-  fill(pairs, 1, Why::suspended);
+  fill(pairs, 1, IdleReason::suspended);
   pairs.remove(endpoint(1, 5, 2));
   pairs.remove(endpoint(1, kMax + 5));  // this pair is not known
-  EXPECT_FALSE(pairs.add(endpoint(1, kMax), Why::suspended));
-  EXPECT_TRUE(pairs.add(endpoint(1, kMax + 1), Why::suspended));
+  EXPECT_FALSE(pairs.add(endpoint(1, kMax), IdleReason::suspended));
+  EXPECT_TRUE(pairs.add(endpoint(1, kMax + 1), IdleReason::suspended));
   for (std::uint32_t i = 0; i < kMax; ++i)
     pairs.remove(endpoint(1, i, static_cast<std::uint8_t>(i % 3)));
   for (const auto last : {kMax, kMax + 1}) {
