@@ -11,9 +11,10 @@
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "governance/decision_cache.hpp"
-#include "governance/matcher.hpp"
 #include "governance/model.hpp"
 #include "governance/partition_match.hpp"
+#include "governance/pattern.hpp"
+#include "governance/pattern_set.hpp"
 
 namespace ddssec::governance {
 

@@ -3,7 +3,7 @@
 #include <bitset>
 
 #include "governance/expression_text.hpp"
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "governance/byte_classes.hpp"
-#include "governance/matcher.hpp"
 #include "governance/number_lists.hpp"
+#include "governance/pattern.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {

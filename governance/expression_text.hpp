@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 
 namespace ddssec::governance {
 

@@ -6,7 +6,7 @@
 
 #include "governance/domain_cuts.hpp"
 #include "governance/lint_grant.hpp"
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 #include "governance/shadowed_expressions.hpp"
 #include "governance/topic_sets.hpp"
 #include "pki/subject_name.hpp"

@@ -7,7 +7,7 @@
 #include "governance/lint_access.hpp"
 #include "governance/lint_findings.hpp"
 #include "governance/live_change.hpp"
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 #include "governance/shadowed_expressions.hpp"
 #include "governance/topic_sets.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "governance/lint_access.hpp"
 #include "governance/lint_grant.hpp"
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {

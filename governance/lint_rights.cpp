@@ -6,7 +6,7 @@
 #include "governance/decision.hpp"
 #include "governance/domain_cuts.hpp"
 #include "governance/lint_grant.hpp"
-#include "governance/matcher.hpp"
+#include "governance/pattern_set.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {

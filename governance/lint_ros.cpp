@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "governance/lint_grant.hpp"
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 #include "governance/shadowed_expressions.hpp"
 
 namespace ddssec::governance {

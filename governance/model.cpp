@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 
 namespace ddssec::governance {
 

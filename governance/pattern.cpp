@@ -1,9 +1,9 @@
+#include "governance/pattern.hpp"
+
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
-
-#include "governance/matcher.hpp"
 
 namespace ddssec::governance {
 namespace {

@@ -4,7 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
+#include "governance/pattern_set.hpp"
 
 namespace ddssec::governance {
 namespace {

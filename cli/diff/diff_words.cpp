@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 
 namespace ddssec::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern_set.hpp"
 #include "governance/topic_sets.hpp"
 
 namespace ddssec::governance {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 
 namespace ddssec::access_control {
 namespace {

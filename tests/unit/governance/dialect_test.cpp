@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 #include "tests/unit/governance_compare/words.hpp"
 
 namespace ddssec::governance {

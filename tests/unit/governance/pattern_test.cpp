@@ -1,11 +1,12 @@
 // A single expression: what it matches, and what that costs.
+#include "governance/pattern.hpp"
+
 #include <algorithm>
 #include <ctime>
 #include <fnmatch.h>
 
 #include <gtest/gtest.h>
 
-#include "governance/matcher.hpp"
 #include "tests/support/slowdown.hpp"
 #include "tests/unit/governance/random_text.hpp"
 
@@ -22,18 +23,18 @@ struct Row {
   bool matches;
 };
 
-class MatcherRow : public testing::TestWithParam<Row> {};
+class PatternRow : public testing::TestWithParam<Row> {};
 
-TEST_P(MatcherRow, EachRow_IsAsTheStandardSays) {
+TEST_P(PatternRow, EachRow_IsAsTheStandardSays) {
   EXPECT_EQ(matches(GetParam().expression, GetParam().name), GetParam().matches);
 }
 
-TEST_P(MatcherRow, EachRow_IsAsTheLibrarySays) {
+TEST_P(PatternRow, EachRow_IsAsTheLibrarySays) {
   EXPECT_EQ(fnmatch(GetParam().expression, GetParam().name, 0) == 0, GetParam().matches);
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Table, MatcherRow,
+    Table, PatternRow,
     testing::Values(
         Row{"", "", true}, Row{"", "a", false}, Row{"*", "", true}, Row{"?", "", false},
         Row{"Square", "Square", true}, Row{"Square", "square", false}, Row{"Squ*", "Square", true},
@@ -60,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"[]-a]", "^", true}, Row{"[*]", "*", true}, Row{"[*]", "a", false},
         Row{"[?]x", "?x", true}, Row{"?", "\xC3", true}, Row{"?", "\xC3\xA9", false}));
 
-TEST(Matcher, RandomPatterns_AgreeWithFnmatch) {
+TEST(Pattern, RandomPatterns_AgreeWithFnmatch) {
   RandomText random;
   int matched = 0;
   for (int i = 0; i < 400'000; ++i) {
@@ -73,7 +74,7 @@ TEST(Matcher, RandomPatterns_AgreeWithFnmatch) {
   EXPECT_GT(matched, 10'000);
 }
 
-TEST(Matcher, PatternsThatMatchNoName_AreKnown) {
+TEST(Pattern, PatternsThatMatchNoName_AreKnown) {
   for (const auto* expression : {"[z-a]", "a[z-a]*", "a\\", "[!\x01-\xff]"})
     EXPECT_TRUE(Pattern(expression).matches_no_name()) << expression;
   for (const auto* expression :
@@ -84,7 +85,7 @@ TEST(Matcher, PatternsThatMatchNoName_AreKnown) {
   EXPECT_FALSE(Pattern("a\\", Pattern::Syntax::subject).matches_no_name());
 }
 
-TEST(Matcher, RandomPatternsWithSlashes_AgreeWithFnmatch) {
+TEST(Pattern, RandomPatternsWithSlashes_AgreeWithFnmatch) {
   RandomText random;
   int matched = 0;
   for (int i = 0; i < 200'000; ++i) {
@@ -110,7 +111,7 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 
 // A peer's partition is such an expression. A search to the end from each '[' took a processor 12 s
 // for 4,000 octets of "[:".
-TEST(Matcher, LongExpression_CompilesInLinearTime) {
+TEST(Pattern, LongExpression_CompilesInLinearTime) {
   constexpr double kMaxSecondsPerOctet = 5e-6;  // about 100 times the measured time
   for (const std::string_view unit :
        {"[",      "[:",  "[=", "[.",  "[[:", "[[=", "[[.",  "[:a",    "[[:a:]",
@@ -127,7 +128,7 @@ TEST(Matcher, LongExpression_CompilesInLinearTime) {
       }
 }
 
-TEST(Matcher, LongName_MatchesInExpressionTimesName) {
+TEST(Pattern, LongName_MatchesInExpressionTimesName) {
   const std::string name(1'000, 'a');
   for (const std::string_view unit : {"*a", "*?", "*[a]", "**a", "*[ab]*", "?*", "*[!b]a"}) {
     const Pattern pattern(repeated(unit, 4'000) + "b");
@@ -137,12 +138,12 @@ TEST(Matcher, LongName_MatchesInExpressionTimesName) {
   }
 }
 
-TEST(Matcher, ASlashBetweenBracketsOfASubject_MatchesNothing) {
+TEST(Pattern, ASlashBetweenBracketsOfASubject_MatchesNothing) {
   for (const char* name : {"a", "/", "b", "[a/b]"})
     EXPECT_FALSE(Pattern("[a/b]", Pattern::Syntax::subject).matches(name)) << name;
 }
 
-TEST(Matcher, ALiteral_HasTheNameThatItMatches) {
+TEST(Pattern, ALiteral_HasTheNameThatItMatches) {
   EXPECT_TRUE(Pattern("rt\\/a\\*").is_literal());
   EXPECT_EQ(Pattern("rt\\/a\\*").text(), "rt/a*");
   EXPECT_FALSE(Pattern("a\\").is_literal());

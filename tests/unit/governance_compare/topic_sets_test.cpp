@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 #include "tests/unit/governance/first_matched_names.hpp"
 #include "tests/unit/governance_compare/words.hpp"
 
@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(
         // The empty list is in every list, and no name is in it.
         Row{{}, {}, Kind::yes, ""}, Row{{"a"}, {}, Kind::no, "a"}, Row{{}, {"a"}, Kind::yes, ""},
         Row{{"[b-a]"}, {}, Kind::yes, ""},
-        // The rules of fnmatch in matcher.hpp: escapes, classes, an unclosed bracket.
+        // The rules of fnmatch in pattern.hpp: escapes, classes, an unclosed bracket.
         Row{{"\\*"}, {"[*]"}, Kind::yes, ""}, Row{{"\\a"}, {"a"}, Kind::yes, ""},
         Row{{"\\"}, {}, Kind::yes, ""}, Row{{"*"}, {"\\*"}, Kind::no, "a"},
         Row{{"\\\\*"}, {"\\\\x*", "\\\\[!x]*", "\\\\"}, Kind::yes, ""},

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "governance/matcher.hpp"
+#include "governance/pattern.hpp"
 
 namespace ddssec::governance::words {
 

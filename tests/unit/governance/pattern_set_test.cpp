@@ -1,5 +1,5 @@
 // Sets of expressions: the first and all that match a name.
-#include "governance/matcher.hpp"
+#include "governance/pattern_set.hpp"
 
 #include <algorithm>
 #include <fnmatch.h>

@@ -1,4 +1,4 @@
-#include "governance/matcher.hpp"
+#include "governance/pattern_set.hpp"
 
 #include <algorithm>
 
