@@ -152,9 +152,9 @@ class Collector {
   static bool is_suspect(const std::string& text) {
     return text.find_first_of("[]\\") != std::string::npos;
   }
-  void put(Interpretation reading) {
+  void put(Interpretation interpretation) {
     if (out_.all.size() < kMaxInterpretations)
-      out_.all.push_back(std::move(reading));
+      out_.all.push_back(std::move(interpretation));
     else
       out_.is_complete = false;
   }

@@ -34,9 +34,9 @@ std::string domains_of(const DomainScope& scope) {
   return scope.domains.empty() ? std::string() : " in domain " + to_text(scope.domains);
 }
 
-void put(Interpretations& interpretations, Interpretation reading) {
+void put(Interpretations& interpretations, Interpretation interpretation) {
   if (interpretations.all.size() < kMaxInterpretations)
-    interpretations.all.push_back(std::move(reading));
+    interpretations.all.push_back(std::move(interpretation));
   else
     interpretations.is_complete = false;
 }
@@ -106,18 +106,18 @@ bool is_found_elsewhere(const std::vector<StockPermissionsDiff>& stock, const Pe
 // The changes that products have and ddssec does not, each once, with the products that have it.
 class StockChanges {
  public:
-  void add(std::string_view product, Interpretation reading) {
+  void add(std::string_view product, Interpretation interpretation) {
     const auto known = std::ranges::find_if(
-        all_, [&](const auto& one) { return one.second.sentence == reading.sentence; });
+        all_, [&](const auto& one) { return one.second.sentence == interpretation.sentence; });
     if (known != all_.end())
       known->first += fmt::format(" and {}", product);
     else
-      all_.emplace_back(product, std::move(reading));
+      all_.emplace_back(product, std::move(interpretation));
   }
   void put_into(Interpretations& interpretations) && {
-    for (auto& [products, reading] : all_) {
-      reading.sentence = fmt::format("with {}: {}", products, reading.sentence);
-      put(interpretations, std::move(reading));
+    for (auto& [products, interpretation] : all_) {
+      interpretation.sentence = fmt::format("with {}: {}", products, interpretation.sentence);
+      put(interpretations, std::move(interpretation));
     }
   }
 

@@ -49,7 +49,7 @@ Permissions permissions(std::vector<GrantRule> rules) {
   return out;
 }
 
-TEST(Interpretations, GovernanceReadings_AreExpressionsAndNotes) {
+TEST(Interpretations, GovernanceInterpretations_AreExpressionsAndNotes) {
   const auto before = governance({topic("rt/a", 4), topic("*", 5)});
   auto after = governance({topic("rt/\\a", 6), topic("*", 7)});
   after.notes = {{NoteKind::no_max, 2, "/dds", "<id_range> has no <max>"},
@@ -83,7 +83,7 @@ TEST(Interpretations, SameKindElsewhere_IsNew) {
   EXPECT_THAT(compare(before, after).interpretations.all, SizeIs(2));
 }
 
-TEST(Interpretations, ManyReadings_AreBounded) {
+TEST(Interpretations, ManyInterpretations_AreBounded) {
   std::vector<TopicRule> rules;
   for (std::size_t i = 0; i <= kMaxInterpretations; ++i)
     rules.push_back(topic("a" + std::to_string(i) + "["));
@@ -107,7 +107,7 @@ TEST(Interpretations, OnlyTheSpellingChanged_GivesNone) {
   }
 }
 
-TEST(Interpretations, PermissionsReadings_IncludePartitions) {
+TEST(Interpretations, PermissionsInterpretations_IncludePartitions) {
   auto partitioned = allow({{"a", 5}});
   partitioned.publish[0].partitions = {{"[^p]", 6}};
   auto same = allow({{"a", 5}});
@@ -115,11 +115,12 @@ TEST(Interpretations, PermissionsReadings_IncludePartitions) {
   const auto diff = compare(permissions({partitioned}), permissions({same}));
   EXPECT_EQ(diff.verdict, neutral);
   ASSERT_THAT(diff.interpretations.all, SizeIs(3));
-  const auto& reading = diff.interpretations.all[0];
-  EXPECT_FALSE(reading.is_new);
-  EXPECT_EQ(reading.expression, "[^p]");
-  EXPECT_EQ(reading.line, 6);
-  EXPECT_THAT(reading.sentence, HasSubstr("Cyclone DDS matches \"p\", which ddssec does not"));
+  const auto& interpretation = diff.interpretations.all[0];
+  EXPECT_FALSE(interpretation.is_new);
+  EXPECT_EQ(interpretation.expression, "[^p]");
+  EXPECT_EQ(interpretation.line, 6);
+  EXPECT_THAT(interpretation.sentence,
+              HasSubstr("Cyclone DDS matches \"p\", which ddssec does not"));
   // With Cyclone DDS the change therefore gives and takes partitions.
   EXPECT_THAT(diff.interpretations.all[1].sentence, HasSubstr("with Cyclone DDS: "));
   EXPECT_THAT(diff.interpretations.all[2].sentence, HasSubstr("with Cyclone DDS: "));
