@@ -269,8 +269,8 @@ void StatusServer::send_to(Client& client) {
   const auto rest = std::string_view(client.text).substr(client.sent);
   const auto sent = ::send(client.socket.number(), rest.data(), rest.size(), MSG_NOSIGNAL);
   if (sent > 0) client.sent += static_cast<std::size_t>(sent);
-  const bool may_go_on = sent >= 0 || errno == EAGAIN || errno == EINTR;
-  if (!may_go_on || client.sent == client.text.size()) client = Client();
+  const bool may_continue = sent >= 0 || errno == EAGAIN || errno == EINTR;
+  if (!may_continue || client.sent == client.text.size()) client = Client();
 }
 
 }  // namespace ddssec

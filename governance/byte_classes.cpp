@@ -26,7 +26,7 @@ const std::string& octets_by_readability() {
   return *kOrder;
 }
 
-void ByteClasses::tell_apart(const std::bitset<256>& set) {
+void ByteClasses::separate(const std::bitset<256>& set) {
   // Each group is split into the octets inside and outside the set; at most 256 groups remain.
   std::array<std::uint16_t, 512> renamed{};
   std::uint16_t next = 0;
@@ -39,7 +39,7 @@ void ByteClasses::tell_apart(const std::bitset<256>& set) {
 
 void ByteClasses::number() {
   for (std::size_t octet = 0; octet < single_.size(); ++octet) {
-    if (single_.test(octet)) tell_apart(std::bitset<256>().set(octet));
+    if (single_.test(octet)) separate(std::bitset<256>().set(octet));
   }
   std::array<int, 256> number_of{};
   number_of.fill(-1);

@@ -22,10 +22,10 @@ class ByteClasses {
   static constexpr Class kNone = 255;
 
   /// From now on octets inside and outside the set are in different classes.
-  void tell_apart(const std::bitset<256>& set);
+  void separate(const std::bitset<256>& set);
   /// From now on the octet is alone in its class.
-  void tell_apart(std::uint8_t octet) { single_.set(octet); }
-  /// Numbers the classes. Call it after all tell_apart().
+  void separate(std::uint8_t octet) { single_.set(octet); }
+  /// Numbers the classes. Call it after all separate().
   void number();
 
   std::size_t size() const { return shown_.size(); }

@@ -7,13 +7,13 @@
 namespace ddssec::governance {
 namespace {
 
-void tell_apart(ByteClasses& classes, const Pattern& pattern) {
+void separate(ByteClasses& classes, const Pattern& pattern) {
   if (pattern.is_literal()) {
-    for (const char c : pattern.text()) classes.tell_apart(static_cast<std::uint8_t>(c));
+    for (const char c : pattern.text()) classes.separate(static_cast<std::uint8_t>(c));
   }
   for (const auto& step : pattern.steps()) {
-    if (step.kind == Pattern::Kind::character) classes.tell_apart(step.character);
-    if (step.kind == Pattern::Kind::set) classes.tell_apart(pattern.set_of(step));
+    if (step.kind == Pattern::Kind::character) classes.separate(step.character);
+    if (step.kind == Pattern::Kind::set) classes.separate(pattern.set_of(step));
   }
 }
 
@@ -42,7 +42,7 @@ ExpressionTable::ExpressionTable(std::span<const RankedExpression> expressions) 
     if (is_new) {
       patterns.emplace_back(item.expression);
       labels.emplace_back();
-      tell_apart(classes_, patterns.back());
+      separate(classes_, patterns.back());
     }
     const auto label = std::ranges::lower_bound(labels_, NameAtom::Match{item.list, item.rank});
     labels[entry->second].push_back(static_cast<Label>(label - labels_.begin()));

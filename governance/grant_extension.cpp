@@ -11,14 +11,14 @@
 namespace ddssec::governance {
 namespace {
 
-bool say_the_same(const Criteria& a, const Criteria& b) {
+bool have_same_rules(const Criteria& a, const Criteria& b) {
   return a.topics == b.topics && a.partitions == b.partitions && a.data_tags == b.data_tags;
 }
 
-bool say_the_same(const GrantRule& a, const GrantRule& b) {
+bool have_same_rules(const GrantRule& a, const GrantRule& b) {
   const auto equal = [](const auto& of_a, const auto& of_b) {
     return std::ranges::equal(of_a, of_b,
-                              [](const auto& x, const auto& y) { return say_the_same(x, y); });
+                              [](const auto& x, const auto& y) { return have_same_rules(x, y); });
   };
   return a.allow == b.allow && equal(a.publish, b.publish) && equal(a.subscribe, b.subscribe) &&
          equal(a.relay, b.relay);
@@ -67,7 +67,7 @@ bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narr
             bool is_denial) {
   if (wide.size() > kMaxCriteria || narrow.size() > kMaxCriteria)
     return std::ranges::equal(wide, narrow,
-                              [](const auto& a, const auto& b) { return say_the_same(a, b); });
+                              [](const auto& a, const auto& b) { return have_same_rules(a, b); });
   return std::ranges::all_of(narrow, [&](const Criteria& one) {
     return std::ranges::any_of(
         wide, [&](const Criteria& other) { return covers(other, one, is_denial); });
@@ -110,9 +110,9 @@ std::vector<const GrantRule*> rules_for(const Grant& grant, DomainId domain, std
   return out;
 }
 
-bool say_the_same(std::span<const GrantRule* const> a, std::span<const GrantRule* const> b) {
+bool have_same_rules(std::span<const GrantRule* const> a, std::span<const GrantRule* const> b) {
   return std::ranges::equal(a, b,
-                            [](const auto* x, const auto* y) { return say_the_same(*x, *y); });
+                            [](const auto* x, const auto* y) { return have_same_rules(*x, *y); });
 }
 
 // The first rule that matches decides. If a rule of `former` allows an entity, its counterpart in
@@ -138,12 +138,12 @@ bool gives_at_least(const Decisions& next, const Decisions& former) {
   return next.default_allow || !former.default_allow;
 }
 
-bool give_the_same(const Grant& a, const Grant& b) {
+bool give_same_rights(const Grant& a, const Grant& b) {
   return a.subject_name == b.subject_name && rights_in(a) == rights_in(b);
 }
 
 bool gives_at_least(const Grant& next, const Grant& former) {
-  if (give_the_same(next, former)) return true;
+  if (give_same_rights(next, former)) return true;
   if (next.subject_name != former.subject_name || former.rules.empty()) return false;
   const auto& domains = former.rules.front().domains;
   const auto are_alike = [&](const Grant& grant) {

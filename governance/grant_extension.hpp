@@ -12,7 +12,7 @@ namespace ddssec::governance {
 std::vector<const GrantRule*> rules_for(const Grant& grant, DomainId domain, std::string_view tag);
 
 /// True if the rules differ in nothing but their lines and domains.
-bool say_the_same(std::span<const GrantRule* const> a, std::span<const GrantRule* const> b);
+bool have_same_rules(std::span<const GrantRule* const> a, std::span<const GrantRule* const> b);
 
 /// A list of rules, and the default after them.
 struct Decisions {
@@ -29,7 +29,7 @@ struct Decisions {
 bool gives_at_least(const Decisions& next, const Decisions& former);
 
 /// True if the grants have the same subject and the same rights. Names and validities may differ.
-bool give_the_same(const Grant& a, const Grant& b);
+bool give_same_rights(const Grant& a, const Grant& b);
 
 /// As gives_at_least above, for all domains and for grants of the same subject. If the rules of a
 /// grant are for different domains, only a grant with the same rights passes.

@@ -25,7 +25,7 @@ AuthorityWatch::AuthorityWatch(DocumentWatch::WatchedDocument what, std::chrono:
     : file_(of_bundle(std::move(what)), interval), file_in_force_(file_.file_id()) {}
 
 // True if the file is the one that was adopted with fewer CAs, and has more octets at its end now.
-bool AuthorityWatch::goes_on(BytesView file, std::chrono::nanoseconds now) const {
+bool AuthorityWatch::continues_cut_file(BytesView file, std::chrono::nanoseconds now) const {
   return cut_ && file_.file_id() == file_in_force_ && now - cut_->at <= kMaxWritingTime &&
          file.size() > cut_->octets && sha256(file.first(cut_->octets)) == cut_->content;
 }
@@ -33,7 +33,7 @@ bool AuthorityWatch::goes_on(BytesView file, std::chrono::nanoseconds now) const
 Status AuthorityWatch::judge(const FileOfNext& file, const Authorities& in_force,
                              const Adopt& adopt) {
   auto withdrawn = withdrawn_;
-  if (goes_on(file.octets, file.now)) withdrawn.forget(cut_->left);
+  if (continues_cut_file(file.octets, file.now)) withdrawn.forget(cut_->left);
   DDSSEC_RETURN_IF_ERROR(withdrawn.check(in_force, file.next));
   auto left = leaving(in_force, file.next);
   if (!left.empty() && !file_.is_as_at_last_poll()) {

@@ -58,7 +58,7 @@ class AuthorityWatch {
   };
 
   Status judge(const FileOfNext& file, const Authorities& in_force, const Adopt& adopt);
-  bool goes_on(BytesView file, std::chrono::nanoseconds now) const;
+  bool continues_cut_file(BytesView file, std::chrono::nanoseconds now) const;
 
   DocumentWatch file_;
   WithdrawnAuthorities withdrawn_;

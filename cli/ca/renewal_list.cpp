@@ -54,7 +54,7 @@ bool replaces(const ListedDocument& next, const ListedDocument& former, WallTime
     return std::ranges::any_of(next.grants, [&](const auto& grant) {
       return grant.validity.not_after >= old.validity.not_after &&
              grant.validity.not_before <= std::max(now, old.validity.not_before) &&
-             governance::give_the_same(grant, old);
+             governance::give_same_rights(grant, old);
     });
   });
 }

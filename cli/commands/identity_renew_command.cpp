@@ -358,7 +358,7 @@ void add_consequence(const Renewal& job, const pki::Certificate& renewed,
   }
   const bool is_in_place = job.path == job.files.certificate;
   const auto problem =
-      certificate_not_taken(job.files, job.old, renewed, job.is_rekeying() || !is_in_place);
+      certificate_refusal_warning(job.files, job.old, renewed, job.is_rekeying() || !is_in_place);
   if (problem)
     report.errors.push_back(*problem);
   else

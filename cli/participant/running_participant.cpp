@@ -37,9 +37,9 @@ std::optional<Error> key_not_there(const pki::ParticipantFolder& files,
                               "issue --replace, and restart the participant"});
 }
 
-std::optional<Error> certificate_not_taken(const pki::ParticipantFolder& files,
-                                           const pki::Certificate& old,
-                                           const pki::Certificate& renewed, bool has_key) {
+std::optional<Error> certificate_refusal_warning(const pki::ParticipantFolder& files,
+                                                 const pki::Certificate& old,
+                                                 const pki::Certificate& renewed, bool has_key) {
   const bool ends_earlier = renewed.not_after() < old.not_after();
   if (ends_earlier || renewed.not_before() < old.not_before())
     return not_taken_error(

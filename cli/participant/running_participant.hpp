@@ -13,9 +13,9 @@ namespace ddssec::cli {
 /// Returns a warning (renewal_not_taken) if the participant does not accept the certificate that
 /// follows `old`: it ends or begins earlier, or the folder has no private key that fits. `has_key`
 /// is true if the command also puts the key there.
-std::optional<Error> certificate_not_taken(const pki::ParticipantFolder& files,
-                                           const pki::Certificate& old,
-                                           const pki::Certificate& renewed, bool has_key);
+std::optional<Error> certificate_refusal_warning(const pki::ParticipantFolder& files,
+                                                 const pki::Certificate& old,
+                                                 const pki::Certificate& renewed, bool has_key);
 
 /// Returns the same warning if the folder lacks the key. Empty for a folder that is not a
 /// participant's.

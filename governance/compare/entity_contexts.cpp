@@ -33,9 +33,9 @@ class Closure {
 
   // Finds all results. False if there are more than kMaxContexts, or more than the effort allows.
   bool run() {
-    for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) add({{i}, singles_[i]});
-    for (std::size_t at = 0; at < all_.size() && may_go_on(); ++at) {
-      for (std::uint32_t i = 0; i < singles_.size() && may_go_on(); ++i) {
+    for (std::uint32_t i = 0; i < singles_.size() && may_continue(); ++i) add({{i}, singles_[i]});
+    for (std::size_t at = 0; at < all_.size() && may_continue(); ++at) {
+      for (std::uint32_t i = 0; i < singles_.size() && may_continue(); ++i) {
         is_paid_ = effort_.take_plain_steps(singles_[i].size() + all_[at].things.size());
         ThingSet more{all_[at].things, both(all_[at].meets, singles_[i])};
         if (known_.contains(more.meets)) continue;
@@ -43,7 +43,7 @@ class Closure {
         add(std::move(more));
       }
     }
-    const bool is_complete = may_go_on();
+    const bool is_complete = may_continue();
     if (all_.size() > kMaxContexts) all_.resize(kMaxContexts);
     return is_complete;
   }
@@ -54,7 +54,7 @@ class Closure {
     if (known_.insert(having.meets).second) all_.push_back(std::move(having));
   }
 
-  bool may_go_on() const { return is_paid_ && all_.size() <= kMaxContexts; }
+  bool may_continue() const { return is_paid_ && all_.size() <= kMaxContexts; }
 
   std::vector<Meets> singles_;
   SetEffort& effort_;

@@ -12,11 +12,11 @@ constexpr std::size_t kMaxSubjects = 4096;
 
 }  // namespace
 
-bool give_the_same(const governance::Grant& a, const governance::Grant& b, DomainId domain,
-                   std::string_view tag) {
+bool give_same_rights(const governance::Grant& a, const governance::Grant& b, DomainId domain,
+                      std::string_view tag) {
   return a.default_allow == b.default_allow &&
-         governance::say_the_same(governance::rules_for(a, domain, tag),
-                                  governance::rules_for(b, domain, tag));
+         governance::have_same_rules(governance::rules_for(a, domain, tag),
+                                     governance::rules_for(b, domain, tag));
 }
 
 bool gives_at_least(const governance::Grant& next, const governance::Grant& former, DomainId domain,
@@ -65,7 +65,7 @@ std::optional<GrantOfDocument> ListedPermissions::extension_of(
     // Permissions with fewer rights that were signed later are not extended by the former, wider
     // ones.
     const bool may_give_more = !only_same && is_signed_later(*document, former_document);
-    if (!give_the_same(next, former, domain, tag) &&
+    if (!give_same_rights(next, former, domain, tag) &&
         (!may_give_more || !gives_at_least(next, former, domain, tag)))
       continue;
     GrantOfDocument found{document, *std::move(grant)};

@@ -62,7 +62,7 @@ bool gives_at_least(const governance::Grant& next, const governance::Grant& form
                     std::string_view tag);
 
 /// True if both allow and deny the same in the domain with the tag, whatever their validity.
-bool give_the_same(const governance::Grant& a, const governance::Grant& b, DomainId domain,
-                   std::string_view tag);
+bool give_same_rights(const governance::Grant& a, const governance::Grant& b, DomainId domain,
+                      std::string_view tag);
 
 }  // namespace ddssec::access_control

@@ -380,7 +380,7 @@ Status OwnDocuments::adopt_list(const Renewal& now, const pki::RenewalList& list
 
 // Verifies the next files of a long list. Returns the event if none of them counts: the former list
 // then stays in force.
-std::optional<Error> OwnDocuments::go_on_with_list(const Renewal& now) {
+std::optional<Error> OwnDocuments::continue_list(const Renewal& now) {
   if (listed_.waiting.empty()) return std::nullopt;
   verify_some(now, listed_);
   std::optional<Error> out;
@@ -402,7 +402,7 @@ void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
   });
   if (!taken && was_read) events.push_back(taken.error());
   if (!was_read)
-    if (const auto refused = go_on_with_list(now)) events.push_back(*refused);
+    if (const auto refused = continue_list(now)) events.push_back(*refused);
   verifies_all_ = false;
 }
 

@@ -98,7 +98,7 @@ class OwnDocuments {
   void verify_some(const Renewal& now, ListedFiles& list) const;
   Status adopt_list(const Renewal& now, const pki::RenewalList& list);
   void use_list(const Renewal& now) const;
-  std::optional<Error> go_on_with_list(const Renewal& now);
+  std::optional<Error> continue_list(const Renewal& now);
   Status adopt_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may replace the one in force.
   struct JudgedGovernance {

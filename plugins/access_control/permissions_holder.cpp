@@ -106,8 +106,8 @@ Result<SharedGrant> PermissionsHolder::presented_grant(WallTime now) {
                           with_default_document(grant_in(*document_, now), document_name_));
   // Hosts do not judge their existing matches again.
   if (remote_ && grant_ &&
-      !give_the_same(grant_->grant(), found->grant(), participant_->domain,
-                     participant_->domain_tag))
+      !give_same_rights(grant_->grant(), found->grant(), participant_->domain,
+                        participant_->domain_tag))
     DDSSEC_RETURN_IF_ERROR(
         with_default_document(governance::check_validity(grant_->grant(), now), document_name_));
   grant_ = std::move(found);

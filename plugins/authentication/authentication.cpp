@@ -149,7 +149,7 @@ bool PkiDh::has_outlived(const std::vector<IdentityTable::EndedIdentity>& all,
 // Reads what the files of local identities contain now. Each identity looks at its files at its own
 // interval. Before one of them ends, all look, for two reasons: identities with the same files end
 // together, and a file that came before the end counts.
-Revocations PkiDh::look_at_files(IdentityHandle local) {
+Revocations PkiDh::poll_files(IdentityHandle local) {
   renew_identities(table_, local, stores_, services_);
   auto revocations = find_revocations(table_, local, stores_, services_);
   const auto own = table_.locals(local);
@@ -168,7 +168,7 @@ Revocations PkiDh::look_at_files(IdentityHandle local) {
 
 std::vector<IdentityHandle> PkiDh::poll(IdentityHandle local) {
   drop_credentials_given_out();
-  const auto revocations = look_at_files(local);
+  const auto revocations = poll_files(local);
   note_documents_in_use(local);
   const auto now = services_.clock.calendar_seconds();
   auto all = table_.ended_by(now, local);

@@ -80,7 +80,7 @@ void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended
     const auto& local = *pair->local;
     if (looked.insert(&local).second) {
       local.listed().force_poll();
-      look_at_renewal_list(local, services);
+      poll_renewal_list(local, services);
     }
     auto why_not = follow(table, *peer, local, services);
     if (why_not) one.note = *std::move(why_not);

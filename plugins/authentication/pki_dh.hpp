@@ -69,7 +69,7 @@ class PkiDh final : public spi::Authentication {
   std::vector<IdentityHandle> poll(IdentityHandle local) override;
 
  private:
-  Revocations look_at_files(IdentityHandle local);
+  Revocations poll_files(IdentityHandle local);
   void note_documents_in_use(IdentityHandle local) noexcept;
   void note_end(IdentityHandle identity, const Error& why, WallTime now);
 
@@ -91,8 +91,8 @@ class PkiDh final : public spi::Authentication {
   void drop_credentials_given_out();
   bool has_outlived(const std::vector<IdentityTable::EndedIdentity>& all,
                     const IdentityTable::EndedIdentity& session) const;
-  bool may_go_on(const IdentityPair& pair, const PairHandshake& handshake,
-                 const std::shared_ptr<const PresentedDocuments>& own) const;
+  bool may_continue(const IdentityPair& pair, const PairHandshake& handshake,
+                    const std::shared_ptr<const PresentedDocuments>& own) const;
   Result<LocalIdentity> load_local(const spi::PropertyList& properties, const Guid& candidate);
   Result<RemoteIdentity> admit(IdentityHandle local, const std::optional<Token>& auth_request,
                                const Token& identity_token, const Guid& guid);

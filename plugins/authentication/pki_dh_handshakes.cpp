@@ -49,8 +49,8 @@ void PkiDh::restore_kept_request(const std::shared_ptr<IdentityPair>& pair) {
 // A handshake that is under way continues with the documents with which it began. If these were
 // renewed since, it may continue for kPendingAge. After that the same message begins another
 // handshake.
-bool PkiDh::may_go_on(const IdentityPair& pair, const PairHandshake& handshake,
-                      const std::shared_ptr<const PresentedDocuments>& own) const {
+bool PkiDh::may_continue(const IdentityPair& pair, const PairHandshake& handshake,
+                         const std::shared_ptr<const PresentedDocuments>& own) const {
   return own == pair.local->presented() ||
          services_.clock.monotonic() - handshake.began_at < kPendingAge;
 }
@@ -131,7 +131,7 @@ Result<PkiDh::HandshakeStep> PkiDh::begin_request(IdentityHandle local, Identity
   const std::scoped_lock lock(pair->mutex);
   for (const auto& handshake : pair->handshakes) {
     const auto* waiting = std::get_if<AwaitReply>(&handshake.state);
-    if (waiting != nullptr && may_go_on(*pair, handshake, waiting->own) &&
+    if (waiting != nullptr && may_continue(*pair, handshake, waiting->own) &&
         std::ranges::equal(handshake.participant_data, participant_data))
       return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
                            presented_token(waiting->request, *pair, *waiting->own)};
@@ -171,7 +171,7 @@ Result<PkiDh::HandshakeStep> PkiDh::answer_request(const std::shared_ptr<Identit
     if (waiting == nullptr)
       return fail(Code::unexpected_message,
                   {.document = "handshake request", .note = "after the handshake that it began"});
-    if (!may_go_on(*pair, handshake, waiting->own)) continue;
+    if (!may_continue(*pair, handshake, waiting->own)) continue;
     return HandshakeStep{handshake.handle, ValidationResult::pending_handshake_message,
                          presented_token(waiting->reply, *pair, *waiting->own)};
   }

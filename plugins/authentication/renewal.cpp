@@ -50,7 +50,7 @@ Error renewed_until(const OwnIdentity& identity, const pki::ValidChain& chain) {
 
 }  // namespace
 
-void look_at_renewal_list(const OwnIdentity& identity, const PluginServices& services) {
+void poll_renewal_list(const OwnIdentity& identity, const PluginServices& services) {
   const auto us = our_name(identity.guid());
   const auto taken = identity.listed().poll(services.clock, *identity.peer_trust());
   if (!taken) services.events.raise(event_about(us, taken.error()));
@@ -64,7 +64,7 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
     // The CAs come first, because a new CA may have issued a renewed certificate.
     const auto taken = renew_authorities(identity, stores, services);
     const bool is_renewed = renew_certificate(identity, services) || taken.identity;
-    look_at_renewal_list(identity, services);
+    poll_renewal_list(identity, services);
     renew_ocsp_response(identity, services);
     if (!is_renewed && !taken.authorities) continue;
     const auto chain = identity.verify(services.clock.calendar_seconds());

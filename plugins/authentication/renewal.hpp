@@ -15,7 +15,7 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle local, TrustStor
 
 /// Reads the renewal list of one local identity, if it may have changed, and raises the events
 /// about it.
-void look_at_renewal_list(const OwnIdentity& identity, const PluginServices& services);
+void poll_renewal_list(const OwnIdentity& identity, const PluginServices& services);
 
 /// Notes the documents that one local identity uses, or all of them (nil), if the services include
 /// a record.

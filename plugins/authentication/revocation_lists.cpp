@@ -216,7 +216,7 @@ Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Ce
   Result<bool> out = false;
   for (auto& place : places_) {
     if (!place.watch.may_have_changed(clock.monotonic())) continue;
-    auto renewed = look_at(place, {anchors, clock.calendar_seconds(), accept});
+    auto renewed = poll_place(place, {anchors, clock.calendar_seconds(), accept});
     if (!renewed) {
       if (out) out = std::move(renewed);
       continue;
@@ -233,7 +233,7 @@ Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Ce
   return out;
 }
 
-Result<bool> RevocationLists::look_at(Place& place, const Question& question) {
+Result<bool> RevocationLists::poll_place(Place& place, const Question& question) {
   Rollback again([&] { place.watch.force_change(); });
   const auto octets = ddssec::load_uri(place.watch.uri(), place.path, pki::kMaxDocumentOctets);
   const bool not_yet =

@@ -104,7 +104,7 @@ class RevocationLists {
 
   static Status read_first(Place& place, std::string_view name, bool may_come_later);
   std::vector<pki::Crl> together(const std::vector<pki::Certificate>& anchors, WallTime now) const;
-  Result<bool> look_at(Place& place, const Question& question);
+  Result<bool> poll_place(Place& place, const Question& question);
   Result<bool> judge(BytesView octets, Place& place, const Question& question);
   Status check_current(const Place& place, const Question& question) const;
   Result<bool> refuse(Place& place, const Error& error, const Sha256Digest& content);

@@ -60,8 +60,8 @@ std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authe
   return std::nullopt;
 }
 
-void look_at_lists(const OwnIdentityEntry& local, TrustStores& stores,
-                   const PluginServices& services) {
+void poll_lists(const OwnIdentityEntry& local, TrustStores& stores,
+                const PluginServices& services) {
   const auto renewed = local.identity->renew_revocation_lists(stores, services.clock);
   const auto us = our_name(local.identity->guid());
   if (!renewed) return services.events.raise(event_about(us, renewed.error()));
@@ -105,7 +105,7 @@ Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, Tr
                              const PluginServices& services) {
   Revocations out;
   for (const auto& local : table.locals(which)) {
-    look_at_lists(local, stores, services);
+    poll_lists(local, stores, services);
     if (auto reason = local.identity->ocsp_revoked())
       out.identities.push_back(
           {local.handle, our_name(local.identity->guid()), *std::move(reason)});

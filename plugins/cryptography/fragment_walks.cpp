@@ -114,15 +114,16 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
     }
   }
   if (added.empty()) return {};
-  DDSSEC_RETURN_IF_ERROR(go_on(topic, owner, piece, unread, added, sample, announced));
+  DDSSEC_RETURN_IF_ERROR(continue_sample(topic, owner, piece, unread, added, sample, announced));
   sample.last_progress = now;
   return {};
 }
 
 // Reads the octets after the passed fragments. Changes nothing if they must not pass.
-Status FragmentWalks::go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
-                            BytesView octets, const std::vector<Sha256Digest>& added,
-                            Sample& sample, AnnouncedEndpoints& announced) const {
+Status FragmentWalks::continue_sample(const BuiltinTopic& topic, const Owner& owner,
+                                      const DataPiece& piece, BytesView octets,
+                                      const std::vector<Sha256Digest>& added, Sample& sample,
+                                      AnnouncedEndpoints& announced) const {
   auto walk = *sample.walk;
   while (!octets.empty()) {
     const auto fragment = octets.first(std::min<std::size_t>(sample.fragment_size, octets.size()));

@@ -84,9 +84,9 @@ class FragmentWalks {
                           MonotonicTime now);
   Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece, Sample& sample,
               AnnouncedEndpoints& announced, MonotonicTime now) const;
-  Status go_on(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
-               BytesView octets, const std::vector<Sha256Digest>& added, Sample& sample,
-               AnnouncedEndpoints& announced) const;
+  Status continue_sample(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
+                         BytesView octets, const std::vector<Sha256Digest>& added, Sample& sample,
+                         AnnouncedEndpoints& announced) const;
 
   std::mutex mutex_;
   std::map<EntityId, Writer> writers_;  ///< at most one for each topic

@@ -165,14 +165,14 @@ std::optional<TokenLedger::StoredTokens> TokenLedger::redeem(std::span<const spi
   if (found == tickets_.end()) return std::nullopt;
   auto& [key, entry] = *found->second;
   awaited_.came(user.exchange, key);
-  no_longer_pending(entry);
+  remove_pending(entry);
   const auto packed = std::exchange(entry.tokens, {});
   if (user.exchange <= entry.newest.exchange) return StoredTokens{key.remote, packed.tokens()};
   entry.awaited_by = user;
   return StoredTokens{key.remote, {}};
 }
 
-void TokenLedger::no_longer_pending(Entry& entry) {
+void TokenLedger::remove_pending(Entry& entry) {
   tickets_.erase(entry.ticket);
   entry.is_pending = false;
   --accounts_.at(entry.account).pending;
@@ -316,7 +316,7 @@ void TokenLedger::forget_used(const Key& key, const TokenSender& sender) {
 }
 
 void TokenLedger::note_lost(Entries::iterator entry) {
-  no_longer_pending(entry->second);
+  remove_pending(entry->second);
   entry->second.tokens = {};
   entry->second.is_lost = true;
 }
@@ -329,7 +329,7 @@ void TokenLedger::give_up(Entries::iterator entry) {
 }
 
 void TokenLedger::erase(Entries::iterator entry) {
-  if (entry->second.is_pending) no_longer_pending(entry->second);
+  if (entry->second.is_pending) remove_pending(entry->second);
   const auto account = accounts_.find(entry->second.account);
   if (--account->second.all == 0) accounts_.erase(account);
   by_exchange_.erase({entry->second.passed.exchange, &entry->first});

@@ -206,7 +206,7 @@ class TokenLedger {
   Status check_room(const Key& key, const TokenSender& sender);
   void add(const Key& key, Entry fresh);
   Ticket fresh_ticket();
-  void no_longer_pending(Entry& entry);
+  void remove_pending(Entry& entry);
   void forget_old(std::chrono::nanoseconds now);
   /// True if the host ignores that message when it comes again.
   bool has_taken(const Age& age) const;

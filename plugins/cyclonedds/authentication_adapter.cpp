@@ -53,7 +53,7 @@ CResult validate(Instance* instance, Exception* ex, F&& f) noexcept {
 }
 
 // Copies a token for the host. The copy is nil if there is no token.
-Status hand_out(const std::optional<spi::Token>& token, CToken& out) {
+Status copy_message(const std::optional<spi::Token>& token, CToken& out) {
   out = {};
   return token ? copy_token(*token, out) : Status{};
 }
@@ -223,7 +223,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     adapter.watch().progressed({identity(initiator), identity(replier)}, step.handle);
-    DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message));
+    DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message));
     *handle = step.handle.value;
     return to_c(step.result);
   });
@@ -245,7 +245,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     adapter.watch().progressed({identity(replier), identity(initiator)}, step.handle);
-    DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message_out));
+    DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message_out));
     *handle = step.handle.value;
     return to_c(step.result);
   });
@@ -260,7 +260,7 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
     auto processed = adapter.plugin().process_handshake(handshake(handle), message);
     if (!processed) note_refused(adapter, handshake(handle));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(processed));
-    DDSSEC_RETURN_IF_ERROR(hand_out(step.message, *message_out));
+    DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message_out));
     if (step.result == spi::ValidationResult::ok ||
         step.result == spi::ValidationResult::ok_final_message)
       adapter.watch().finished(handshake(handle));
@@ -285,7 +285,7 @@ void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
   if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
     adapter.lost_sessions().established(local, *guid, secret);
   else
-    adapter.watch().keeps_its_session(handshake);
+    adapter.watch().note_session_kept(handshake);
 }
 
 DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHandshake handle,
@@ -293,7 +293,8 @@ DDS_Security_SharedSecretHandle get_shared_secret(Instance* instance, const CHan
   DDS_Security_SharedSecretHandle secret_handle = DDS_SECURITY_HANDLE_NIL;
   const bool done = ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto secret, adapter.plugin().shared_secret(handshake(handle)));
-    DDSSEC_ASSIGN_OR_RETURN(secret_handle, adapter.secrets().hand_out(handshake(handle), *secret));
+    DDSSEC_ASSIGN_OR_RETURN(secret_handle,
+                            adapter.secrets().pointer_for(handshake(handle), *secret));
     note_session(adapter, handshake(handle), *secret);
     return {};
   });

@@ -69,7 +69,7 @@ void CryptographyAdapter::cut_off(spi::IdentityHandle identity) {
 
 void CryptographyAdapter::look_for_ended_readers() noexcept {
   const std::lock_guard lock(adapters().mutex);
-  for (auto* const adapter : adapters().all) adapter->reader_ends_.look_soon();
+  for (auto* const adapter : adapters().all) adapter->reader_ends_.poll_soon();
 }
 
 bool CryptographyAdapter::poll_stranded_keys(spi::IdentityHandle remote) {

@@ -69,9 +69,9 @@ void HandshakeWatch::finished(HandshakeHandle handshake) {
   if (half != remote->unfinished.end()) half->second.is_finished = true;
 }
 
-void HandshakeWatch::keeps_its_session(HandshakeHandle handshake) {
+void HandshakeWatch::note_session_kept(HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
-  if (auto* const remote = of(handshake)) remote->keeps_its_session = true;
+  if (auto* const remote = of(handshake)) remote->keeps_session = true;
 }
 
 bool HandshakeWatch::follows_unused_reset(const Guid& remote) {
@@ -133,7 +133,7 @@ HandshakeWatch::PastWaits& HandshakeWatch::past_of(const Guid& guid, Duration no
 }
 
 void HandshakeWatch::await_keys(IdentityHandle handle, Remote& remote, const Questions& ask) const {
-  if (remote.keeps_its_session && !remote.was_disturbed) remote.since = clock_.monotonic();
+  if (remote.keeps_session && !remote.was_disturbed) remote.since = clock_.monotonic();
   if (ask.last_heard) remote.since = std::max(remote.since, ask.last_heard(handle));
 }
 
@@ -162,7 +162,7 @@ bool HandshakeWatch::begin_pair_again(const LocalHandshake& half, const Remote& 
   if (now - half.met < kMaxWait) return false;
   if (half.timer == CoreTimerState::runs) return true;
   const bool is_asked = half.asked_again && now - *half.asked_again < kAsksNoMore;
-  if (is_asked || remote.keeps_its_session || begun_again_.contains(remote.guid)) return false;
+  if (is_asked || remote.keeps_session || begun_again_.contains(remote.guid)) return false;
   note_begun_again(remote.guid, now);
   return true;
 }

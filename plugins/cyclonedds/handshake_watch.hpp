@@ -70,7 +70,7 @@ class HandshakeWatch {
   void finished(spi::HandshakeHandle handshake);
   /// Notes that the peer has finished its half, and would not notice that the local side begins
   /// again. Its keys are awaited as long as a handshake can last, unless a message was refused.
-  void keeps_its_session(spi::HandshakeHandle handshake);
+  void note_session_kept(spi::HandshakeHandle handshake);
   /// Notes that the peer proved that it lost a session that was never used (SessionReset). The host
   /// can only end all its sessions. Returns true if it is to do so, at most once in kUnusedResets.
   bool follows_unused_reset(const Guid& remote);
@@ -122,7 +122,7 @@ class HandshakeWatch {
     Guid guid;
     Duration met;
     Duration since = met;  ///< time of the last progress
-    bool keeps_its_session = false;
+    bool keeps_session = false;
     bool was_disturbed = false;
     bool is_under_way = false;  ///< true if a request or a reply was sent
     bool is_finished = false;

@@ -8,7 +8,7 @@
 
 namespace ddssec::cyclonedds {
 
-void ReaderEnds::look_soon() noexcept {
+void ReaderEnds::poll_soon() noexcept {
   try {
     const std::lock_guard lock(mutex_);
     is_due_ = true;

@@ -37,7 +37,7 @@ class ReaderEnds {
 
   /// Notes that an endpoint of this process may have ended. If the thread cannot be created for
   /// lack of memory, the next hint counts.
-  void look_soon() noexcept;
+  void poll_soon() noexcept;
   /// Stops the thread and returns when it has ended.
   void stop();
 

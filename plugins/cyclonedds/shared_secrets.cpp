@@ -45,8 +45,8 @@ void SharedSecrets::forget_oldest_unfinished(std::vector<Entry>& entries) {
   entries.erase(oldest);
 }
 
-Result<DDS_Security_SharedSecretHandle> SharedSecrets::hand_out(spi::HandshakeHandle handshake,
-                                                                const spi::SharedSecret& secret) {
+Result<DDS_Security_SharedSecretHandle> SharedSecrets::pointer_for(
+    spi::HandshakeHandle handshake, const spi::SharedSecret& secret) {
   const std::lock_guard lock(mutex_);
   const auto pair = pair_of_.find(handshake);
   if (pair == pair_of_.end()) return fail(Code::foreign_shared_secret);

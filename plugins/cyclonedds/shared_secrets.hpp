@@ -29,8 +29,8 @@ class SharedSecrets {
             spi::IdentityHandle replier);
   /// Returns the pointer for that handshake, the same each time. Error: foreign_shared_secret for
   /// an unknown handshake.
-  Result<DDS_Security_SharedSecretHandle> hand_out(spi::HandshakeHandle handshake,
-                                                   const spi::SharedSecret& secret);
+  Result<DDS_Security_SharedSecretHandle> pointer_for(spi::HandshakeHandle handshake,
+                                                      const spi::SharedSecret& secret);
   /// Returns the two identities of a handshake, initiator first; empty for an unknown handshake.
   std::optional<std::pair<spi::IdentityHandle, spi::IdentityHandle>> pair_of(
       spi::HandshakeHandle handshake) const;

@@ -162,8 +162,8 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
   const auto timeout = qos_.reliability.max_blocking_time.to_nanoseconds();
   // A writer that is far ahead waits a little: samples that do not fit in the receiver's buffers
   // would have to be sent twice.
-  const auto may_go_on = [&] { return !protocol().is_ahead(context_.now()); };
-  if (!may_go_on()) context_.wait(lock, std::min(timeout, kBrake), may_go_on);
+  const auto may_continue = [&] { return !protocol().is_ahead(context_.now()); };
+  if (!may_continue()) context_.wait(lock, std::min(timeout, kBrake), may_continue);
   // Room is checked last, because other threads write while this one waits.
   const auto room = [&] { return protocol().history().has_room(change.payload.size(), key); };
   if (context_.wait(lock, timeout, room)) return {};

@@ -60,7 +60,7 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   bool dispatch();
   void run();
   void receive(UdpSocket& socket);
-  void look_at_interfaces();
+  void check_interfaces();
   void change_interfaces(std::vector<NetworkInterface> chosen);
   void receive_memory();
   void receive_batch(UdpSocket& socket, std::size_t count);

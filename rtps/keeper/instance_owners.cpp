@@ -14,11 +14,11 @@ void InstanceOwners::set_writer(const Guid& writer, std::int32_t strength,
 }
 
 void InstanceOwners::remove_writer(const Guid& writer) {
-  lose(writer);
+  note_lease_ended(writer);
   writers_.erase(writer);
 }
 
-void InstanceOwners::lose(const Guid& writer) {
+void InstanceOwners::note_lease_ended(const Guid& writer) {
   for (auto at = owned_.lower_bound({writer, {}}); at != owned_.end() && at->first == writer;)
     leave(owners_.find((at++)->second));
 }

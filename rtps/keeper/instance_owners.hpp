@@ -30,7 +30,7 @@ class InstanceOwners {
                   const std::optional<GuidPrefix>& identity);
   void remove_writer(const Guid& writer);
   /// Notes that the writer's lease ended: it owns nothing until it writes again.
-  void lose(const Guid& writer);
+  void note_lease_ended(const Guid& writer);
   /// Notes that the stored instance was last written by this writer, which may still be alive. Must
   /// be called before all others. If there is no room, the writer is not expected.
   void expect(const KeyHash& instance, const Guid& writer);

@@ -348,7 +348,7 @@ void KeptTopic::on_time(MonotonicTime now) {
   }
   liveliness_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
     if (signal != nullptr) signal->notify(*this, writer);
-    owners_->lose(writer);
+    owners_->note_lease_ended(writer);
   });
   discard(store_.clean_up(*stream_, context_.moment()));
   const bool has_news = acknowledge_stored();

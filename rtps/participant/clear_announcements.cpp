@@ -152,7 +152,7 @@ bool ClearAnnouncements::has_keys(const Guid& endpoint) const {
 
 // A participant that has the keys of one of our endpoints does not send its own ones again by
 // itself, so they are requested.
-void ClearAnnouncements::look_for_keys(RemoteParticipant& remote) {
+void ClearAnnouncements::request_missing_keys(RemoteParticipant& remote) {
   auto& refresh = remote.announcement_refresh;
   auto& without = refresh.without_keys();
   for (auto at = without.begin(); at != without.end();) {
@@ -197,7 +197,7 @@ void ClearAnnouncements::on_refreshed(RemoteParticipant& remote) {
     for (const auto& local : counterparts(*dropped))
       core_.security->keyring().unregister_pair(local, {remote.prefix(), *dropped});
   }
-  look_for_keys(remote);
+  request_missing_keys(remote);
 }
 
 void ClearAnnouncements::on_time(MonotonicTime now) {

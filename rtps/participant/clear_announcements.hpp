@@ -51,7 +51,7 @@ class ClearAnnouncements final : private TimedObject {
   void on_refreshed(RemoteParticipant& remote);
   /// Requests the keys of endpoints that came back after their keys were given up. Raises an event
   /// if they do not arrive.
-  void look_for_keys(RemoteParticipant& remote);
+  void request_missing_keys(RemoteParticipant& remote);
   /// Returns true if they were missing. `again` is true if they were requested before.
   bool request_keys(const Guid& endpoint, bool again);
 

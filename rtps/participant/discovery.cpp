@@ -278,7 +278,7 @@ void Discovery::tick() {
   remove_gone();
   for (const auto& prefix : parts_.remotes.with_ended_leases()) {
     auto& remote = *parts_.remotes.find(prefix);
-    if (resting_.takes(remote))
+    if (resting_.can_keep(remote))
       resting_.rest(remote);
     else
       remove(prefix);

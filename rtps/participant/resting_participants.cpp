@@ -22,8 +22,8 @@ RemoteParticipant without_session(const RemoteParticipant& remote) {
 }  // namespace
 
 // A dormant peer is sent any amount, so it must have proved one of its addresses.
-bool RestingParticipants::takes(const RemoteParticipant& remote) const {
-  return core_.security && core_.security->dormant().takes(remote.prefix()) &&
+bool RestingParticipants::can_keep(const RemoteParticipant& remote) const {
+  return core_.security && core_.security->dormant().can_keep(remote.prefix()) &&
          has_proven_address(core_, remote) && remote.announced[1].octets <= kMaxEndpointOctets;
 }
 

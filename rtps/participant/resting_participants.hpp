@@ -20,7 +20,7 @@ class RestingParticipants {
       : core_(core), remotes_(remotes), matcher_(matcher), builtin_(builtin) {}
 
   /// True if the participant can come back when its lease ends now.
-  bool takes(const RemoteParticipant& remote) const;
+  bool can_keep(const RemoteParticipant& remote) const;
   /// Removes such a participant for now: its endpoints are unmatched, and it is reported as gone.
   void rest(RemoteParticipant& remote);
   /// Adds a participant that has answered; anything else in its name must have been removed.

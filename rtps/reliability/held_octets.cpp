@@ -33,7 +33,7 @@ bool HeldOctets::exceeds_share(const GuidPrefix& identity) const {
   return own > limits_.of_one || own + octets_ > limits_.all;
 }
 
-std::optional<GuidPrefix> HeldOctets::over_limit() const {
+std::optional<GuidPrefix> HeldOctets::largest_over_limit() const {
   const auto most =
       std::ranges::max_element(shares_, {}, [](const auto& share) { return share.second.octets; });
   if (most == shares_.end()) return std::nullopt;

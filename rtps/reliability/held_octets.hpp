@@ -52,7 +52,7 @@ class HeldOctets {
   bool exceeds_share(const GuidPrefix& identity) const;
   /// Returns the identity that must give something up, because it holds the most. Empty if
   /// everything is within the limits.
-  std::optional<GuidPrefix> over_limit() const;
+  std::optional<GuidPrefix> largest_over_limit() const;
 
  private:
   Limits limits_;

@@ -174,7 +174,7 @@ void StatefulReader::trim(const WriterProxy& proxy) {
       give_up_largest(proxy.held().identity());
     return;
   }
-  while (const auto identity = common_.held->over_limit()) give_up_largest(*identity);
+  while (const auto identity = common_.held->largest_over_limit()) give_up_largest(*identity);
 }
 
 bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat,

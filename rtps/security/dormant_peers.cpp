@@ -7,7 +7,7 @@
 namespace ddssec::rtps {
 
 // While keys are revised or the governance changes, a peer that is not heard gets nothing new.
-bool DormantPeers::takes(const GuidPrefix& prefix) const {
+bool DormantPeers::can_keep(const GuidPrefix& prefix) const {
   const auto* peer = core_.find(prefix);
   if (peer == nullptr || !CryptoTokenExchange::is_trusted(*peer)) return false;
   return peer->data.vendor != kVendorDdssec && !peer->state.association()->reset &&

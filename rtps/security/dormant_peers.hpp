@@ -22,8 +22,8 @@ class DormantPeers {
       : core_(core), exchange_(exchange), revision_(revision) {}
 
   /// True if the peer may keep its session without us, and would not begin another one.
-  bool takes(const GuidPrefix& prefix) const;
-  /// Keeps a peer that takes() allows, and removes it from the peers.
+  bool can_keep(const GuidPrefix& prefix) const;
+  /// Keeps a peer that can_keep() allows, and removes it from the peers.
   void keep(const GuidPrefix& prefix);
   bool contains(const GuidPrefix& prefix) const { return core_.dormant.contains(prefix); }
   /// Notes that something arrived in its name. It is asked whether it is there.

@@ -121,7 +121,7 @@ class Handshakes {
   void end_probe(Peer& peer);
   /// Returns when the peer is to be admitted without authentication; kNever if it is not.
   MonotonicTime next_admission(const Peer& peer) const;
-  void admit_meanwhile(Peer& peer);
+  void admit_unauthenticated(Peer& peer);
   /// Returns when the association next has work.
   MonotonicTime next_of_association(const Peer& peer) const;
   /// Moves the next tick forward if this peer has work earlier.

@@ -53,7 +53,7 @@ void Handshakes::tick() {
 }
 
 void Handshakes::tick(Peer& peer) {
-  if (core_.now >= next_admission(peer)) admit_meanwhile(peer);
+  if (core_.now >= next_admission(peer)) admit_unauthenticated(peer);
   tick_association(peer);
   auto& handshake = *peer.state.handshake();
   if (core_.now < handshake.next_tick() || !may_tick(peer)) return;
@@ -141,7 +141,7 @@ MonotonicTime Handshakes::next_admission(const Peer& peer) const {
   return began && admission_.admits_unauthenticated() ? *began + kAdmissionTimeout : kNever;
 }
 
-void Handshakes::admit_meanwhile(Peer& peer) {
+void Handshakes::admit_unauthenticated(Peer& peer) {
   if (!peer.state.on_admission_timeout()) return;
   const bool was_refused = peer.state.handshake()->refusals() > 0;
   core_.raise(Error(Code::rtps_admitted_unauthenticated,

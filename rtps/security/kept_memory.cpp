@@ -9,7 +9,7 @@ void KeptMemory::keep(const EntityId& writer, Segment segment, std::string leave
   kept_.push_back({writer, octets, std::move(leaver), std::move(segment)});
 }
 
-void KeptMemory::keep_over(memory::SampleSlots slots) {
+void KeptMemory::keep_retired(memory::SampleSlots slots) {
   slots.unmap();
   const auto octets = slots.segment().octets();
   kept_.push_back({{}, octets, {}, Segment{std::move(slots)}, true});

@@ -40,7 +40,7 @@ class KeptMemory {
   /// reason.
   void keep(const EntityId& writer, Segment segment, std::string leaver);
   /// Keeps a segment that is not used again.
-  void keep_over(memory::SampleSlots slots);
+  void keep_retired(memory::SampleSlots slots);
   /// Returns the segment of the writer that has the most holders, if they are more than `others`
   /// and each of them may read. `needed` is the payload in octets.
   std::optional<Segment> take(const EntityId& writer, MemoryForm form, std::size_t needed,

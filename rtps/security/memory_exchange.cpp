@@ -60,7 +60,7 @@ void MemoryExchange::adopt_prepared(MonotonicTime now) {
     if (at != writers_.end())
       at->second.memory->on_prepared(std::move(slots), now);
     else if (core_.orphans.erase(id) > 0 && slots)
-      core_.kept.keep_over({*std::move(slots)});
+      core_.kept.keep_retired({*std::move(slots)});
   }
 }
 

@@ -119,7 +119,7 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWas
     watch.note_met({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
-    watch.keeps_its_session(handshake);
+    watch.note_session_kept(handshake);
   };
   meet();
   EXPECT_TRUE(after(79s).empty());
@@ -320,7 +320,7 @@ TEST_F(HandshakeWatchTest, UnusedResetsOfTooManyPeers_CrowdOutTheOldest) {
 // Stock plugins and Fast DDS would not begin the session of the first participant again.
 TEST_F(SharedPeerTest, PeerThatKeepsItsSession_IsNotGivenUpForAnother) {
   meet();
-  watch.keeps_its_session(handshake);
+  watch.note_session_kept(handshake);
   EXPECT_TRUE(after(24h).empty());
   ask.has_keys_for = [&](auto, auto asked) { return asked == local; };
   watch.progressed({second_local, remote}, second);
@@ -334,7 +334,7 @@ TEST_F(SharedPeerTest, PeerWhileTheCoresTimerRuns_IsGivenUpEachTime) {
     watch.note_met({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
-    watch.keeps_its_session(handshake);
+    watch.note_session_kept(handshake);
     watch.not_admitted({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     EXPECT_TRUE(after(40s).empty());
     watch.note_met({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);

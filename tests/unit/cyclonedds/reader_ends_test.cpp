@@ -128,14 +128,14 @@ TEST_F(ReaderEndsTest, Hint_LeadsToALook) {
   announce(reader(1));
   announce(reader(2));
   world->alive = {reader(2)};
-  ends.look_soon();
+  ends.poll_soon();
   EXPECT_TRUE(eventually([&] { return carried() == std::vector{reader(1)}; }));
   ends.stop();
 }
 
 // The host announces a reader that ended earlier to each participant that joins later.
 TEST_F(ReaderEndsTest, ReadersAnnouncedLater_AreFoundToo) {
-  ends.look_soon();
+  ends.poll_soon();
   announce(reader(1));
   EXPECT_TRUE(eventually([&] { return !carried().empty(); }));
   const auto looks = [&] {
@@ -153,10 +153,10 @@ TEST_F(ReaderEndsTest, HostWithoutAFunction_IsNotAsked) {
     ++searches;
     return nullptr;
   });
-  without.look_soon();
+  without.poll_soon();
   EXPECT_TRUE(eventually([&] { return searches > 0; }));
   announce(reader(1));
-  without.look_soon();
+  without.poll_soon();
   without.stop();
   EXPECT_TRUE(carried().empty());
 }

@@ -19,14 +19,14 @@ spi::SharedSecret secret_of(std::uint8_t octet) {
 TEST(SharedSecrets, AFloodOfForgedRequests_IsBoundedAndSparesFinishedOnes) {
   SharedSecrets secrets;
   secrets.note({1}, IdentityHandle{10}, IdentityHandle{20});
-  const auto finished = secrets.hand_out({1}, secret_of(7));
+  const auto finished = secrets.pointer_for({1}, secret_of(7));
   ASSERT_TRUE(finished);
   for (std::int64_t forged = 2; forged < 10'000; ++forged)
     secrets.note({forged}, IdentityHandle{10}, IdentityHandle{20});
-  EXPECT_EQ(*secrets.hand_out({1}, secret_of(8)), *finished);
+  EXPECT_EQ(*secrets.pointer_for({1}, secret_of(8)), *finished);
   EXPECT_EQ(reinterpret_cast<SharedSecretLayout*>(*finished)->shared_secret[0], 7);
-  EXPECT_EQ(secrets.hand_out({2}, secret_of(8)).error().code(), Code::foreign_shared_secret);
-  EXPECT_TRUE(secrets.hand_out({9'999}, secret_of(8)));
+  EXPECT_EQ(secrets.pointer_for({2}, secret_of(8)).error().code(), Code::foreign_shared_secret);
+  EXPECT_TRUE(secrets.pointer_for({9'999}, secret_of(8)));
 }
 
 TEST(SharedSecrets, OnlyTheIdentitysOwn_Go) {
@@ -35,10 +35,10 @@ TEST(SharedSecrets, OnlyTheIdentitysOwn_Go) {
   secrets.note({2}, IdentityHandle{10}, IdentityHandle{21});
   secrets.note({2}, IdentityHandle{10}, IdentityHandle{20});  // it is known and stays where it was
   secrets.drop(IdentityHandle{20});
-  EXPECT_FALSE(secrets.hand_out({1}, secret_of(1)));
-  EXPECT_TRUE(secrets.hand_out({2}, secret_of(1)));
+  EXPECT_FALSE(secrets.pointer_for({1}, secret_of(1)));
+  EXPECT_TRUE(secrets.pointer_for({2}, secret_of(1)));
   secrets.drop(IdentityHandle{10});
-  EXPECT_FALSE(secrets.hand_out({2}, secret_of(1)));
+  EXPECT_FALSE(secrets.pointer_for({2}, secret_of(1)));
 }
 
 TEST(SharedSecrets, PeersCiphers_ReachOurCryptographyOnly) {
@@ -47,7 +47,7 @@ TEST(SharedSecrets, PeersCiphers_ReachOurCryptographyOnly) {
   auto secret = secret_of(7);
   secret.peer_ciphers = spi::kAllCiphers;
   secret.peer_prefix = GuidPrefix{{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
-  const auto handle = secrets.hand_out({1}, secret);
+  const auto handle = secrets.pointer_for({1}, secret);
   EXPECT_EQ(shared_secret_from(*handle)->peer_ciphers, spi::kAllCiphers);
   EXPECT_EQ(shared_secret_from(*handle)->peer_prefix, secret.peer_prefix);
   EXPECT_EQ(shared_secret_from(*handle)->secret, secret.secret);

@@ -24,8 +24,8 @@ TEST(ByteClasses, OctetsThatNoSetTellsApart_AreOneClass) {
 
 TEST(ByteClasses, SetsThatOverlap_MakeAClassOfEachPart) {
   ByteClasses classes;
-  classes.tell_apart(octets("abc"));
-  classes.tell_apart(octets("bcd"));
+  classes.separate(octets("abc"));
+  classes.separate(octets("bcd"));
   classes.number();
   EXPECT_EQ(classes.size(), 4u);
   EXPECT_EQ(classes.of('b'), classes.of('c'));
@@ -36,7 +36,7 @@ TEST(ByteClasses, SetsThatOverlap_MakeAClassOfEachPart) {
 
 TEST(ByteClasses, SingleOctet_IsAloneInItsClass) {
   ByteClasses classes;
-  classes.tell_apart(std::uint8_t{'q'});
+  classes.separate(std::uint8_t{'q'});
   classes.number();
   EXPECT_EQ(classes.size(), 2u);
   EXPECT_EQ(classes.shown(classes.of('q')), 'q');
@@ -46,7 +46,7 @@ TEST(ByteClasses, SingleOctet_IsAloneInItsClass) {
 // No name contains a NUL.
 TEST(ByteClasses, NulAlone_HasNoClass) {
   ByteClasses classes;
-  classes.tell_apart(std::uint8_t{0});
+  classes.separate(std::uint8_t{0});
   classes.number();
   EXPECT_EQ(classes.size(), 1u);
   EXPECT_EQ(classes.of(0), ByteClasses::kNone);
@@ -54,8 +54,8 @@ TEST(ByteClasses, NulAlone_HasNoClass) {
 
 TEST(ByteClasses, ReadableOctets_ComeFirst) {
   ByteClasses classes;
-  classes.tell_apart(octets("\x01\x02"));
-  classes.tell_apart(octets("~"));
+  classes.separate(octets("\x01\x02"));
+  classes.separate(octets("~"));
   classes.number();
   EXPECT_EQ(classes.shown(0), 'a');
   EXPECT_EQ(classes.shown(1), '~');
@@ -64,7 +64,7 @@ TEST(ByteClasses, ReadableOctets_ComeFirst) {
 
 TEST(ByteClasses, EveryOctetInAClassOfItsOwn_IsPossible) {
   ByteClasses classes;
-  for (int octet = 0; octet < 256; ++octet) classes.tell_apart(static_cast<std::uint8_t>(octet));
+  for (int octet = 0; octet < 256; ++octet) classes.separate(static_cast<std::uint8_t>(octet));
   classes.number();
   EXPECT_EQ(classes.size(), 255u);
   for (int octet = 1; octet < 256; ++octet) {

@@ -149,9 +149,9 @@ TEST(GrantExtension, GrantsThatDifferInNameAndValidity_GiveTheSame) {
   auto next = grant_of("CN=a", {a});
   next.name = "another";
   next.validity.not_after += std::chrono::hours(1);
-  EXPECT_TRUE(give_the_same(next, grant_of("CN=a", {a})));
-  EXPECT_FALSE(give_the_same(next, grant_of("CN=b", {a})));
-  EXPECT_FALSE(give_the_same(next, grant_of("CN=a", {a, a})));
+  EXPECT_TRUE(give_same_rights(next, grant_of("CN=a", {a})));
+  EXPECT_FALSE(give_same_rights(next, grant_of("CN=b", {a})));
+  EXPECT_FALSE(give_same_rights(next, grant_of("CN=a", {a, a})));
 }
 
 TEST(GrantExtension, GrantWithMoreRights_GivesAtLeastTheFormerOnes) {

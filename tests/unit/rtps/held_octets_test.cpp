@@ -13,14 +13,14 @@ struct HeldOctetsTest : ::testing::Test {
   HeldOctetsTest() { held.limit({.all = 100, .of_one = 60}); }
 };
 
-TEST_F(HeldOctetsTest, NoAccount_NothingToGiveUp) { EXPECT_FALSE(held.over_limit()); }
+TEST_F(HeldOctetsTest, NoAccount_NothingToGiveUp) { EXPECT_FALSE(held.largest_over_limit()); }
 
 TEST_F(HeldOctetsTest, WithinBothLimits_NothingToGiveUp) {
   HeldOctets::Account one(held, kOne), other(held, kOther);
   one.hold(60);
   other.hold(40);
   EXPECT_EQ(held.octets(), 100u);
-  EXPECT_FALSE(held.over_limit());
+  EXPECT_FALSE(held.largest_over_limit());
 }
 
 TEST_F(HeldOctetsTest, WritersOfOneIdentity_ShareItsLimit) {
@@ -28,16 +28,16 @@ TEST_F(HeldOctetsTest, WritersOfOneIdentity_ShareItsLimit) {
   EXPECT_EQ(held.identities(), 2u);
   first.hold(31);
   second.hold(30);
-  EXPECT_EQ(held.over_limit(), kOne);
+  EXPECT_EQ(held.largest_over_limit(), kOne);
   second.release(1);
-  EXPECT_FALSE(held.over_limit());
+  EXPECT_FALSE(held.largest_over_limit());
 }
 
 TEST_F(HeldOctetsTest, TooMuchInAll_TheIdentityWithMostGivesUp) {
   HeldOctets::Account one(held, kOne), other(held, kOther);
   one.hold(50);
   other.hold(51);
-  EXPECT_EQ(held.over_limit(), kOther);
+  EXPECT_EQ(held.largest_over_limit(), kOther);
 }
 
 TEST_F(HeldOctetsTest, AnAccountThatEnds_ReturnsWhatItHeld) {

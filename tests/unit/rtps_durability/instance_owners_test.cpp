@@ -45,7 +45,7 @@ TEST_F(InstanceOwnersTest, Claim_OfEquallyStrong_GoesToTheLowerGuid) {
 
 TEST_F(InstanceOwnersTest, Claim_AfterLeaseReleaseOrLessStrength_GoesToTheWeaker) {
   EXPECT_EQ(claim(1), Claim::owned);
-  owners.lose(writer(1));
+  owners.note_lease_ended(writer(1));
   EXPECT_EQ(claim(2), Claim::owned);
   EXPECT_EQ(claim(1), Claim::owned) << "it writes again";
   owners.release(instance(0), writer(2));

@@ -145,7 +145,7 @@ TEST(KeptMemory, MemoryOfNoWriter_IsNotUsedAgain) {
   Ledger ledger;
   auto slots = memory::SampleSlots::make(9, 1000).value();
   const auto with_another = slots.segment().for_reader();
-  ledger.kept.keep_over(std::move(slots));
+  ledger.kept.keep_retired(std::move(slots));
   EXPECT_EQ(ledger.kept.segments(), 1u);
   EXPECT_EQ(ledger.take({1, 2, 3}, 0, 1000, MemoryForm::plain, EntityId{}), 0u);
 }
