@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using governance::DomainRule;
 using governance::Governance;
 using governance::Grant;
-using governance::Property;
+using governance::ProtectionProperty;
 using governance::TopicRule;
 
 Json range_list(const governance::DomainSet& domains) { return domains_json(domains.ranges); }
@@ -153,7 +153,7 @@ struct NumberedRule {
   }
 };
 
-bool has(const governance::Properties& properties, Property property) {
+bool has(const governance::Properties& properties, ProtectionProperty property) {
   return properties.test(static_cast<std::size_t>(property));
 }
 
@@ -164,7 +164,7 @@ std::string achieved(bool secret, bool authentic) {
 }
 
 std::string sentence(const governance::Properties& p) {
-  using enum Property;
+  using enum ProtectionProperty;
   return fmt::format(
       "  against outsiders: {}   against insiders without the right: {}\n"
       "  against relays: {}\n",

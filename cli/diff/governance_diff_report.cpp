@@ -28,7 +28,7 @@ std::string where(const GovernanceChange& change) {
 }
 
 // For a change of a whole domain: an example of the topics that it affects, if these are only some.
-std::string of_which(const GovernanceChange& change, governance::Property property) {
+std::string of_which(const GovernanceChange& change, governance::ProtectionProperty property) {
   const auto found =
       std::ranges::find(change.of_some, property, &governance::PropertyOfSome::property);
   return found == change.of_some.end()

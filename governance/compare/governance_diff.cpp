@@ -86,7 +86,7 @@ class DomainEffect {
   std::string_view element_;
   std::size_t topics_ = 0;
   Properties lost_, gained_;
-  std::map<Property, Count> counts_;
+  std::map<ProtectionProperty, Count> counts_;
 };
 
 // Element, both values, class, properties lost and gained.

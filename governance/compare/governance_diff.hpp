@@ -17,7 +17,7 @@ namespace ddssec::governance {
 
 /// A property that only some topics lose or gain by a change of a whole domain.
 struct PropertyOfSome {
-  Property property;
+  ProtectionProperty property;
   std::string witness;  ///< one of these topics
 };
 

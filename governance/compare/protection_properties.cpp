@@ -64,11 +64,11 @@ Protection with(const Member& member, const Protection& from, Protection to) {
 
 }  // namespace
 
-std::string_view to_string(Property property) {
+std::string_view to_string(ProtectionProperty property) {
   return kRows.at(static_cast<std::size_t>(property)).name;
 }
 
-std::string_view without(Property property) {
+std::string_view without(ProtectionProperty property) {
   return kRows.at(static_cast<std::size_t>(property)).without;
 }
 
@@ -100,10 +100,10 @@ Properties properties(const Protection& p) {
   const bool secret = is_encrypted(metadata) || is_encrypted(data);
   const bool authentic = is_protected(metadata) || is_protected(data);
   Properties result;
-  const auto set = [&](Property property, bool value) {
+  const auto set = [&](ProtectionProperty property, bool value) {
     result.set(static_cast<std::size_t>(property), value);
   };
-  using enum Property;
+  using enum ProtectionProperty;
   set(outsider_payload_secrecy, is_encrypted(rtps) || secret);
   set(outsider_payload_integrity, is_protected(rtps) || authentic);
   set(outsider_metadata_secrecy, is_encrypted(rtps) || is_encrypted(metadata));
@@ -142,10 +142,10 @@ Effect effect_of(std::string_view element, const Protection& before, const Prote
           ~old_properties & new_properties & (only_this | ~all_but_this)};
 }
 
-std::vector<Property> listed(const Properties& properties) {
-  std::vector<Property> result;
+std::vector<ProtectionProperty> listed(const Properties& properties) {
+  std::vector<ProtectionProperty> result;
   for (std::size_t i = 0; i < kProperties; ++i) {
-    if (properties.test(i)) result.push_back(static_cast<Property>(i));
+    if (properties.test(i)) result.push_back(static_cast<ProtectionProperty>(i));
   }
   return result;
 }

@@ -14,7 +14,7 @@ namespace ddssec::governance {
 /// The properties. An outsider has no identity in the domain. An insider has one, but no right to
 /// read or write the topic. A relay stores and forwards samples: it has the keys of submessages and
 /// not those of payloads (DDS-Security 1.2, clause 9.5.1.9.3).
-enum class Property : std::uint8_t {
+enum class ProtectionProperty : std::uint8_t {
   outsider_payload_secrecy,
   outsider_payload_integrity,
   outsider_metadata_secrecy,  ///< sequence numbers, inline QoS, key hashes
@@ -39,10 +39,10 @@ inline constexpr std::size_t kProperties = 19;
 using Properties = std::bitset<kProperties>;
 
 /// Returns a name such as "insider.payload_secrecy".
-std::string_view to_string(Property property);
+std::string_view to_string(ProtectionProperty property);
 /// Returns the consequence of its absence, such as "insiders without the right to read can read the
 /// payload".
-std::string_view without(Property property);
+std::string_view without(ProtectionProperty property);
 
 /// All values on which the properties depend, for one topic.
 struct Protection {
@@ -78,6 +78,6 @@ struct Effect {
 Effect effect_of(std::string_view element, const Protection& before, const Protection& after);
 
 /// Returns the properties in the set, in order.
-std::vector<Property> listed(const Properties& properties);
+std::vector<ProtectionProperty> listed(const Properties& properties);
 
 }  // namespace ddssec::governance

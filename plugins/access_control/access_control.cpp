@@ -255,7 +255,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   if (!local) return refuse(Error(Code::unknown_local_identity));
   const auto& participant = local->participant();
   // The domain's algorithms apply with and without join access control.
-  Subject subject;
+  HolderSubject subject;
   if (const auto status = check_remote_algorithms(*participant, credential, subject); !status)
     return refuse(status.error().with_default_document(participant->governance_name),
                   subject.shown);
@@ -291,7 +291,7 @@ Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   const auto& participant = *holder->participant();
   const auto& name = holder->document_name();
-  Subject subject;
+  HolderSubject subject;
   if (const auto status = check_remote_algorithms(participant, credential, subject); !status)
     return refuse(status.error().with_default_document(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);

@@ -83,7 +83,7 @@ bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
   const auto announced = holder.announced().of_topic(action, local.topic_name);
   if (announced.empty()) return false;
   const PartitionNames ours(local.partitions);
-  return std::ranges::any_of(announced, [&](const AnnouncedEndpoints::One& one) {
+  return std::ranges::any_of(announced, [&](const AllowedEndpoints::One& one) {
     if (!one->partitions.meet(ours)) return false;
     const auto partitions = one->partitions.views();
     return endpoint(holder, action, {one->topic, partitions, one->data_tags}).has_value();

@@ -160,7 +160,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
                                                       std::string_view domain_tag) {
   DDSSEC_ASSIGN_OR_RETURN(const auto places, places_of(properties));
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, local_certificate(properties));
-  Subject subject{pki::SubjectName::of(certificate), certificate.subject()};
+  HolderSubject subject{pki::SubjectName::of(certificate), certificate.subject()};
   auto participant = std::make_shared<LocalParticipant>();
   participant->identity = identity;
   participant->domain = domain;
@@ -195,7 +195,7 @@ Result<std::shared_ptr<PermissionsHolder>> load_local(const LoadContext& context
 }
 
 Status check_remote_algorithms(const LocalParticipant& local, const spi::Token& credential,
-                               Subject& subject) {
+                               HolderSubject& subject) {
   const auto documents = local.judging_documents();
   const auto* const allowed = documents->allowed_algorithms();
   const auto octets = octets_of(credential, "c.id");
@@ -212,7 +212,7 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                                                           const LocalParticipant& local,
                                                           const spi::Token& permissions_token,
                                                           const spi::Token& credential,
-                                                          Subject& subject) {
+                                                          HolderSubject& subject) {
   const auto certificate_octets = octets_of(credential, "c.id");
   if (!certificate_octets) return fail(Code::peer_certificate_missing, {.field = "c.id"});
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate, pki::Certificate::from_pem(*certificate_octets));

@@ -50,12 +50,12 @@ Result<std::shared_ptr<PermissionsDocument>> judge_remote(const LoadContext& con
                                                           const LocalParticipant& local,
                                                           const spi::Token& permissions_token,
                                                           const spi::Token& credential,
-                                                          Subject& subject);
+                                                          HolderSubject& subject);
 
 /// Checks a peer's identity and its handshake against <allowed_crypto_algorithms>; `subject` as
 /// above. Success if the credential has no certificate, because judge_remote refuses that. Errors:
 /// those of allowed_algorithms.hpp, of Certificate::from_pem.
 Status check_remote_algorithms(const LocalParticipant& local, const spi::Token& credential,
-                               Subject& subject);
+                               HolderSubject& subject);
 
 }  // namespace ddssec::access_control

@@ -277,7 +277,7 @@ std::optional<GrantOfDocument> PermissionsHolder::extension_of(const GrantOfDocu
 // True if the peer announced an endpoint that its permissions do not allow, and `others` do. The
 // caller holds the lock.
 bool PermissionsHolder::are_wanted(const SharedGrant& others) const {
-  return std::ranges::any_of(denied_.all(), [&](const AnnouncedEndpoints::One& one) {
+  return std::ranges::any_of(denied_.all(), [&](const AllowedEndpoints::One& one) {
     std::vector<governance::DataTag> tags;
     for (const auto& tag : one->data_tags) tags.push_back({tag.name, tag.value});
     const auto partitions = one->partitions.views();

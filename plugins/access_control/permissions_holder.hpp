@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/hash.hpp"
-#include "plugins/access_control/announced.hpp"
+#include "plugins/access_control/allowed_endpoints.hpp"
 #include "plugins/access_control/documents.hpp"
 #include "plugins/access_control/listed_permissions.hpp"
 #include "plugins/access_control/local_participant.hpp"
@@ -18,7 +18,7 @@
 namespace ddssec::access_control {
 
 /// The subject that is judged.
-struct Subject {
+struct HolderSubject {
   pki::SubjectName name;
   std::string shown;  ///< RFC 2253
 };
@@ -29,7 +29,7 @@ class PermissionsHolder {
   /// `remote` is the identity of a peer, and empty for a local participant. If `document` is null,
   /// it is a peer without usable permissions, which may use only unprotected topics.
   PermissionsHolder(std::shared_ptr<LocalParticipant> participant,
-                    std::optional<spi::IdentityHandle> remote, Subject subject,
+                    std::optional<spi::IdentityHandle> remote, HolderSubject subject,
                     std::string document_name, std::shared_ptr<PermissionsDocument> document)
       : participant_(std::move(participant)),
         remote_(remote),
@@ -86,7 +86,7 @@ class PermissionsHolder {
   /// digest it is the first document, which another vendor's authentication continues to present.
   void note_seen(std::shared_ptr<const PermissionsHolder> own, const spi::SessionFacts& facts);
   /// For a peer: returns the endpoints that it announced.
-  AnnouncedEndpoints& announced() { return announced_; }
+  AllowedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
 
   /// Returns the grant that is valid at `now`. The wall clock is compared at every call, so that
@@ -113,10 +113,10 @@ class PermissionsHolder {
  private:
   const std::shared_ptr<LocalParticipant> participant_;
   const std::optional<spi::IdentityHandle> remote_;
-  const Subject subject_;
+  const HolderSubject subject_;
   const std::string document_name_;
-  AnnouncedEndpoints announced_;
-  AnnouncedEndpoints denied_;  ///< for a peer: announcements that its permissions did not allow
+  AllowedEndpoints announced_;
+  AllowedEndpoints denied_;  ///< for a peer: announcements that its permissions did not allow
 
   Status check_signer(const PermissionsDocument& document) const;
   Status check_extension(WallTime now) const;

@@ -13,7 +13,7 @@ namespace {
 
 enum class Protects : std::uint8_t { discovery, liveliness, nothing, keys };
 
-struct BuiltinTopic {
+struct BuiltinTopicRow {
   std::string_view name;
   Protects by;
 };
@@ -21,7 +21,7 @@ struct BuiltinTopic {
 // The builtin topics (DDS-Security 1.2, clause 7.5.13). The standard uses both names
 // DCPSParticipantSecure and DCPSParticipantsSecure. The plain topics carry data that must be
 // readable before authentication; no topic rule applies to them.
-constexpr auto kBuiltinTopics = std::to_array<BuiltinTopic>({
+constexpr auto kBuiltinTopics = std::to_array<BuiltinTopicRow>({
     {"DCPSParticipant", Protects::nothing},
     {"DCPSPublication", Protects::nothing},
     {"DCPSSubscription", Protects::nothing},
@@ -120,7 +120,7 @@ spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule&
 
 std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
     const governance::DomainRule& rule, std::string_view topic) {
-  const auto row = std::ranges::find(kBuiltinTopics, topic, &BuiltinTopic::name);
+  const auto row = std::ranges::find(kBuiltinTopics, topic, &BuiltinTopicRow::name);
   if (row == kBuiltinTopics.end()) return std::nullopt;
   spi::EndpointSecurityAttributes attributes;
   attributes.submessage = kind_of(row->by, rule);

@@ -8,7 +8,7 @@
 namespace ddssec::cryptography {
 namespace {
 
-std::unexpected<Error> too_much_announced_error(const BuiltinTopic& topic) {
+std::unexpected<Error> too_much_announced_error(const DiscoveryTopic& topic) {
   return unreadable_name_error(topic, "its certificate has announced more than " +
                                           std::to_string(AnnouncedOctets::kMax >> 20) + " MiB");
 }
@@ -104,7 +104,7 @@ void AnnouncedEndpoints::set_account(std::shared_ptr<AnnouncedOctets> account) {
   account_ = std::move(account);
 }
 
-Status AnnouncedEndpoints::note(const BuiltinTopic& topic, const Announcement& announcement) {
+Status AnnouncedEndpoints::note(const DiscoveryTopic& topic, const Announcement& announcement) {
   const std::lock_guard lock(mutex_);
   auto& writer = writers_[topic.writer];
   if (announcement.number < writer.next) return note_again(topic, writer, announcement);
@@ -133,7 +133,7 @@ std::size_t AnnouncedEndpoints::take_repeats() {
 // A sample that the host has acknowledged is new only for a participant that was created later.
 // For all others an attacker may repeat it, also after the endpoint has ended. If it ends an
 // endpoint, nothing changes, because the host may have skipped it.
-Status AnnouncedEndpoints::note_again(const BuiltinTopic& topic, Writer& writer,
+Status AnnouncedEndpoints::note_again(const DiscoveryTopic& topic, Writer& writer,
                                       const Announcement& announcement) {
   if (announcement.kind != Announcement::Kind::announces) return {};
   const auto known = writer.again.find(announcement.entity);
@@ -146,7 +146,7 @@ Status AnnouncedEndpoints::note_again(const BuiltinTopic& topic, Writer& writer,
   return {};
 }
 
-Status AnnouncedEndpoints::complete(const BuiltinTopic& topic, const Announcement& announcement) {
+Status AnnouncedEndpoints::complete(const DiscoveryTopic& topic, const Announcement& announcement) {
   const std::lock_guard lock(mutex_);
   auto& writer = writers_[topic.writer];
   const auto known = writer.passed.find(announcement.number);
@@ -191,7 +191,7 @@ bool AnnouncedEndpoints::has_ended(const EntityId& endpoint, bool is_writer) con
   return std::ranges::find(ended, endpoint) != ended.end();
 }
 
-void AnnouncedEndpoints::retract(const BuiltinTopic& topic, std::uint64_t number) {
+void AnnouncedEndpoints::retract(const DiscoveryTopic& topic, std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   auto& passed = writers_[topic.writer].passed;
   const auto known = passed.find(number);
@@ -200,13 +200,13 @@ void AnnouncedEndpoints::retract(const BuiltinTopic& topic, std::uint64_t number
   passed.erase(known);
 }
 
-void AnnouncedEndpoints::skip(const BuiltinTopic& topic, std::uint64_t begin, std::uint64_t end) {
+void AnnouncedEndpoints::skip(const DiscoveryTopic& topic, std::uint64_t begin, std::uint64_t end) {
   const std::lock_guard lock(mutex_);
   auto& writer = writers_[topic.writer];
   writer.skipped.add(std::max(begin, writer.next), end);
 }
 
-void AnnouncedEndpoints::acknowledged(const BuiltinTopic& topic, std::uint64_t next) {
+void AnnouncedEndpoints::acknowledged(const DiscoveryTopic& topic, std::uint64_t next) {
   const std::lock_guard lock(mutex_);
   const auto known = writers_.find(topic.writer);
   if (known == writers_.end() || next <= known->second.next) return;
@@ -219,7 +219,7 @@ void AnnouncedEndpoints::acknowledged(const BuiltinTopic& topic, std::uint64_t n
   writer.skipped.forget_below(next);
 }
 
-bool AnnouncedEndpoints::is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const {
+bool AnnouncedEndpoints::is_acknowledged(const DiscoveryTopic& topic, std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
   const auto known = writers_.find(topic.writer);
   return known != writers_.end() && number < known->second.next;

@@ -104,18 +104,18 @@ class AnnouncedEndpoints {
   /// Counts an announcement; success if it may pass to the host. Error: builtin_source_unreadable
   /// if the certificate's account is full, or if something else passed under this number before.
   /// Then nothing changes.
-  Status note(const BuiltinTopic& topic, const Announcement& announcement);
+  Status note(const DiscoveryTopic& topic, const Announcement& announcement);
   /// Notes that all fragments of an unread announcement have come; `announcement` is its content.
   /// Errors as of note.
-  Status complete(const BuiltinTopic& topic, const Announcement& announcement);
+  Status complete(const DiscoveryTopic& topic, const Announcement& announcement);
   /// Removes an unread announcement of which no fragment passed.
-  void retract(const BuiltinTopic& topic, std::uint64_t number);
+  void retract(const DiscoveryTopic& topic, std::uint64_t number);
   /// Notes that a GAP or HEARTBEAT reported that there are no samples from `begin` up to but not
   /// including `end`.
-  void skip(const BuiltinTopic& topic, std::uint64_t begin, std::uint64_t end);
+  void skip(const DiscoveryTopic& topic, std::uint64_t begin, std::uint64_t end);
   /// Notes that the host has acknowledged all numbers below `next`.
-  void acknowledged(const BuiltinTopic& topic, std::uint64_t next);
-  bool is_acknowledged(const BuiltinTopic& topic, std::uint64_t number) const;
+  void acknowledged(const DiscoveryTopic& topic, std::uint64_t next);
+  bool is_acknowledged(const DiscoveryTopic& topic, std::uint64_t number) const;
 
   /// Returns how many announcements of endpoints that were announced before, and have not ended,
   /// passed since the last call. Those that the host had already are not counted.
@@ -146,7 +146,7 @@ class AnnouncedEndpoints {
     std::map<EntityId, std::size_t> again = {};
   };
   static std::size_t cost_of(const Announcement& announcement);
-  Status note_again(const BuiltinTopic& topic, Writer& writer, const Announcement& announcement);
+  Status note_again(const DiscoveryTopic& topic, Writer& writer, const Announcement& announcement);
   void note_announced(Writer& writer, const Announcement& announcement);
   void settle(Writer& writer, const Announcement& announcement);
   bool hides(const EntityId& writer) const;

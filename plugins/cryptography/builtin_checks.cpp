@@ -49,7 +49,7 @@ struct InlineForm {
 
 // A repeated StatusInfo with another meaning is refused, because it is not known here which one
 // the host uses.
-Result<Ending> check_inline_qos(const BuiltinTopic& topic, const Owner& owner,
+Result<Ending> check_inline_qos(const DiscoveryTopic& topic, const Owner& owner,
                                 const DataPiece& piece) {
   Reader in(piece.inline_qos, piece.endian);
   InlineForm form;
@@ -92,7 +92,7 @@ Status check_other_inline_qos(BytesView submessage) {
 
 // Checks ParticipantMessageData or its key: both begin with the prefix. Fast DDS labels the same
 // octets as PL_CDR.
-Status check_liveliness(const BuiltinTopic& topic, const Owner& owner, BytesView payload) {
+Status check_liveliness(const DiscoveryTopic& topic, const Owner& owner, BytesView payload) {
   constexpr std::uint8_t kMaxPlain = 3;
   if (payload.size() < kEncapsulationSize + GuidPrefix::size)
     return unreadable_name_error(topic, "it is too short");
@@ -111,7 +111,7 @@ Announcement::Kind kind_of(Ending ending, const ParameterWalk& walk) {
 
 // Checks a sample that is in one piece. `announced` is nullptr if the owner of the announcement is
 // not known.
-Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& owner,
+Result<TypeInformationAt> check_whole(const DiscoveryTopic& topic, const Owner& owner,
                                       const DataPiece& piece, Ending ending,
                                       AnnouncedEndpoints* announced) {
   if (topic.key == 0) {
@@ -128,7 +128,7 @@ Result<TypeInformationAt> check_whole(const BuiltinTopic& topic, const Owner& ow
   return walk.type_information();
 }
 
-Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& owner,
+Result<TypeInformationAt> check_payload(const DiscoveryTopic& topic, const Owner& owner,
                                         const DataPiece& piece, Ending ending, PeerDiscovery* peer,
                                         MonotonicTime now) {
   auto* const announced = peer == nullptr ? nullptr : &peer->announced;
@@ -143,7 +143,7 @@ Result<TypeInformationAt> check_payload(const BuiltinTopic& topic, const Owner& 
 }
 
 // The host reads nothing of such a sample and continues with the next number.
-Status check_without_payload(const BuiltinTopic& topic, const DataPiece& piece,
+Status check_without_payload(const DiscoveryTopic& topic, const DataPiece& piece,
                              PeerDiscovery* peer) {
   if (peer == nullptr) return {};
   return peer->announced.note(topic, {.number = piece.number});
@@ -151,13 +151,13 @@ Status check_without_payload(const BuiltinTopic& topic, const DataPiece& piece,
 
 // Returns the announcing peer; nullptr if it is not known, or if samples of this topic announce
 // nothing.
-PeerDiscovery* announcer(const BuiltinTopic& topic, const Owner& owner, DiscoveryOfPeers& peers) {
+PeerDiscovery* announcer(const DiscoveryTopic& topic, const Owner& owner, DiscoveryOfPeers& peers) {
   return topic.key == 0 ? nullptr : peers.of(owner.value_or(GuidPrefix{}));
 }
 
 // True for a writer that announces endpoints under a key of its own. Announcements in the clear are
 // not delayed, because an attacker may have sent them in the peer's name.
-bool announces_securely(const BuiltinTopic& topic) {
+bool announces_securely(const DiscoveryTopic& topic) {
   constexpr EntityId kWriters{{0xff, 0, 3, 0xc2}}, kReaders{{0xff, 0, 4, 0xc2}};
   return topic.writer == kWriters || topic.writer == kReaders;
 }
@@ -172,7 +172,7 @@ void charge_changes(PeerDiscovery* peer, MonotonicTime now) {
 // Records the numbers that the host skips from now on.
 void note_skipped(BytesView submessage, const Owner& owner, DiscoveryOfPeers& peers) {
   const auto skipped = read_skipped(submessage);
-  const auto* const topic = skipped ? builtin_topic_of(skipped->writer) : nullptr;
+  const auto* const topic = skipped ? discovery_topic_of(skipped->writer) : nullptr;
   auto* const peer = topic == nullptr ? nullptr : announcer(*topic, owner, peers);
   if (peer == nullptr) return;
   for (const auto& [begin, end] : skipped->ranges) peer->announced.skip(*topic, begin, end);
@@ -187,7 +187,7 @@ Result<TypeInformationAt> check_builtin_source(BytesView submessage, const Owner
     note_skipped(submessage, owner, peers);
     return TypeInformationAt{};
   }
-  const auto* const topic = builtin_topic_of(*writer);
+  const auto* const topic = discovery_topic_of(*writer);
   // Without a known owner, the name in a liveliness message cannot be checked.
   if (topic == nullptr || (topic->key == 0 && !owner)) {
     DDSSEC_RETURN_IF_ERROR(check_other_inline_qos(submessage));

@@ -14,15 +14,15 @@ namespace {
 constexpr std::uint16_t kFlags = pid::kMustUnderstand | pid::kVendorSpecific;
 
 constexpr std::array kTopics = {
-    BuiltinTopic{{{0x00, 0x01, 0x00, 0xc2}}, pid::kParticipantGuid},
-    BuiltinTopic{{{0xff, 0x01, 0x01, 0xc2}}, pid::kParticipantGuid},
-    BuiltinTopic{{{0x00, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
-    BuiltinTopic{{{0xff, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
-    BuiltinTopic{{{0x00, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
-    BuiltinTopic{{{0xff, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
-    BuiltinTopic{{{0x00, 0x00, 0x02, 0xc2}}, pid::kCycloneTopicGuid},
-    BuiltinTopic{{{0x00, 0x02, 0x00, 0xc2}}, 0},
-    BuiltinTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
+    DiscoveryTopic{{{0x00, 0x01, 0x00, 0xc2}}, pid::kParticipantGuid},
+    DiscoveryTopic{{{0xff, 0x01, 0x01, 0xc2}}, pid::kParticipantGuid},
+    DiscoveryTopic{{{0x00, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
+    DiscoveryTopic{{{0xff, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
+    DiscoveryTopic{{{0x00, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
+    DiscoveryTopic{{{0xff, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
+    DiscoveryTopic{{{0x00, 0x00, 0x02, 0xc2}}, pid::kCycloneTopicGuid},
+    DiscoveryTopic{{{0x00, 0x02, 0x00, 0xc2}}, 0},
+    DiscoveryTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
 };
 
 // The kinds of locators, of which an announcement may have several (RTPS 9.6.3).
@@ -61,7 +61,7 @@ constexpr std::array kNames = {NamingParameter{pid::kParticipantGuid, "PID_PARTI
                                NamingParameter{pid::kCycloneTopicGuid, "PID_CYCLONE_TOPIC_GUID"}};
 
 // Returns the index in kNames; empty if the parameter names nothing in samples of this topic.
-std::optional<std::size_t> name_of(const BuiltinTopic& topic, std::uint16_t id) {
+std::optional<std::size_t> name_of(const DiscoveryTopic& topic, std::uint16_t id) {
   const auto found = std::ranges::find(kNames, id, &NamingParameter::id);
   if (found == kNames.end()) return std::nullopt;
   if (id == pid::kCycloneTopicGuid && id != topic.key) return std::nullopt;
@@ -70,16 +70,16 @@ std::optional<std::size_t> name_of(const BuiltinTopic& topic, std::uint16_t id) 
 
 }  // namespace
 
-const BuiltinTopic* builtin_topic_of(const EntityId& writer) {
+const DiscoveryTopic* discovery_topic_of(const EntityId& writer) {
   constexpr std::uint8_t kBuiltinKeyedWriter = 0xc2;
   if (writer.octets[3] != kBuiltinKeyedWriter) return nullptr;
-  const auto found = std::ranges::find(kTopics, writer, &BuiltinTopic::writer);
+  const auto found = std::ranges::find(kTopics, writer, &DiscoveryTopic::writer);
   return found == kTopics.end() ? nullptr : &*found;
 }
 
 bool ClosedDiscovery::includes(const EntityId& writer) const {
   constexpr EntityId kParticipants{{0x00, 0x01, 0x00, 0xc2}};
-  const auto* const topic = builtin_topic_of(writer);
+  const auto* const topic = discovery_topic_of(writer);
   if (topic == nullptr || topic->key == 0 || writer == kParticipants) return false;
   constexpr std::uint8_t kSecure = 0xff;
   return writer.octets[0] == kSecure ? secure_topics : clear_topics;
@@ -89,7 +89,7 @@ bool is_deprecated_address(std::uint16_t parameter_id) {
   return std::ranges::find(kDeprecatedAddresses, parameter_id) != kDeprecatedAddresses.end();
 }
 
-Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
+Status check_name(const DiscoveryTopic& topic, const Owner& owner, std::string_view field,
                   BytesView guid) {
   if (guid.size() < GuidPrefix::size) return unreadable_name_error(topic, "a GUID is too short");
   const auto found = GuidPrefix::from(guid.first(GuidPrefix::size));
@@ -101,13 +101,13 @@ Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_vie
                                               .note = "by writer " + topic.writer.to_string()});
 }
 
-std::unexpected<Error> unreadable_name_error(const BuiltinTopic& topic, std::string_view why) {
+std::unexpected<Error> unreadable_name_error(const DiscoveryTopic& topic, std::string_view why) {
   return fail(Code::builtin_source_unreadable,
               {.document = std::string(kDocument),
                .note = std::string(why) + ", by writer " + topic.writer.to_string()});
 }
 
-Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesView octets) {
+Status ParameterWalk::read(const DiscoveryTopic& topic, const Owner& owner, BytesView octets) {
   piece_begins_ = position_;
   while (state_ != State::ended && !octets.empty()) {
     if (state_ == State::partitions) {
@@ -131,7 +131,7 @@ Status ParameterWalk::read(const BuiltinTopic& topic, const Owner& owner, BytesV
   return {};
 }
 
-Status ParameterWalk::check_end(const BuiltinTopic& topic) const {
+Status ParameterWalk::check_end(const DiscoveryTopic& topic) const {
   if (state_ == State::encapsulation) return unreadable_name_error(topic, "it is too short");
   if (state_ != State::ended)
     return unreadable_name_error(topic, "its parameters have lengths that lie");
@@ -145,7 +145,7 @@ std::size_t ParameterWalk::cost(std::size_t octets) const {
          kOctetsOfLocator * (std::max(locators, kFreeLocators) - kFreeLocators);
 }
 
-Status ParameterWalk::read_filled(const BuiltinTopic& topic, const Owner& owner) {
+Status ParameterWalk::read_filled(const DiscoveryTopic& topic, const Owner& owner) {
   filled_ = 0;
   wanted_ = kHeaderSize;
   if (state_ == State::encapsulation) return begin_list(topic);
@@ -168,7 +168,7 @@ Status ParameterWalk::read_filled(const BuiltinTopic& topic, const Owner& owner)
   return {};
 }
 
-Status ParameterWalk::begin_list(const BuiltinTopic& topic) {
+Status ParameterWalk::begin_list(const DiscoveryTopic& topic) {
   constexpr std::uint8_t kBig = 2, kLittle = 3;
   if (part_[0] != 0 || (part_[1] != kBig && part_[1] != kLittle))
     return unreadable_name_error(topic, "its encapsulation is not a parameter list");
@@ -177,7 +177,7 @@ Status ParameterWalk::begin_list(const BuiltinTopic& topic) {
   return {};
 }
 
-Status ParameterWalk::begin_parameter(const BuiltinTopic& topic) {
+Status ParameterWalk::begin_parameter(const DiscoveryTopic& topic) {
   id_ = word(0);
   length_ = word(2);
   if (id_ == pid::kSentinel) {
@@ -215,14 +215,14 @@ bool ParameterWalk::begin_security_info() {
   return true;
 }
 
-void ParameterWalk::note_name(const BuiltinTopic& topic) {
+void ParameterWalk::note_name(const DiscoveryTopic& topic) {
   const auto name = name_of(topic, id_);
   const auto bit = static_cast<std::uint8_t>(name ? 1u << *name : 0u);
   if (!name || length_ != kGuidSize || (names_ & bit) != 0) has_only_names_ = false;
   names_ |= bit;
 }
 
-Status ParameterWalk::count_locator(const BuiltinTopic& topic) {
+Status ParameterWalk::count_locator(const DiscoveryTopic& topic) {
   static_assert(kLocators.size() == kLocatorKinds);
   const auto kind = std::ranges::find(kLocators, id_, &LocatorKind::id);
   if (kind == kLocators.end()) return {};
@@ -233,7 +233,7 @@ Status ParameterWalk::count_locator(const BuiltinTopic& topic) {
                                "it has more than " + std::to_string(most) + ' ' + kind->name);
 }
 
-Status ParameterWalk::begin_partitions(const BuiltinTopic& topic) {
+Status ParameterWalk::begin_partitions(const DiscoveryTopic& topic) {
   if (has_partitions_) return unreadable_name_error(topic, "its partitions come twice");
   if (length_ == 0) return unreadable_name_error(topic, "its partitions have lengths that lie");
   has_partitions_ = true;
@@ -242,7 +242,7 @@ Status ParameterWalk::begin_partitions(const BuiltinTopic& topic) {
   return {};
 }
 
-Result<std::size_t> ParameterWalk::read_partitions(const BuiltinTopic& topic, BytesView octets) {
+Result<std::size_t> ParameterWalk::read_partitions(const DiscoveryTopic& topic, BytesView octets) {
   const auto part = octets.first(std::min(partitions_.rest(), octets.size()));
   DDSSEC_RETURN_IF_ERROR(partitions_.read(topic, part));
   position_ += static_cast<std::uint32_t>(part.size());
@@ -250,7 +250,7 @@ Result<std::size_t> ParameterWalk::read_partitions(const BuiltinTopic& topic, By
   return part.size();
 }
 
-Status ParameterWalk::note_type_information(const BuiltinTopic& topic, std::uint32_t header) {
+Status ParameterWalk::note_type_information(const DiscoveryTopic& topic, std::uint32_t header) {
   if (type_information_)
     return header == type_information_header_
                ? Status()

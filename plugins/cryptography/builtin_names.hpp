@@ -17,13 +17,13 @@
 namespace ddssec::cryptography {
 
 /// A builtin writer, and how its samples name their subject.
-struct BuiltinTopic {
+struct DiscoveryTopic {
   EntityId writer;
   /// The id of the parameter with the key; 0 for ParticipantMessageData, which has none.
   std::uint16_t key;
 };
 /// Returns the topic of a writer; nullptr if the writer does not belong to discovery or liveliness.
-const BuiltinTopic* builtin_topic_of(const EntityId& writer);
+const DiscoveryTopic* discovery_topic_of(const EntityId& writer);
 
 /// The builtin writers of discovery that a local participant does not hear in the clear.
 struct ClosedDiscovery {
@@ -42,9 +42,9 @@ using Owner = std::optional<GuidPrefix>;
 
 /// Success if `guid` begins with the prefix of `owner`. Errors: builtin_source_mismatch,
 /// builtin_source_unreadable.
-Status check_name(const BuiltinTopic& topic, const Owner& owner, std::string_view field,
+Status check_name(const DiscoveryTopic& topic, const Owner& owner, std::string_view field,
                   BytesView guid);
-std::unexpected<Error> unreadable_name_error(const BuiltinTopic& topic, std::string_view why);
+std::unexpected<Error> unreadable_name_error(const DiscoveryTopic& topic, std::string_view why);
 
 /// True for parameters of RTPS 1 that give an address or a port by itself (RTPS 9.6.3 lists them as
 /// deprecated). Cyclone DDS takes them for the beginning of a list of locators that was never
@@ -78,9 +78,9 @@ class ParameterWalk {
   static constexpr std::size_t kOctetsOfPartition = 48;
 
   /// Reads the next octets. Errors: builtin_source_mismatch, builtin_source_unreadable.
-  Status read(const BuiltinTopic& topic, const Owner& owner, BytesView octets);
+  Status read(const DiscoveryTopic& topic, const Owner& owner, BytesView octets);
   /// Success if the list has ended and has named its subject. Error: builtin_source_unreadable.
-  Status check_end(const BuiltinTopic& topic) const;
+  Status check_end(const DiscoveryTopic& topic) const;
   /// Returns the place of the type information, counted from the encapsulation. Its octets came in
   /// one piece.
   const TypeInformationAt& type_information() const { return type_information_; }
@@ -96,17 +96,17 @@ class ParameterWalk {
   const EntityId& entity() const { return entity_; }
 
  private:
-  Status read_filled(const BuiltinTopic& topic, const Owner& owner);
-  Status begin_list(const BuiltinTopic& topic);
-  Status begin_parameter(const BuiltinTopic& topic);
-  void note_name(const BuiltinTopic& topic);
-  Status count_locator(const BuiltinTopic& topic);
+  Status read_filled(const DiscoveryTopic& topic, const Owner& owner);
+  Status begin_list(const DiscoveryTopic& topic);
+  Status begin_parameter(const DiscoveryTopic& topic);
+  void note_name(const DiscoveryTopic& topic);
+  Status count_locator(const DiscoveryTopic& topic);
   bool begin_security_info();
-  Status begin_partitions(const BuiltinTopic& topic);
+  Status begin_partitions(const DiscoveryTopic& topic);
   /// Reads the partitions in the next octets. Returns the number of octets that belong to them.
-  Result<std::size_t> read_partitions(const BuiltinTopic& topic, BytesView octets);
+  Result<std::size_t> read_partitions(const DiscoveryTopic& topic, BytesView octets);
   /// Notes the place of type information. `header` is the position of the parameter's first octet.
-  Status note_type_information(const BuiltinTopic& topic, std::uint32_t header);
+  Status note_type_information(const DiscoveryTopic& topic, std::uint32_t header);
   std::uint16_t word(std::size_t at) const;
 
   enum class State : std::uint8_t {

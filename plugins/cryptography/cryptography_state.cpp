@@ -33,7 +33,7 @@ SubjectId subject_of(std::int64_t identity, const ParticipantPair& pair) {
   return subject;
 }
 
-Status CryptographyState::claim_place(RemoteEndpoint& reader, const ParticipantPair& pair) {
+Status CryptographyState::claim_place(RemoteEndpointCrypto& reader, const ParticipantPair& pair) {
   if (reader.kind() != EntityKind::remote_reader || !reader.receiver_key || reader.place_subject)
     return {};
   const auto subject = subject_of(reader.participant.identity, pair);
@@ -45,7 +45,7 @@ Status CryptographyState::claim_place(RemoteEndpoint& reader, const ParticipantP
   return {};
 }
 
-void CryptographyState::release_place(RemoteEndpoint& reader) noexcept {
+void CryptographyState::release_place(RemoteEndpointCrypto& reader) noexcept {
   if (const auto place = std::exchange(reader.place_subject, std::nullopt))
     reader.local.receivers.release(*place);
 }
@@ -55,7 +55,7 @@ void CryptographyState::report(const Error& error, const std::optional<GuidPrefi
   services.events.raise(Event(error, {}, guid, PeerProof::authenticated));
 }
 
-void CryptographyState::publish_route(RemoteEndpoint& endpoint) {
+void CryptographyState::publish_route(RemoteEndpointCrypto& endpoint) {
   Route route{.key_id = {},
               .receiver_key_id = {},
               .local_participant = endpoint.local.participant.handle(),
@@ -74,14 +74,14 @@ void CryptographyState::publish_route(RemoteEndpoint& endpoint) {
   if (former != 0) endpoint.participant.routes.note_gone();
 }
 
-std::optional<const RemoteParticipant*> find_peer(const CryptographyState& state,
-                                                  const LocalParticipant& local,
-                                                  const GuidPrefix& prefix) {
+std::optional<const RemoteParticipantCrypto*> find_peer(const CryptographyState& state,
+                                                        const LocalParticipantCrypto& local,
+                                                        const GuidPrefix& prefix) {
   const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
   for (const auto handle : local.matched) {
     const auto remote =
-        state.registry.find<RemoteParticipant>(handle, EntityKind::remote_participant);
+        state.registry.find<RemoteParticipantCrypto>(handle, EntityKind::remote_participant);
     if (!remote) continue;
     const auto pair = (*remote)->pairs.find(local.handle());
     if (pair != (*remote)->pairs.end() && pair->second->peer_prefix == prefix) return *remote;

@@ -18,29 +18,29 @@ struct CryptographyState {
                     const CryptographyOptions& options, std::uint64_t first_generation);
 
   template <class H>
-  Result<LocalParticipant*> local_participant(H handle) const {
-    return registry.find<LocalParticipant>(handle.value, EntityKind::local_participant);
+  Result<LocalParticipantCrypto*> local_participant(H handle) const {
+    return registry.find<LocalParticipantCrypto>(handle.value, EntityKind::local_participant);
   }
   template <class H>
-  Result<RemoteParticipant*> remote_participant(H handle) const {
-    return registry.find<RemoteParticipant>(handle.value, EntityKind::remote_participant);
+  Result<RemoteParticipantCrypto*> remote_participant(H handle) const {
+    return registry.find<RemoteParticipantCrypto>(handle.value, EntityKind::remote_participant);
   }
   template <class H>
-  Result<LocalEndpoint*> local_endpoint(H handle, EntityKind kind) const {
-    return registry.find<LocalEndpoint>(handle.value, kind);
+  Result<LocalEndpointCrypto*> local_endpoint(H handle, EntityKind kind) const {
+    return registry.find<LocalEndpointCrypto>(handle.value, kind);
   }
   template <class H>
-  Result<RemoteEndpoint*> remote_endpoint(H handle, EntityKind kind) const {
-    return registry.find<RemoteEndpoint>(handle.value, kind);
+  Result<RemoteEndpointCrypto*> remote_endpoint(H handle, EntityKind kind) const {
+    return registry.find<RemoteEndpointCrypto>(handle.value, kind);
   }
   /// Enters the endpoint's present keys into the routes of its participant. The caller holds the
   /// mutex.
-  void publish_route(RemoteEndpoint& endpoint);
+  void publish_route(RemoteEndpointCrypto& endpoint);
 
   /// Takes a place among the receivers of the reader's writer, if it needs one and has none yet.
   /// The caller holds the mutex. Error: receiver_places_taken, after an event that names the peer.
-  Status claim_place(RemoteEndpoint& reader, const ParticipantPair& pair);
-  void release_place(RemoteEndpoint& reader) noexcept;
+  Status claim_place(RemoteEndpointCrypto& reader, const ParticipantPair& pair);
+  void release_place(RemoteEndpointCrypto& reader) noexcept;
 
   /// Raises an event about the peer that owns `prefix`.
   void report(const Error& error, const std::optional<GuidPrefix>& prefix) const;
@@ -72,9 +72,9 @@ SubjectId subject_of(std::int64_t identity, const ParticipantPair& pair);
 
 /// Returns the peer with that prefix that has authenticated with the local participant; nullptr if
 /// there is none. Empty while another thread changes the peers.
-std::optional<const RemoteParticipant*> find_peer(const CryptographyState& state,
-                                                  const LocalParticipant& local,
-                                                  const GuidPrefix& prefix);
+std::optional<const RemoteParticipantCrypto*> find_peer(const CryptographyState& state,
+                                                        const LocalParticipantCrypto& local,
+                                                        const GuidPrefix& prefix);
 
 /// Returns the entity kind that belongs to a handle type, on the local or on the remote side.
 inline constexpr EntityKind local_kind(spi::DatawriterCryptoHandle) {

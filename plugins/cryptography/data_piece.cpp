@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "plugins/cryptography/wire.hpp"
+#include "plugins/cryptography/crypto_framing.hpp"
 
 namespace ddssec::cryptography {
 namespace {

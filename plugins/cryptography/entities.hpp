@@ -58,8 +58,8 @@ struct RemoteKeys final : RetirableObject, LevelKeys {
 };
 
 /// A participant of this process, with the key of its RTPS messages.
-struct LocalParticipant final : Entity {
-  LocalParticipant() : Entity(EntityKind::local_participant) {}
+struct LocalParticipantCrypto final : CryptoEntity {
+  LocalParticipantCrypto() : CryptoEntity(EntityKind::local_participant) {}
   spi::ProtectionKind rtps = spi::ProtectionKind::none;
   Cipher cipher = Cipher::aes256_gcm;           ///< cipher of messages and builtin endpoints
   Cipher endpoint_cipher = Cipher::aes256_gcm;  ///< cipher of the application's endpoints
@@ -81,7 +81,7 @@ struct LocalParticipant final : Entity {
 };
 
 /// Success unless the participant was cut off. Error: identity_ended.
-inline Status check_not_cut_off(const LocalParticipant& participant) {
+inline Status check_not_cut_off(const LocalParticipantCrypto& participant) {
   if (!participant.is_cut_off.load(std::memory_order_relaxed)) [[likely]]
     return {};
   return fail(Code::identity_ended);
@@ -107,8 +107,9 @@ class NamesSpoken {
 
 /// The state that one local and one remote participant share.
 struct ParticipantPair final : RetirableObject {
-  explicit ParticipantPair(const LocalParticipant& local_participant) : local(local_participant) {}
-  const LocalParticipant& local;
+  explicit ParticipantPair(const LocalParticipantCrypto& local_participant)
+      : local(local_participant) {}
+  const LocalParticipantCrypto& local;
   std::uint64_t number = 0;  ///< number of the key exchange; unique
   spi::CipherMask peer_ciphers = spi::kStandardCiphers;
   std::optional<GuidPrefix> peer_prefix = {};  ///< empty with another vendor's authentication
@@ -143,9 +144,9 @@ struct PairTable final : RetirableObject {
 };
 
 /// A remote participant. It is one object for all local participants that use its handle.
-struct RemoteParticipant final : Entity {
-  explicit RemoteParticipant(const Registry& registry)
-      : Entity(EntityKind::remote_participant), routes(registry) {}
+struct RemoteParticipantCrypto final : CryptoEntity {
+  explicit RemoteParticipantCrypto(const Registry& registry)
+      : CryptoEntity(EntityKind::remote_participant), routes(registry) {}
   std::int64_t identity = 0;
   std::unordered_set<std::int64_t> endpoints;
   std::unordered_map<std::int64_t, std::unique_ptr<ParticipantPair>>
@@ -179,13 +180,13 @@ struct PeerKey {
 };
 
 /// A local datawriter or datareader.
-struct LocalEndpoint final : Entity {
-  LocalEndpoint(EntityKind kind, LocalParticipant& parent)
-      : Entity(kind),
+struct LocalEndpointCrypto final : CryptoEntity {
+  LocalEndpointCrypto(EntityKind kind, LocalParticipantCrypto& parent)
+      : CryptoEntity(kind),
         participant(parent),
         receivers(spi::is_origin_authenticated(parent.rtps) ? ReceiverPlaces::kMaxOfEach
                                                             : ReceiverPlaces::kMax) {}
-  LocalParticipant& participant;
+  LocalParticipantCrypto& participant;
   spi::ProtectionKind submessage = spi::ProtectionKind::none;
   spi::ProtectionKind payload = spi::ProtectionKind::none;
   bool is_builtin = false;   ///< according to access control
@@ -220,11 +221,12 @@ struct LocalEndpoint final : Entity {
 };
 
 /// A remote datawriter or datareader, as matched with one local endpoint.
-struct RemoteEndpoint final : Entity {
-  RemoteEndpoint(EntityKind kind, LocalEndpoint& local_endpoint, RemoteParticipant& parent)
-      : Entity(kind), local(local_endpoint), participant(parent) {}
-  LocalEndpoint& local;
-  RemoteParticipant& participant;
+struct RemoteEndpointCrypto final : CryptoEntity {
+  RemoteEndpointCrypto(EntityKind kind, LocalEndpointCrypto& local_endpoint,
+                       RemoteParticipantCrypto& parent)
+      : CryptoEntity(kind), local(local_endpoint), participant(parent) {}
+  LocalEndpointCrypto& local;
+  RemoteParticipantCrypto& participant;
   std::unique_ptr<ReceiverKey> receiver_key;  ///< local key for it; nullptr if not needed
   std::shared_ptr<PeerKey> peer_key = {};  ///< local key for its participant; nullptr if not needed
   PublishedPointer<RemoteKeys> remote_keys;

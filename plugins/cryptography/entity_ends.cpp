@@ -7,11 +7,11 @@ namespace ddssec::cryptography {
 // then retired. A route stays for a while and leads nowhere, because the registry no longer knows
 // the handle (routes.hpp).
 
-void KeyFactory::drop(const Entity& entity) {
+void KeyFactory::drop(const CryptoEntity& entity) {
   state_.retired_objects.retire(state_.registry.remove(entity));
 }
 
-void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
+void KeyFactory::drop_remote(RemoteEndpointCrypto& endpoint) {
   endpoint.local.matched.erase(endpoint.handle());
   endpoint.participant.endpoints.erase(endpoint.handle());
   state_.release_place(endpoint);
@@ -24,11 +24,11 @@ void KeyFactory::drop_remote(RemoteEndpoint& endpoint) {
   drop(endpoint);
 }
 
-void KeyFactory::drop_local(LocalEndpoint& endpoint) {
+void KeyFactory::drop_local(LocalEndpointCrypto& endpoint) {
   for (const auto handle : std::unordered_set(endpoint.matched)) {
     const auto kind = endpoint.kind() == EntityKind::local_writer ? EntityKind::remote_reader
                                                                   : EntityKind::remote_writer;
-    if (const auto remote = state_.registry.find<RemoteEndpoint>(handle, kind))
+    if (const auto remote = state_.registry.find<RemoteEndpointCrypto>(handle, kind))
       drop_remote(**remote);
   }
   endpoint.participant.endpoints.erase(endpoint.handle());
@@ -51,10 +51,10 @@ void KeyFactory::cut_off(spi::ParticipantCryptoHandle local) {
   if (const auto participant = state_.local_participant(local)) (*participant)->is_cut_off = true;
 }
 
-void KeyFactory::drop_remote(RemoteParticipant& participant) {
+void KeyFactory::drop_remote(RemoteParticipantCrypto& participant) {
   for (const auto handle : std::unordered_set(participant.endpoints))
     for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
-      if (const auto endpoint = state_.registry.find<RemoteEndpoint>(handle, kind))
+      if (const auto endpoint = state_.registry.find<RemoteEndpointCrypto>(handle, kind))
         drop_remote(**endpoint);
   for (const auto& [local, pair] : participant.pairs) {
     if (!pair) continue;
@@ -69,10 +69,10 @@ void KeyFactory::drop_remote(RemoteParticipant& participant) {
   drop(participant);
 }
 
-void KeyFactory::drop_local(LocalParticipant& participant) {
+void KeyFactory::drop_local(LocalParticipantCrypto& participant) {
   for (const auto handle : std::unordered_set(participant.endpoints))
     for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
-      if (const auto endpoint = state_.registry.find<LocalEndpoint>(handle, kind))
+      if (const auto endpoint = state_.registry.find<LocalEndpointCrypto>(handle, kind))
         drop_local(**endpoint);
   for (const auto handle : participant.matched) {
     const auto remote = state_.remote_participant(spi::ParticipantCryptoHandle{handle});
@@ -97,12 +97,12 @@ Status KeyFactory::unregister_participant(spi::ParticipantCryptoHandle participa
 
 Status KeyFactory::unregister_endpoint(std::int64_t handle, EntityKind local, EntityKind remote) {
   const std::lock_guard lock(state_.mutex);
-  if (const auto endpoint = state_.registry.find<LocalEndpoint>(handle, local)) {
+  if (const auto endpoint = state_.registry.find<LocalEndpointCrypto>(handle, local)) {
     drop_local(**endpoint);
     return {};
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto remote_endpoint,
-                          state_.registry.find<RemoteEndpoint>(handle, remote));
+                          state_.registry.find<RemoteEndpointCrypto>(handle, remote));
   drop_remote(*remote_endpoint);
   return {};
 }

@@ -33,7 +33,7 @@ bool FragmentWalks::Writer::is_full(std::uint64_t number, std::size_t fragments_
          fragments + fragments_more > kMaxFragments + (is_highest ? 0 : kSpareFragments);
 }
 
-Result<TypeInformationAt> FragmentWalks::check(const BuiltinTopic& topic, const Owner& owner,
+Result<TypeInformationAt> FragmentWalks::check(const DiscoveryTopic& topic, const Owner& owner,
                                                const DataPiece& piece,
                                                AnnouncedEndpoints& announced, MonotonicTime now) {
   const std::lock_guard lock(mutex_);
@@ -49,7 +49,7 @@ Result<TypeInformationAt> FragmentWalks::check(const BuiltinTopic& topic, const 
   return within(piece, type_information);
 }
 
-Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinTopic& topic,
+Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const DiscoveryTopic& topic,
                                                                   Writer& writer,
                                                                   const DataPiece& piece,
                                                                   AnnouncedEndpoints& announced,
@@ -80,7 +80,7 @@ Result<FragmentWalks::Samples::iterator> FragmentWalks::sample_of(const BuiltinT
 // The host may still hold fragments of a forgotten sample. Because only the lowest is forgotten,
 // one number is enough to remember all forgotten samples. A sample that the host has not
 // acknowledged stays, because the host may still wait for one below it.
-Status FragmentWalks::make_room(const BuiltinTopic& topic, Writer& writer, std::uint64_t number,
+Status FragmentWalks::make_room(const DiscoveryTopic& topic, Writer& writer, std::uint64_t number,
                                 std::size_t fragments, const AnnouncedEndpoints& announced,
                                 MonotonicTime now) {
   while (writer.is_full(number, fragments)) {
@@ -94,7 +94,7 @@ Status FragmentWalks::make_room(const BuiltinTopic& topic, Writer& writer, std::
   return {};
 }
 
-Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
+Status FragmentWalks::read(const DiscoveryTopic& topic, const Owner& owner, const DataPiece& piece,
                            Sample& sample, AnnouncedEndpoints& announced, MonotonicTime now) const {
   const auto first = std::size_t{piece.first_fragment - 1};
   if (first > sample.passed.size()) return early_fragment_error();
@@ -120,7 +120,7 @@ Status FragmentWalks::read(const BuiltinTopic& topic, const Owner& owner, const 
 }
 
 // Reads the octets after the passed fragments. Changes nothing if they must not pass.
-Status FragmentWalks::continue_sample(const BuiltinTopic& topic, const Owner& owner,
+Status FragmentWalks::continue_sample(const DiscoveryTopic& topic, const Owner& owner,
                                       const DataPiece& piece, BytesView octets,
                                       const std::vector<Sha256Digest>& added, Sample& sample,
                                       AnnouncedEndpoints& announced) const {

@@ -52,7 +52,7 @@ class FragmentWalks {
   /// Errors: builtin_source_mismatch, builtin_source_unreadable. builtin_fragment_early: an earlier
   /// fragment is missing or there is no space now, so it will be requested again; or its sample is
   /// forgotten, and the sender serves another participant.
-  Result<TypeInformationAt> check(const BuiltinTopic& topic, const Owner& owner,
+  Result<TypeInformationAt> check(const DiscoveryTopic& topic, const Owner& owner,
                                   const DataPiece& piece, AnnouncedEndpoints& announced,
                                   MonotonicTime now);
 
@@ -76,15 +76,15 @@ class FragmentWalks {
     bool is_full(std::uint64_t number, std::size_t fragments_more) const;
   };
 
-  Result<Samples::iterator> sample_of(const BuiltinTopic& topic, Writer& writer,
+  Result<Samples::iterator> sample_of(const DiscoveryTopic& topic, Writer& writer,
                                       const DataPiece& piece, AnnouncedEndpoints& announced,
                                       MonotonicTime now);
-  static Status make_room(const BuiltinTopic& topic, Writer& writer, std::uint64_t number,
+  static Status make_room(const DiscoveryTopic& topic, Writer& writer, std::uint64_t number,
                           std::size_t fragments, const AnnouncedEndpoints& announced,
                           MonotonicTime now);
-  Status read(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece, Sample& sample,
-              AnnouncedEndpoints& announced, MonotonicTime now) const;
-  Status continue_sample(const BuiltinTopic& topic, const Owner& owner, const DataPiece& piece,
+  Status read(const DiscoveryTopic& topic, const Owner& owner, const DataPiece& piece,
+              Sample& sample, AnnouncedEndpoints& announced, MonotonicTime now) const;
+  Status continue_sample(const DiscoveryTopic& topic, const Owner& owner, const DataPiece& piece,
                          BytesView octets, const std::vector<Sha256Digest>& added, Sample& sample,
                          AnnouncedEndpoints& announced) const;
 

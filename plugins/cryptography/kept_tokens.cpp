@@ -15,15 +15,15 @@ namespace {
 
 // True if the host has matched all builtin endpoints that share keys between the local participant
 // and the sender's. False while another thread changes them: the message comes again.
-bool are_builtin_matched(const CryptographyState& state, const RemoteEndpoint& sender) {
+bool are_builtin_matched(const CryptographyState& state, const RemoteEndpointCrypto& sender) {
   const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return false;
   const auto& participant = sender.local.participant;
   const auto is_matched = [&](std::int64_t handle, EntityKind local, EntityKind remote) {
-    const auto endpoint = state.registry.find<LocalEndpoint>(handle, local);
+    const auto endpoint = state.registry.find<LocalEndpointCrypto>(handle, local);
     if (!endpoint || !(*endpoint)->is_builtin || (*endpoint)->is_volatile) return true;
     return std::ranges::any_of((*endpoint)->matched, [&](std::int64_t matched) {
-      const auto found = state.registry.find<RemoteEndpoint>(matched, remote);
+      const auto found = state.registry.find<RemoteEndpointCrypto>(matched, remote);
       return found && &(*found)->participant == &sender.participant;
     });
   };
@@ -36,7 +36,7 @@ bool are_builtin_matched(const CryptographyState& state, const RemoteEndpoint& s
 // True if any local endpoint accepts such tokens. A host never uses a reader's tokens if the
 // writer's submessages are not protected, and would store them without need. True while another
 // thread changes the endpoints.
-bool may_be_used(const CryptographyState& state, const RemoteEndpoint& sender,
+bool may_be_used(const CryptographyState& state, const RemoteEndpointCrypto& sender,
                  const TokenMessage& message) {
   if (message.remote.entity == kEntityIdParticipant) return true;
   const std::unique_lock lock(state.mutex, std::try_to_lock);
@@ -44,7 +44,7 @@ bool may_be_used(const CryptographyState& state, const RemoteEndpoint& sender,
   const bool for_builtin = is_builtin(message.remote.entity);
   const auto kind = message.is_of_reader ? EntityKind::local_writer : EntityKind::local_reader;
   return std::ranges::any_of(sender.local.participant.endpoints, [&](std::int64_t handle) {
-    const auto found = state.registry.find<LocalEndpoint>(handle, kind);
+    const auto found = state.registry.find<LocalEndpointCrypto>(handle, kind);
     if (!found) return false;
     const auto& endpoint = **found;
     // Another vendor's access control does not report which endpoints are builtin.
@@ -59,7 +59,7 @@ struct Judgement {
   std::optional<Error> reported = {};
 };
 
-Result<Judgement> judge(const CryptographyState& state, const RemoteEndpoint& sender,
+Result<Judgement> judge(const CryptographyState& state, const RemoteEndpointCrypto& sender,
                         const ParticipantPair& pair, const TokenMessage& message) {
   using Kind = TokenDecision::Kind;
   if (auto status = check_usable(message); !status)
@@ -109,7 +109,7 @@ void hand_over(CryptographyState& state, const TokenMessage& message,
 // True if the local endpoint needs the peer's tokens. A reader has tokens only if it needs those
 // of writers. A writer needs those of readers if it protects submessages; the key for these comes
 // first in its tokens. True while another thread changes the endpoints.
-bool needs_tokens(const CryptographyState& state, const LocalParticipant& participant,
+bool needs_tokens(const CryptographyState& state, const LocalParticipantCrypto& participant,
                   const TokenMessage& own) {
   if (own.is_of_reader) return true;
   if (own.tokens.empty()) return false;
@@ -118,7 +118,7 @@ bool needs_tokens(const CryptographyState& state, const LocalParticipant& partic
   const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return true;
   return std::ranges::any_of(participant.endpoints, [&](std::int64_t handle) {
-    const auto found = state.registry.find<LocalEndpoint>(handle, EntityKind::local_writer);
+    const auto found = state.registry.find<LocalEndpointCrypto>(handle, EntityKind::local_writer);
     const auto* const key = found ? (*found)->submessage_key.read() : nullptr;
     return key != nullptr && key->material().sender_key_id == material->sender_key_id;
   });
@@ -126,7 +126,7 @@ bool needs_tokens(const CryptographyState& state, const LocalParticipant& partic
 
 }  // namespace
 
-Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
+Status keep_tokens(CryptographyState& state, const RemoteEndpointCrypto& sender,
                    const ParticipantPair& pair, MutableBytes submessage) {
   if (!writer_of_data(submessage)) return {};
   if (!pair.has_reader_spoken.load(std::memory_order_acquire))
@@ -146,7 +146,7 @@ Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
   return {};
 }
 
-void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender,
+void note_own_tokens(const CryptographyState& state, const LocalEndpointCrypto& sender,
                      const ParticipantPair& pair, BytesView submessage) {
   if (state.host_checks_sources || sender.kind() != EntityKind::local_writer ||
       !pair.peer_uses_ddssec() || !writer_of_data(submessage))

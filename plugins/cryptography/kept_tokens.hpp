@@ -18,14 +18,14 @@ namespace ddssec::cryptography {
 /// participants. The sender repeats the message, and then this reader passes it on, too. The host
 /// would store the same ticket twice and so corrupt its memory. A reader sends only when it is
 /// connected.
-Status keep_tokens(CryptographyState& state, const RemoteEndpoint& sender,
+Status keep_tokens(CryptographyState& state, const RemoteEndpointCrypto& sender,
                    const ParticipantPair& pair, MutableBytes submessage);
 
 /// Inspects a `submessage` that the host sends with the local volatile writer, for key tokens of a
 /// local endpoint for one of the peer. The host has matched the two, and now waits for the peer's
 /// tokens. This is recorded only for a peer with ddssec: other plugins would not notice that the
 /// session is restarted.
-void note_own_tokens(const CryptographyState& state, const LocalEndpoint& sender,
+void note_own_tokens(const CryptographyState& state, const LocalEndpointCrypto& sender,
                      const ParticipantPair& pair, BytesView submessage);
 
 }  // namespace ddssec::cryptography

@@ -23,7 +23,7 @@ spi::Token token_for(const SendKey& key, const ReceiverKey* receiver, const Part
 
 // Returns the local key for submessages to that endpoint; nullptr if there is none, or no revised
 // one.
-const SendKey* own_submessage_key(const RemoteEndpoint& to, bool revised) {
+const SendKey* own_submessage_key(const RemoteEndpointCrypto& to, bool revised) {
   const auto& own = to.local;
   if (to.peer_key) return revised ? to.peer_key->next.get() : to.peer_key->key.read();
   return revised ? own.next_submessage_key.get() : own.submessage_key.read();
@@ -90,7 +90,7 @@ void keep_position(RemoteKeys& next, const RemoteKeys* present) {
 // Shares the position of a key for payloads only. Cyclone DDS decrypts a payload once, with the key
 // of the first reader, for all readers. Other hosts decrypt it for each reader.
 void share_payload_position(const CryptographyState& state, RemoteKeys& next,
-                            RemoteEndpoint& remote) {
+                            RemoteEndpointCrypto& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.payload || !next.payload->position()) return;
   if (present != nullptr && are_same(next.payload, present->payload))
@@ -103,7 +103,8 @@ void share_payload_position(const CryptographyState& state, RemoteKeys& next,
 // (host_checks_sources is false) asks about each submessage only once, so they also share the
 // window of repetitions. Otherwise an attacker could break the MAC for one endpoint in a recorded
 // submessage, and it would be new to the next endpoint.
-void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteEndpoint& remote) {
+void share_state(const CryptographyState& state, RemoteKeys& next,
+                 const RemoteEndpointCrypto& remote) {
   const auto* const present = remote.remote_keys.read();
   if (!next.submessage) return;
   if (present != nullptr && are_same(next.submessage, present->submessage))
@@ -115,7 +116,7 @@ void share_state(const CryptographyState& state, RemoteKeys& next, const RemoteE
 }
 
 // Shares the window for the messages of a participant that several local participants know.
-void share_window(RemoteKeys& next, const RemoteParticipant& remote) {
+void share_window(RemoteKeys& next, const RemoteParticipantCrypto& remote) {
   for (const auto& [local, pair] : remote.pairs) {
     const auto* const keys = pair->remote_keys.read();
     if (keys == nullptr || !keys->submessage) continue;
@@ -135,7 +136,7 @@ bool route_alike(const RemoteKeys& next, const std::unique_ptr<RemoteKeys>& form
 }
 
 // Success if no other endpoint has the key (key_owner.hpp).
-Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
+Status check_owner(const RemoteEndpointCrypto& remote, const RemoteKeys& keys) {
   if (!keys.submessage || keys.owner.is_zero()) return {};
   const auto id = keys.submessage->material().sender_key_id;
   const auto owner = remote.participant.routes.other_owner(id, keys.owner);
@@ -150,7 +151,7 @@ Status check_owner(const RemoteEndpoint& remote, const RemoteKeys& keys) {
 // Success if the endpoint was announced where the governance demands it. An endpoint that was
 // announced in the clear could avoid the check of access control without being noticed here. Error:
 // keys_not_permitted.
-Status check_announced(const RemoteEndpoint& remote, const ParticipantPair& pair,
+Status check_announced(const RemoteEndpointCrypto& remote, const ParticipantPair& pair,
                        const EntityId& owner) {
   const auto& local = remote.local;
   if (!local.gate || !local.is_discovery_protected || owner.is_zero() || !pair.peer_prefix)
@@ -242,8 +243,9 @@ Status KeyExchange::set_remote_participant_crypto_tokens(spi::ParticipantCryptoH
   return status;
 }
 
-Status KeyExchange::accept(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
-                           ParticipantPair& pair, std::span<const spi::Token> tokens) {
+Status KeyExchange::accept(const LocalParticipantCrypto& participant,
+                           spi::ParticipantCryptoHandle remote, ParticipantPair& pair,
+                           std::span<const spi::Token> tokens) {
   if (tokens.size() != 1) return fail(Code::crypto_token_count);
   DDSSEC_ASSIGN_OR_RETURN(auto material, read_crypto_token(tokens.front()));
   // Fast DDS sends a GMAC key even if nothing is protected.
@@ -265,7 +267,7 @@ Status KeyExchange::accept(const LocalParticipant& participant, spi::Participant
 }
 
 template <class Local, class Remote>
-Result<RemoteEndpoint*> KeyExchange::matched(Local local, Remote remote) const {
+Result<RemoteEndpointCrypto*> KeyExchange::matched(Local local, Remote remote) const {
   DDSSEC_RETURN_IF_ERROR(state_.local_endpoint(local, local_kind(local)));
   DDSSEC_ASSIGN_OR_RETURN(auto* const endpoint,
                           state_.remote_endpoint(remote, remote_kind(remote)));
@@ -297,7 +299,7 @@ Result<std::vector<spi::Token>> KeyExchange::create(Local local, Remote remote,
 // Assigns one or two materials to the levels. A single one serves all levels that need one (Fast
 // DDS shares its key if both levels encrypt or both sign). Of two, the first is for submessages.
 Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
-    const RemoteEndpoint& remote, std::vector<KeyMaterial> materials) const {
+    const RemoteEndpointCrypto& remote, std::vector<KeyMaterial> materials) const {
   const auto& local = remote.local;
   const auto* const pair = remote.participant.pair(local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
@@ -320,7 +322,7 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::endpoint_keys(
 // The content of a token is used only after every check. The endpoint keeps its keys until
 // `install`. Only the payload positions that its participant remembers for a sender key may grow
 // here.
-Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& endpoint,
+Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpointCrypto& endpoint,
                                                               const ParticipantPair& pair,
                                                               std::span<const spi::Token> tokens,
                                                               EntityId owner) const {
@@ -338,7 +340,7 @@ Result<std::unique_ptr<RemoteKeys>> KeyExchange::checked_keys(RemoteEndpoint& en
 
 // The route leads to the new keys only once they are there. If there is not enough memory for it,
 // the former keys are put back.
-void KeyExchange::install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> keys) {
+void KeyExchange::install(RemoteEndpointCrypto& endpoint, std::unique_ptr<RemoteKeys> keys) {
   state_.note_former(endpoint.handle(), *keys);
   auto former = endpoint.remote_keys.exchange(std::move(keys));
   Rollback undo([&] { endpoint.remote_keys.replace(std::move(former), state_.retired_objects); });

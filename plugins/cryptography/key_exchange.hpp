@@ -33,27 +33,27 @@ class KeyExchange final : public spi::CryptoKeyExchange {
 
  private:
   template <class Local, class Remote>
-  Result<RemoteEndpoint*> matched(Local local, Remote remote) const;
+  Result<RemoteEndpointCrypto*> matched(Local local, Remote remote) const;
   template <class Local, class Remote>
   Result<std::vector<spi::Token>> create(Local local, Remote remote, spi::KeyStage stage);
   template <class Local, class Remote>
   Status set(Local local, Remote remote, std::span<const spi::Token> tokens);
-  Status accept(const LocalParticipant& participant, spi::ParticipantCryptoHandle remote,
+  Status accept(const LocalParticipantCrypto& participant, spi::ParticipantCryptoHandle remote,
                 ParticipantPair& pair, std::span<const spi::Token> tokens);
   Result<std::unique_ptr<ReceiveKey>> receive_key(KeyMaterial material, spi::ProtectionKind due,
                                                   const ParticipantPair& from) const;
   /// Success if `next` may replace the present keys. Error: keys_already_set, with an event.
   Status check_replacement(const RemoteKeys& next, const RemoteKeys* present,
                            const ParticipantPair* from) const;
-  Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpoint& remote,
+  Result<std::unique_ptr<RemoteKeys>> endpoint_keys(const RemoteEndpointCrypto& remote,
                                                     std::vector<KeyMaterial> materials) const;
   /// Returns the keys of tokens that may replace the present ones. Errors: those of read_all,
   /// endpoint_keys, check_owner and check_replacement.
-  Result<std::unique_ptr<RemoteKeys>> checked_keys(RemoteEndpoint& endpoint,
+  Result<std::unique_ptr<RemoteKeys>> checked_keys(RemoteEndpointCrypto& endpoint,
                                                    const ParticipantPair& pair,
                                                    std::span<const spi::Token> tokens,
                                                    EntityId owner) const;
-  void install(RemoteEndpoint& endpoint, std::unique_ptr<RemoteKeys> keys);
+  void install(RemoteEndpointCrypto& endpoint, std::unique_ptr<RemoteKeys> keys);
 
   CryptographyState& state_;
 };

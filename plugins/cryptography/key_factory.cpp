@@ -29,7 +29,7 @@ bool same_key_exchange(const ParticipantPair& a, const ParticipantPair& b) {
 
 // The host matches a new local endpoint with all known ones in the thread that made it, and at
 // once. A listener makes endpoints in the thread that later also matches what peers announce.
-DiscoveryWork::Cause cause_at(const LocalEndpoint& local, MonotonicTime now) {
+DiscoveryWork::Cause cause_at(const LocalEndpointCrypto& local, MonotonicTime now) {
   constexpr MonotonicTime kNew = std::chrono::seconds(10);
   const bool is_new =
       pthread_equal(local.creating_thread, pthread_self()) != 0 && now - local.created_at < kNew;
@@ -40,7 +40,7 @@ DiscoveryWork::Cause cause_at(const LocalEndpoint& local, MonotonicTime now) {
 
 // A host that checks sources limits them itself. Endpoints whose announcements are not protected
 // are not counted: an attacker can invent them in the peer's name.
-bool KeyFactory::is_counted(const LocalEndpoint& local) const {
+bool KeyFactory::is_counted(const LocalEndpointCrypto& local) const {
   return !state_.host_checks_sources && !local.is_builtin && local.is_discovery_protected;
 }
 
@@ -130,7 +130,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
     spi::IdentityHandle, spi::PermissionsHandle, const spi::PropertyList& properties,
     const spi::ParticipantSecurityAttributes& attributes) {
   const std::lock_guard lock(state_.mutex);
-  auto participant = std::make_unique<LocalParticipant>();
+  auto participant = std::make_unique<LocalParticipantCrypto>();
   DDSSEC_ASSIGN_OR_RETURN(const auto ciphers, participant_ciphers(properties));
   participant->cipher = ciphers.message;
   participant->endpoint_cipher = ciphers.endpoint;
@@ -156,7 +156,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_local_participant(
   return spi::ParticipantCryptoHandle{added.handle()};
 }
 
-Status KeyFactory::begin_life(LocalParticipant& participant) {
+Status KeyFactory::begin_life(LocalParticipantCrypto& participant) {
   if (!participant.life.is_limited()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto random_number, random<std::uint64_t>());
   participant.life.begin(state_.services.clock.monotonic(), random_number);
@@ -164,7 +164,7 @@ Status KeyFactory::begin_life(LocalParticipant& participant) {
 }
 
 Result<std::unique_ptr<ParticipantPair>> KeyFactory::make_pair(
-    const LocalParticipant& local, const spi::SharedSecret& shared_secret) {
+    const LocalParticipantCrypto& local, const spi::SharedSecret& shared_secret) {
   if (shared_secret.secret.empty()) return fail(Code::length_out_of_range);
   if (local.key.read() != nullptr)
     DDSSEC_RETURN_IF_ERROR(check_peer(local.cipher, shared_secret.peer_ciphers));
@@ -184,11 +184,11 @@ Result<std::unique_ptr<ParticipantPair>> KeyFactory::make_pair(
   return pair;
 }
 
-Result<RemoteParticipant*> KeyFactory::remote_with_identity(spi::IdentityHandle identity) {
+Result<RemoteParticipantCrypto*> KeyFactory::remote_with_identity(spi::IdentityHandle identity) {
   if (!identity) return fail(Code::crypto_handle_nil);
   if (const auto known = by_identity_.find(identity.value); known != by_identity_.end())
     return known->second;
-  auto remote = std::make_unique<RemoteParticipant>(state_.registry);
+  auto remote = std::make_unique<RemoteParticipantCrypto>(state_.registry);
   remote->identity = identity.value;
   auto* const added = remote.get();
   const auto known = by_identity_.emplace(identity.value, added).first;
@@ -198,14 +198,14 @@ Result<RemoteParticipant*> KeyFactory::remote_with_identity(spi::IdentityHandle 
   return added;
 }
 
-void KeyFactory::publish_pairs(RemoteParticipant& remote, std::int64_t without) {
+void KeyFactory::publish_pairs(RemoteParticipantCrypto& remote, std::int64_t without) {
   auto table = std::make_unique<PairTable>();
   for (const auto& [local, pair] : remote.pairs)
     if (local != without) table->rows.push_back({local, pair.get()});
   remote.pair_table.replace(std::move(table), state_.retired_objects);
 }
 
-Status KeyFactory::claim_place(LocalParticipant& local, spi::IdentityHandle remote,
+Status KeyFactory::claim_place(LocalParticipantCrypto& local, spi::IdentityHandle remote,
                                ParticipantPair& fresh) {
   if (!fresh.receiver_key) return {};
   const auto subject = subject_of(remote.value, fresh);
@@ -257,7 +257,7 @@ Result<spi::ParticipantCryptoHandle> KeyFactory::register_matched_remote_partici
   return spi::ParticipantCryptoHandle{remote->handle()};
 }
 
-Status KeyFactory::make_endpoint_keys(LocalEndpoint& endpoint) {
+Status KeyFactory::make_endpoint_keys(LocalEndpointCrypto& endpoint) {
   if (endpoint.is_volatile) return {};
   const auto cipher = endpoint.cipher;
   const bool protects_submessages = is_protected(endpoint.submessage);
@@ -286,7 +286,7 @@ Result<std::int64_t> KeyFactory::register_local_endpoint(
     const spi::EndpointSecurityAttributes& attributes) {
   const std::lock_guard lock(state_.mutex);
   DDSSEC_ASSIGN_OR_RETURN(auto* const parent, state_.local_participant(participant));
-  auto endpoint = std::make_unique<LocalEndpoint>(kind, *parent);
+  auto endpoint = std::make_unique<LocalEndpointCrypto>(kind, *parent);
   endpoint->created_at = state_.services.clock.monotonic();
   endpoint->is_volatile = is_volatile(kind, properties);
   endpoint->is_builtin = attributes.is_builtin;
@@ -332,7 +332,7 @@ Result<KeyFactory::Match> KeyFactory::find_match(std::int64_t local, EntityKind 
   const auto of_ours =
       kind == EntityKind::remote_writer ? EntityKind::local_reader : EntityKind::local_writer;
   DDSSEC_ASSIGN_OR_RETURN(auto* const endpoint,
-                          state_.registry.find<LocalEndpoint>(local, of_ours));
+                          state_.registry.find<LocalEndpointCrypto>(local, of_ours));
   DDSSEC_ASSIGN_OR_RETURN(auto* const parent, state_.remote_participant(remote));
   const auto* const pair = parent->pair(endpoint->participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
@@ -364,7 +364,7 @@ Result<std::int64_t> KeyFactory::match(std::int64_t local, EntityKind kind,
   }
 }
 
-Status KeyFactory::claim_peer_key(RemoteEndpoint& writer) {
+Status KeyFactory::claim_peer_key(RemoteEndpointCrypto& writer) {
   auto& local = writer.local;
   auto& key = local.peer_keys[writer.participant.handle()];
   if (!key) {
@@ -382,12 +382,12 @@ Status KeyFactory::claim_peer_key(RemoteEndpoint& writer) {
   return {};
 }
 
-void KeyFactory::release_peer_key(const RemoteEndpoint& writer) noexcept {
+void KeyFactory::release_peer_key(const RemoteEndpointCrypto& writer) noexcept {
   if (writer.peer_key && --writer.peer_key->writers == 0)
     writer.local.peer_keys.erase(writer.participant.handle());
 }
 
-Status KeyFactory::claim_share(RemoteEndpoint& remote, const ParticipantPair& pair) {
+Status KeyFactory::claim_share(RemoteEndpointCrypto& remote, const ParticipantPair& pair) {
   auto& local = remote.local;
   if (!is_counted(local)) return {};
   auto& work = remote.participant.discovery.work;
@@ -412,7 +412,7 @@ Status KeyFactory::claim_share(RemoteEndpoint& remote, const ParticipantPair& pa
 Result<std::int64_t> KeyFactory::add_match(const Match& match, EntityKind kind) {
   auto& [local, parent, pair] = match;
   if (local.sends_protected()) DDSSEC_RETURN_IF_ERROR(check_peer(local.cipher, pair.peer_ciphers));
-  auto remote = std::make_unique<RemoteEndpoint>(kind, local, parent);
+  auto remote = std::make_unique<RemoteEndpointCrypto>(kind, local, parent);
   if (!local.is_volatile && is_origin_authenticated(local.submessage)) {
     DDSSEC_ASSIGN_OR_RETURN(remote->receiver_key, receiver_key(local.cipher));
   }

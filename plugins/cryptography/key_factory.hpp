@@ -61,35 +61,35 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   Result<std::unique_ptr<ReceiverKey>> receiver_key(Cipher cipher);
   /// Makes a key of the next revision for `key`; nullptr if there is no such key.
   Result<std::unique_ptr<SendKey>> revised(const PublishedPointer<SendKey>& key);
-  Status revise(LocalEndpoint& endpoint);
-  static void cancel_revision(LocalEndpoint& endpoint) noexcept;
-  void activate_revision(LocalEndpoint& endpoint);
+  Status revise(LocalEndpointCrypto& endpoint);
+  static void cancel_revision(LocalEndpointCrypto& endpoint) noexcept;
+  void activate_revision(LocalEndpointCrypto& endpoint);
   void put_to_use(PublishedPointer<SendKey>& key, std::unique_ptr<SendKey>& next);
   /// Reads the key limits of the properties. Errors: invalid_property, key_limits_without_revision,
   /// those of the random source.
-  Status limit_keys(LocalParticipant& participant, const spi::PropertyList& properties);
-  Status begin_life(LocalParticipant& participant);
+  Status limit_keys(LocalParticipantCrypto& participant, const spi::PropertyList& properties);
+  Status begin_life(LocalParticipantCrypto& participant);
   /// Returns the number of blocks under the most used key of the participant and its endpoints.
-  std::uint64_t blocks_used(const LocalParticipant& participant) const;
+  std::uint64_t blocks_used(const LocalParticipantCrypto& participant) const;
   template <class F>
-  void each_endpoint(const LocalParticipant& participant, F&& f) const;
+  void each_endpoint(const LocalParticipantCrypto& participant, F&& f) const;
   void forget_former_keys(std::int64_t handle, std::chrono::nanoseconds now);
   /// Success if the cipher is available and allowed. Error: cipher_not_allowed.
   Status check_cipher(Cipher cipher, spi::CipherMask allowed) const;
-  Result<std::unique_ptr<ParticipantPair>> make_pair(const LocalParticipant& local,
+  Result<std::unique_ptr<ParticipantPair>> make_pair(const LocalParticipantCrypto& local,
                                                      const spi::SharedSecret& shared_secret);
-  Result<RemoteParticipant*> remote_with_identity(spi::IdentityHandle identity);
+  Result<RemoteParticipantCrypto*> remote_with_identity(spi::IdentityHandle identity);
   /// Returns the pair of the two participants; nullptr if there is none.
   ParticipantPair* known_pair(std::int64_t local, spi::IdentityHandle remote) const;
-  void publish_pairs(RemoteParticipant& remote, std::int64_t without = 0);
+  void publish_pairs(RemoteParticipantCrypto& remote, std::int64_t without = 0);
   Result<std::int64_t> register_local_endpoint(EntityKind kind,
                                                spi::ParticipantCryptoHandle participant,
                                                const spi::PropertyList& properties,
                                                const spi::EndpointSecurityAttributes& attributes);
-  Status make_endpoint_keys(LocalEndpoint& endpoint);
+  Status make_endpoint_keys(LocalEndpointCrypto& endpoint);
   struct Match {
-    LocalEndpoint& local;
-    RemoteParticipant& parent;
+    LocalEndpointCrypto& local;
+    RemoteParticipantCrypto& parent;
     const ParticipantPair& pair;
   };
   /// Looks up the match. The caller holds the mutex. Errors: those of Registry::find,
@@ -104,26 +104,27 @@ class KeyFactory final : public spi::CryptoKeyFactory {
   /// Gives the reader a key for the writer's participant. It is made for the first of that
   /// participant's writers and dropped with the last. The caller holds the mutex. Errors: those of
   /// the random source.
-  Status claim_peer_key(RemoteEndpoint& writer);
-  static void release_peer_key(const RemoteEndpoint& writer) noexcept;
+  Status claim_peer_key(RemoteEndpointCrypto& writer);
+  static void release_peer_key(const RemoteEndpointCrypto& writer) noexcept;
   /// Takes a place for the remote participant. Error: receiver_places_taken, after an event that
   /// names the peer.
-  Status claim_place(LocalParticipant& local, spi::IdentityHandle remote, ParticipantPair& fresh);
+  Status claim_place(LocalParticipantCrypto& local, spi::IdentityHandle remote,
+                     ParticipantPair& fresh);
   /// True if the matches of the endpoint are counted for the subjects of its peers.
-  bool is_counted(const LocalEndpoint& local) const;
+  bool is_counted(const LocalEndpointCrypto& local) const;
   /// Counts the match and charges its work (discovery_work.hpp). Error: too_many_matches, after an
   /// event that names the peer.
-  Status claim_share(RemoteEndpoint& remote, const ParticipantPair& pair);
-  void drop(const Entity& entity);
-  void drop_local(LocalParticipant& participant);
-  void drop_remote(RemoteParticipant& participant);
-  void drop_local(LocalEndpoint& endpoint);
-  void drop_remote(RemoteEndpoint& endpoint);
+  Status claim_share(RemoteEndpointCrypto& remote, const ParticipantPair& pair);
+  void drop(const CryptoEntity& entity);
+  void drop_local(LocalParticipantCrypto& participant);
+  void drop_remote(RemoteParticipantCrypto& participant);
+  void drop_local(LocalEndpointCrypto& endpoint);
+  void drop_remote(RemoteEndpointCrypto& endpoint);
   Status unregister_endpoint(std::int64_t handle, EntityKind local, EntityKind remote);
 
   CryptographyState& state_;
   std::uint32_t next_key_id_;
-  std::unordered_map<std::int64_t, RemoteParticipant*> by_identity_;
+  std::unordered_map<std::int64_t, RemoteParticipantCrypto*> by_identity_;
 };
 
 }  // namespace ddssec::cryptography

@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/entities.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -43,7 +43,7 @@ std::unexpected<Error> not_of_sender_error(const Shape& shape, std::string expec
 
 }  // namespace
 
-Status check_speaker(const RemoteEndpoint& sender, BytesView plain) {
+Status check_speaker(const RemoteEndpointCrypto& sender, BytesView plain) {
   const auto header = read_submessage_header(plain);
   if (header.id == submessage_id::kInfoTimestamp) return {};
   const auto shape = shape_of(header.id);

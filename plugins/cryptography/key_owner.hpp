@@ -8,7 +8,7 @@
 
 namespace ddssec::cryptography {
 
-struct RemoteEndpoint;
+struct RemoteEndpointCrypto;
 
 /// ParticipantVolatileMessageSecure (DDS-Security 1.2, clause 7.5.4). Both directions share one
 /// key.
@@ -22,6 +22,6 @@ constexpr bool is_builtin(const EntityId& id) { return (id.octets[3] & 0xc0) == 
 /// sender. A key with an unknown owner may speak only for application endpoints, or, if a builtin
 /// endpoint received it, only for builtin ones. Under a ReadGuard. Errors:
 /// submessage_not_of_sender, secure_group_malformed.
-Status check_speaker(const RemoteEndpoint& sender, BytesView plain);
+Status check_speaker(const RemoteEndpointCrypto& sender, BytesView plain);
 
 }  // namespace ddssec::cryptography

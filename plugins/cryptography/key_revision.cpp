@@ -98,10 +98,10 @@ Result<std::unique_ptr<SendKey>> KeyFactory::revised(const PublishedPointer<Send
 }
 
 template <class F>
-void KeyFactory::each_endpoint(const LocalParticipant& participant, F&& f) const {
+void KeyFactory::each_endpoint(const LocalParticipantCrypto& participant, F&& f) const {
   for (const auto handle : participant.endpoints)
     for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
-      if (const auto found = state_.registry.find<LocalEndpoint>(handle, kind)) f(**found);
+      if (const auto found = state_.registry.find<LocalEndpointCrypto>(handle, kind)) f(**found);
 }
 
 // All keys are made before any takes effect, so that a failure leaves everything as it was.
@@ -118,7 +118,7 @@ Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoH
   Rollback rollback(undo);
   Status status;
   DDSSEC_ASSIGN_OR_RETURN(participant.next_key, revised(participant.key));
-  each_endpoint(participant, [&](LocalEndpoint& endpoint) {
+  each_endpoint(participant, [&](LocalEndpointCrypto& endpoint) {
     if (status) status = revise(endpoint);
   });
   DDSSEC_RETURN_IF_ERROR(std::move(status));
@@ -128,7 +128,7 @@ Result<KeyRevision> KeyFactory::revise_local_entity_keys(spi::ParticipantCryptoH
   return participant.revision = next_revision(participant.revision);
 }
 
-Status KeyFactory::revise(LocalEndpoint& endpoint) {
+Status KeyFactory::revise(LocalEndpointCrypto& endpoint) {
   DDSSEC_ASSIGN_OR_RETURN(endpoint.next_submessage_key, revised(endpoint.submessage_key));
   DDSSEC_ASSIGN_OR_RETURN(endpoint.next_payload_key, revised(endpoint.payload_key));
   for (const auto& [participant, peer] : endpoint.peer_keys) {
@@ -137,7 +137,7 @@ Status KeyFactory::revise(LocalEndpoint& endpoint) {
   return {};
 }
 
-void KeyFactory::cancel_revision(LocalEndpoint& endpoint) noexcept {
+void KeyFactory::cancel_revision(LocalEndpointCrypto& endpoint) noexcept {
   endpoint.next_submessage_key.reset();
   endpoint.next_payload_key.reset();
   for (const auto& [participant, peer] : endpoint.peer_keys) peer->next.reset();
@@ -147,7 +147,7 @@ void KeyFactory::put_to_use(PublishedPointer<SendKey>& key, std::unique_ptr<Send
   if (next) key.replace(std::move(next), state_.retired_objects);
 }
 
-void KeyFactory::activate_revision(LocalEndpoint& endpoint) {
+void KeyFactory::activate_revision(LocalEndpointCrypto& endpoint) {
   put_to_use(endpoint.submessage_key, endpoint.next_submessage_key);
   put_to_use(endpoint.payload_key, endpoint.next_payload_key);
   for (const auto& [participant, peer] : endpoint.peer_keys) put_to_use(peer->key, peer->next);
@@ -161,14 +161,15 @@ Status KeyFactory::activate_key_revision(spi::ParticipantCryptoHandle local, Key
     return fail(Code::key_revision_out_of_turn,
                 {.field = "key_revision", .found = std::to_string(revision)});
   put_to_use(participant.key, participant.next_key);
-  each_endpoint(participant, [&](LocalEndpoint& endpoint) { activate_revision(endpoint); });
+  each_endpoint(participant, [&](LocalEndpointCrypto& endpoint) { activate_revision(endpoint); });
   participant.is_revising = false;
   return {};
 }
 
 // ---- how long keys are in use
 
-Status KeyFactory::limit_keys(LocalParticipant& participant, const spi::PropertyList& properties) {
+Status KeyFactory::limit_keys(LocalParticipantCrypto& participant,
+                              const spi::PropertyList& properties) {
   DDSSEC_ASSIGN_OR_RETURN(const auto limits, spi::key_limits(properties));
   if (limits.any() && !participant.revises_keys) {
     const auto name = limits.blocks != 0 ? property::kMaxBlocksPerKey : property::kKeyLifetime;
@@ -187,14 +188,14 @@ bool KeyFactory::is_key_revision_due(spi::ParticipantCryptoHandle local) const {
   return life.has_ended(now) || (life.counts_blocks(now) && life.is_used_up(blocks_used(**found)));
 }
 
-std::uint64_t KeyFactory::blocks_used(const LocalParticipant& participant) const {
+std::uint64_t KeyFactory::blocks_used(const LocalParticipantCrypto& participant) const {
   const ReadGuard guard;  // a sending thread may go on to the next session
   std::uint64_t most = 0;
   const auto count = [&](const PublishedPointer<SendKey>& published) {
     if (const auto* const key = published.read()) most = std::max(most, key->blocks_used());
   };
   count(participant.key);
-  each_endpoint(participant, [&](const LocalEndpoint& endpoint) {
+  each_endpoint(participant, [&](const LocalEndpointCrypto& endpoint) {
     count(endpoint.submessage_key);
     count(endpoint.payload_key);
     for (const auto& [remote, peer] : endpoint.peer_keys) count(peer->key);
@@ -226,7 +227,7 @@ void KeyFactory::forget_former_keys(std::int64_t handle, std::chrono::nanosecond
   if (const auto participant = state_.remote_participant(spi::ParticipantCryptoHandle{handle}))
     for (const auto& [local, pair] : (*participant)->pairs) prune(pair->remote_keys);
   for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
-    if (const auto endpoint = state_.registry.find<RemoteEndpoint>(handle, kind))
+    if (const auto endpoint = state_.registry.find<RemoteEndpointCrypto>(handle, kind))
       prune((*endpoint)->remote_keys);
 }
 

@@ -1,9 +1,9 @@
 // Protection of whole RTPS messages with a given key. All functions run under a ReadGuard.
 #pragma once
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/receive_key.hpp"
 #include "plugins/cryptography/send_key.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 

@@ -9,13 +9,13 @@ namespace {
 
 constexpr std::size_t kWordSize = 4;
 
-std::unexpected<Error> wrong_length_error(const BuiltinTopic& topic) {
+std::unexpected<Error> wrong_length_error(const DiscoveryTopic& topic) {
   return unreadable_name_error(topic, "its partitions have lengths that lie");
 }
 
 }  // namespace
 
-Status PartitionWalk::read(const BuiltinTopic& topic, BytesView octets) {
+Status PartitionWalk::read(const DiscoveryTopic& topic, BytesView octets) {
   for (const auto octet : octets) {
     --rest_;
     DDSSEC_RETURN_IF_ERROR(read_octet(topic, octet));
@@ -24,7 +24,7 @@ Status PartitionWalk::read(const BuiltinTopic& topic, BytesView octets) {
   return rest_ == 0 && !is_done ? Status(wrong_length_error(topic)) : Status();
 }
 
-Status PartitionWalk::read_octet(const BuiltinTopic& topic, std::uint8_t octet) {
+Status PartitionWalk::read_octet(const DiscoveryTopic& topic, std::uint8_t octet) {
   if (name_left_ > 0) {
     --name_left_;
     return read_character(topic, static_cast<char>(octet));
@@ -43,7 +43,7 @@ Status PartitionWalk::read_octet(const BuiltinTopic& topic, std::uint8_t octet) 
   return read_word(topic, word);
 }
 
-Status PartitionWalk::read_word(const BuiltinTopic& topic, std::uint32_t word) {
+Status PartitionWalk::read_word(const DiscoveryTopic& topic, std::uint32_t word) {
   if (has_count_) return begin_name(topic, word);
   if (word > kMaxNames)
     return unreadable_name_error(topic,
@@ -54,7 +54,7 @@ Status PartitionWalk::read_word(const BuiltinTopic& topic, std::uint32_t word) {
   return {};
 }
 
-Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) {
+Status PartitionWalk::begin_name(const DiscoveryTopic& topic, std::uint32_t size) {
   if (size == 0 || size > rest_) return wrong_length_error(topic);
   if (size > kMaxNameOctets + 1)
     return unreadable_name_error(
@@ -68,7 +68,7 @@ Status PartitionWalk::begin_name(const BuiltinTopic& topic, std::uint32_t size) 
   return {};
 }
 
-Status PartitionWalk::read_character(const BuiltinTopic& topic, char character) {
+Status PartitionWalk::read_character(const DiscoveryTopic& topic, char character) {
   if (character == '\0') return {};
   if (text_size_ < text_.size()) text_[text_size_++] = character;
   if (character == '*') is_in_stars_ = true;
@@ -77,7 +77,7 @@ Status PartitionWalk::read_character(const BuiltinTopic& topic, char character) 
   return count_star(topic);
 }
 
-Status PartitionWalk::count_star(const BuiltinTopic& topic) {
+Status PartitionWalk::count_star(const DiscoveryTopic& topic) {
   const auto expression = '"' + std::string(text_.data(), text_size_) + "...\"";
   if (++stars_ > kMaxStarsOfName)
     return unreadable_name_error(topic, "its partition expression " + expression +

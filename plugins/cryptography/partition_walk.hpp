@@ -16,7 +16,7 @@
 
 namespace ddssec::cryptography {
 
-struct BuiltinTopic;
+struct DiscoveryTopic;
 
 /// Reads the value of the parameter, a CDR sequence of strings, in pieces of any size. The object
 /// is small, so that it can be copied.
@@ -31,17 +31,17 @@ class PartitionWalk {
   PartitionWalk(std::uint16_t length, bool is_little) : is_little_(is_little), rest_(length) {}
 
   /// Reads the next octets of the value, at most rest(). Error: builtin_source_unreadable.
-  Status read(const BuiltinTopic& topic, BytesView octets);
+  Status read(const DiscoveryTopic& topic, BytesView octets);
   std::size_t rest() const { return rest_; }
   /// Returns the number of names in the value, according to its count.
   std::size_t names() const { return names_; }
 
  private:
-  Status read_octet(const BuiltinTopic& topic, std::uint8_t octet);
-  Status read_word(const BuiltinTopic& topic, std::uint32_t word);
-  Status begin_name(const BuiltinTopic& topic, std::uint32_t size);
-  Status read_character(const BuiltinTopic& topic, char character);
-  Status count_star(const BuiltinTopic& topic);
+  Status read_octet(const DiscoveryTopic& topic, std::uint8_t octet);
+  Status read_word(const DiscoveryTopic& topic, std::uint32_t word);
+  Status begin_name(const DiscoveryTopic& topic, std::uint32_t size);
+  Status read_character(const DiscoveryTopic& topic, char character);
+  Status count_star(const DiscoveryTopic& topic);
 
   bool is_little_ = false;
   bool has_count_ = false;

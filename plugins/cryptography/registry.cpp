@@ -14,7 +14,7 @@ Registry::Place& Registry::place(std::uint64_t index) const {
   return (*chunks_[index / kChunkSize].load(std::memory_order_relaxed))[index % kChunkSize];
 }
 
-Status Registry::add(std::unique_ptr<Entity> entity) {
+Status Registry::add(std::unique_ptr<CryptoEntity> entity) {
   if (free_.empty()) {
     if (next_ == kChunkSize * kMaxChunks) return fail(Code::crypto_too_many_entities);
     auto& chunk = chunks_[next_ / kChunkSize];
@@ -36,15 +36,15 @@ Status Registry::add(std::unique_ptr<Entity> entity) {
   return {};
 }
 
-std::unique_ptr<Entity> Registry::remove(const Entity& entity) noexcept {
+std::unique_ptr<CryptoEntity> Registry::remove(const CryptoEntity& entity) noexcept {
   const auto index = static_cast<std::uint64_t>(entity.handle()) & kIndexMask;
-  std::unique_ptr<Entity> removed(place(index).entity.exchange(nullptr));
+  std::unique_ptr<CryptoEntity> removed(place(index).entity.exchange(nullptr));
   free_.push_back(index);
   --size_;
   return removed;
 }
 
-std::unexpected<Error> Registry::refuse(std::int64_t handle, const Entity* found) {
+std::unexpected<Error> Registry::refuse(std::int64_t handle, const CryptoEntity* found) {
   if (handle == 0) return fail(Code::crypto_handle_nil);
   return fail(found != nullptr ? Code::crypto_handle_wrong_kind : Code::crypto_handle_unknown);
 }

@@ -23,9 +23,9 @@ enum class EntityKind : std::uint8_t {
 };
 
 /// An object with a handle. The registry assigns the handle, which never changes.
-class Entity : public RetirableObject {
+class CryptoEntity : public RetirableObject {
  public:
-  explicit Entity(EntityKind kind) : kind_(kind) {}
+  explicit CryptoEntity(EntityKind kind) : kind_(kind) {}
   EntityKind kind() const { return kind_; }
   std::int64_t handle() const { return handle_; }
 
@@ -52,17 +52,17 @@ class Registry {
 
   /// Assigns the entity its handle and takes ownership. One caller at a time. Error:
   /// crypto_too_many_entities.
-  Status add(std::unique_ptr<Entity> entity);
+  Status add(std::unique_ptr<CryptoEntity> entity);
   /// Unlinks the entity and returns it; afterwards its handle is unknown. The caller retires the
   /// entity. Allocates no memory. One caller at a time.
-  std::unique_ptr<Entity> remove(const Entity& entity) noexcept;
+  std::unique_ptr<CryptoEntity> remove(const CryptoEntity& entity) noexcept;
 
   /// Returns the entity with that handle and kind. Under a ReadGuard, or by the one caller of
   /// `add`. Errors: crypto_handle_nil, crypto_handle_unknown (never given out, or returned),
   /// crypto_handle_wrong_kind.
   template <class T>
   Result<T*> find(std::int64_t handle, EntityKind kind) const {
-    Entity* const entity = at(handle);
+    CryptoEntity* const entity = at(handle);
     if (entity != nullptr && entity->kind() == kind) [[likely]]
       return static_cast<T*>(entity);
     return refuse(handle, entity);
@@ -76,22 +76,22 @@ class Registry {
   static constexpr std::uint64_t kGenerationMask = (std::uint64_t{1} << kGenerationBits) - 1;
 
   struct Place {
-    std::atomic<Entity*> entity = nullptr;
+    std::atomic<CryptoEntity*> entity = nullptr;
     std::uint64_t used = 0;  // how often it was used; only the caller of add reads it
   };
   using Chunk = std::array<Place, kChunkSize>;
 
   /// Returns the live entity of exactly this handle, or nullptr.
-  Entity* at(std::int64_t handle) const noexcept {
+  CryptoEntity* at(std::int64_t handle) const noexcept {
     const auto index = static_cast<std::uint64_t>(handle) & kIndexMask;
     if (handle <= 0 || index >= kChunkSize * kMaxChunks) return nullptr;
     const Chunk* const chunk = chunks_[index / kChunkSize].load(std::memory_order_acquire);
     if (chunk == nullptr) return nullptr;
-    Entity* const entity = (*chunk)[index % kChunkSize].entity.load();
+    CryptoEntity* const entity = (*chunk)[index % kChunkSize].entity.load();
     return entity != nullptr && entity->handle_ == handle ? entity : nullptr;
   }
   Place& place(std::uint64_t index) const;
-  static std::unexpected<Error> refuse(std::int64_t handle, const Entity* found);
+  static std::unexpected<Error> refuse(std::int64_t handle, const CryptoEntity* found);
 
   const std::uint64_t first_generation_;
   std::array<std::atomic<Chunk*>, kMaxChunks> chunks_ = {};

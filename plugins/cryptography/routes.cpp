@@ -4,9 +4,9 @@
 #include <iterator>
 #include <tuple>
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/entities.hpp"
 #include "plugins/cryptography/key_revision.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -24,8 +24,8 @@ std::tuple<KeyId, KeyId, std::int64_t> place_of(const Route& route) {
 
 }  // namespace
 
-RemoteEndpoint* Routes::endpoint_of(const Route& route) const {
-  const auto found = registry_.find<RemoteEndpoint>(route.handle, route.kind);
+RemoteEndpointCrypto* Routes::endpoint_of(const Route& route) const {
+  const auto found = registry_.find<RemoteEndpointCrypto>(route.handle, route.kind);
   return found && (*found)->route == route.number ? *found : nullptr;
 }
 
@@ -42,7 +42,7 @@ Routes::FoundRoute Routes::first_of(std::span<const Route> routes, std::int64_t 
   return {};
 }
 
-RemoteEndpoint* Routes::find(KeyId key, std::int64_t receiver, BytesView group) const {
+RemoteEndpointCrypto* Routes::find(KeyId key, std::int64_t receiver, BytesView group) const {
   const auto* const table = table_.read();
   if (table == nullptr) return nullptr;
   const auto has_key = [&](const Route& one) { return one.key_id == key; };
@@ -64,8 +64,8 @@ RemoteEndpoint* Routes::find(KeyId key, std::int64_t receiver, BytesView group) 
 
 // Searches from MAC to route, not the other way round, because the sender chooses the number of
 // each.
-RemoteEndpoint* Routes::find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
-                                    BytesView group) const {
+RemoteEndpointCrypto* Routes::find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
+                                          BytesView group) const {
   const auto message = read_protected_group(group, kSubmessageFrame);
   if (!message) return nullptr;
   for (auto macs = message->footer.receiver_macs; !macs.empty();
@@ -116,7 +116,7 @@ const ReceiveKey* Routes::same_sender_key(const KeyMaterial& material) const {
 
 // Calls `f` with each other endpoint that messages under the key may be routed to instead.
 template <class F>
-void Routes::each_rival(const RemoteEndpoint& endpoint, F&& f) const {
+void Routes::each_rival(const RemoteEndpointCrypto& endpoint, F&& f) const {
   const auto* const table = table_.read();
   const auto& key = endpoint.remote_keys.read()->submessage->material();
   if (table == nullptr || !key.receiver_key_id.is_zero()) return;
@@ -129,16 +129,16 @@ void Routes::each_rival(const RemoteEndpoint& endpoint, F&& f) const {
     }
 }
 
-bool Routes::is_outdated(const RemoteEndpoint& endpoint) const {
+bool Routes::is_outdated(const RemoteEndpointCrypto& endpoint) const {
   bool out = false;
-  each_rival(endpoint, [&](const RemoteEndpoint& rival) {
+  each_rival(endpoint, [&](const RemoteEndpointCrypto& rival) {
     out = out || is_later_revision(*rival.remote_keys.read(), *endpoint.remote_keys.read());
   });
   return out;
 }
 
-void Routes::end_outdated(const RemoteEndpoint& endpoint) {
-  each_rival(endpoint, [&](RemoteEndpoint& rival) {
+void Routes::end_outdated(const RemoteEndpointCrypto& endpoint) {
+  each_rival(endpoint, [&](RemoteEndpointCrypto& rival) {
     if (!is_later_revision(*endpoint.remote_keys.read(), *rival.remote_keys.read())) return;
     rival.route = 0;
     note_gone();

@@ -28,7 +28,7 @@
 namespace ddssec::cryptography {
 
 struct KeyMaterial;
-struct RemoteEndpoint;
+struct RemoteEndpointCrypto;
 class ReceiveKey;
 
 /// The receiver of a protected submessage: how a key id that a message names leads to a match.
@@ -38,7 +38,8 @@ struct Route {
   std::int64_t local_participant;
   EntityKind kind;  ///< remote_writer or remote_reader
   std::int64_t handle;
-  std::uint64_t number;  ///< valid while the endpoint has the same number (RemoteEndpoint::route)
+  std::uint64_t
+      number;  ///< valid while the endpoint has the same number (RemoteEndpointCrypto::route)
   auto operator<=>(const Route&) const = default;
 };
 
@@ -54,16 +55,16 @@ class Routes {
   /// True if another endpoint of the same local participant has a route to a later revision of the
   /// endpoint's key. False for a key with a receiver-specific part, because each message names the
   /// receivers that can open it. One caller at a time.
-  bool is_outdated(const RemoteEndpoint& endpoint) const;
+  bool is_outdated(const RemoteEndpointCrypto& endpoint) const;
   /// Ends the routes to earlier revisions of the endpoint's key, for the same local participant and
   /// with the same exception. One caller at a time.
-  void end_outdated(const RemoteEndpoint& endpoint);
+  void end_outdated(const RemoteEndpointCrypto& endpoint);
 
   /// Returns the endpoint that sent a SEC_ group under the key `key`, as matched with the local
   /// participant `receiver` (0 for any). Several endpoints may have one key, for example a remote
   /// writer that is matched with several local readers. Then the result is the one for which the
   /// group has a MAC, or else the first. nullptr if there is none. Under a ReadGuard.
-  RemoteEndpoint* find(KeyId key, std::int64_t receiver, BytesView group) const;
+  RemoteEndpointCrypto* find(KeyId key, std::int64_t receiver, BytesView group) const;
   /// Returns the id of an endpoint other than `owner` that has that key; zero if none is known.
   /// Only the caller of `add` may call it.
   EntityId other_owner(KeyId key, const EntityId& owner) const;
@@ -85,16 +86,16 @@ class Routes {
   };
   struct FoundRoute {
     const Route* route = nullptr;
-    RemoteEndpoint* endpoint = nullptr;
+    RemoteEndpointCrypto* endpoint = nullptr;
   };
 
-  RemoteEndpoint* endpoint_of(const Route& route) const;
+  RemoteEndpointCrypto* endpoint_of(const Route& route) const;
   template <class Like>
   FoundRoute first_of(std::span<const Route> routes, std::int64_t receiver, Like&& like) const;
-  RemoteEndpoint* find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
-                              BytesView group) const;
+  RemoteEndpointCrypto* find_by_mac(const Table& table, KeyId key, std::int64_t receiver,
+                                    BytesView group) const;
   template <class F>
-  void each_rival(const RemoteEndpoint& endpoint, F&& f) const;
+  void each_rival(const RemoteEndpointCrypto& endpoint, F&& f) const;
   Run merged(const Run& a, const Run& b) const;
 
   const Registry& registry_;

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "plugins/cryptography/wire.hpp"
+#include "plugins/cryptography/crypto_framing.hpp"
 
 namespace ddssec::cryptography {
 namespace {

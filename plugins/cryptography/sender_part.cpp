@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "plugins/cryptography/builtin_checks.hpp"
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/data_piece.hpp"
 #include "plugins/cryptography/key_owner.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -89,7 +89,7 @@ bool is_of_closed_writer(BytesView submessage, const DiscoveryOfPeers& peers) {
   auto writer = writer_of_data(submessage);
   if (!writer)
     if (const auto skipped = read_skipped(submessage)) writer = skipped->writer;
-  return writer && builtin_topic_of(*writer) != nullptr && peers.is_closed(*writer);
+  return writer && discovery_topic_of(*writer) != nullptr && peers.is_closed(*writer);
 }
 
 // ---- key tokens

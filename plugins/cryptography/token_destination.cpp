@@ -4,8 +4,8 @@
 #include <string_view>
 #include <utility>
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/data_piece.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 namespace {

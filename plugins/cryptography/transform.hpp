@@ -1,9 +1,9 @@
 // Protects messages, submessages and payloads, and opens protected ones.
 #pragma once
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/cryptography_state.hpp"
 #include "plugins/cryptography/sender_part.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography {
 

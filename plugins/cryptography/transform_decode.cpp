@@ -111,7 +111,7 @@ Result<std::size_t> open_with_any_revision(const KeyOfLevel& of, const Protected
 // Returns the key for submessages. Both sides of a key exchange share one key, and the host takes
 // the sender's name from an RTPS header that any participant can write. Local messages that an
 // attacker sends back are therefore recognised by their session.
-Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId session) {
+Result<ReceiveKey*> submessage_key(const RemoteEndpointCrypto& sender, SessionId session) {
   if (!sender.local.is_volatile) return received(sender.remote_keys, &LevelKeys::submessage);
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair == nullptr) return fail(Code::crypto_not_matched);
@@ -122,7 +122,7 @@ Result<ReceiveKey*> submessage_key(const RemoteEndpoint& sender, SessionId sessi
 // True for the kinds of submessage that the owner of a writer's or reader's key may send. Fast DDS
 // protects a writer's INFO_TS in its own group. The volatile endpoints of a participant share one
 // key.
-bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
+bool may_send(const RemoteEndpointCrypto& sender, std::uint8_t id) {
   using namespace submessage_id;
   constexpr std::array kWriters = {kData,          kDataFrag, kHeartbeat,
                                    kHeartbeatFrag, kGap,      kInfoTimestamp};
@@ -135,7 +135,7 @@ bool may_send(const RemoteEndpoint& sender, std::uint8_t id) {
 
 // Success if `plain` is exactly one submessage in whole words, as the host reads it, and of a kind
 // that its sender may send.
-Status check_submessage(const RemoteEndpoint& sender, BytesView plain) {
+Status check_submessage(const RemoteEndpointCrypto& sender, BytesView plain) {
   if (plain.size() % 4 != 0 || size_of_first_submessage(plain) != plain.size())
     return fail(Code::secure_group_malformed,
                 {.note = "its tag is right: the owner of its key sent it or, without origin "
@@ -157,7 +157,7 @@ class DiscoveryOfOne final : public DiscoveryOfPeers {
 };
 
 // Checks a sample of a protected builtin writer, and hides its type information from the host.
-Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sender,
+Status check_discovery(const CryptographyState& state, const RemoteEndpointCrypto& sender,
                        const Owner& owner, MutableBytes plain) {
   DiscoveryOfOne peers(sender.participant.discovery, state.services.clock);
   DDSSEC_ASSIGN_OR_RETURN(const auto types, check_builtin_source(plain, owner, peers));
@@ -166,7 +166,8 @@ Status check_discovery(const CryptographyState& state, const RemoteEndpoint& sen
   return {};
 }
 
-bool is_reported(const CryptographyState& state, const RemoteEndpoint& sender, const Error& error) {
+bool is_reported(const CryptographyState& state, const RemoteEndpointCrypto& sender,
+                 const Error& error) {
   if (error.code() == Code::announcements_delayed)
     return sender.participant.discovery.work.take_report(state.services.clock.monotonic());
   return error.code() != Code::crypto_tokens_repeated &&
@@ -174,7 +175,7 @@ bool is_reported(const CryptographyState& state, const RemoteEndpoint& sender, c
 }
 
 // Success unless a peer asks for fragments of key tokens that it was not sent.
-Status check_requested(const CryptographyState& state, const RemoteEndpoint& sender,
+Status check_requested(const CryptographyState& state, const RemoteEndpointCrypto& sender,
                        BytesView plain) {
   if (!sender.local.is_volatile) return {};
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
@@ -186,7 +187,7 @@ Status check_requested(const CryptographyState& state, const RemoteEndpoint& sen
 
 // Makes all source checks, for a host that would trust any source and endpoint that the submessage
 // names.
-Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender,
+Status check_source_named(CryptographyState& state, const RemoteEndpointCrypto& sender,
                           MutableBytes plain) {
   if (state.host_checks_sources) return {};
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
@@ -203,15 +204,16 @@ Status check_source_named(CryptographyState& state, const RemoteEndpoint& sender
 }
 
 // Raises an event, because no honest owner of the key protects such a submessage.
-void report_form(const CryptographyState& state, const RemoteEndpoint& sender, const Error& error) {
+void report_form(const CryptographyState& state, const RemoteEndpointCrypto& sender,
+                 const Error& error) {
   const auto* const pair = sender.participant.pair(sender.local.participant.handle());
   if (pair != nullptr) state.report(error, pair->peer_prefix);
 }
 
 // Returns the sender, if it is matched with the receiver, whose participant still receives.
 template <class Local, class Remote>
-Result<const RemoteEndpoint*> matched_sender(const CryptographyState& state, Local receiver,
-                                             Remote sender) {
+Result<const RemoteEndpointCrypto*> matched_sender(const CryptographyState& state, Local receiver,
+                                                   Remote sender) {
   DDSSEC_ASSIGN_OR_RETURN(const auto* const local,
                           state.local_endpoint(receiver, local_kind(receiver)));
   DDSSEC_ASSIGN_OR_RETURN(const auto* const remote,

@@ -173,7 +173,8 @@ Status check_volatile(const CryptographyState& state, ParticipantPair& pair, Byt
 // Encodes a submessage of a volatile endpoint, which goes to one participant under the key of the
 // pair.
 template <class Remote>
-Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalEndpoint& sender,
+Result<std::size_t> encode_volatile(const CryptographyState& state,
+                                    const LocalEndpointCrypto& sender,
                                     std::span<const Remote> receivers, GroupRequest request,
                                     MutableBytes out) {
   if (receivers.size() != 1) return fail(Code::receiver_count);
@@ -198,8 +199,8 @@ Result<std::size_t> encode_volatile(const CryptographyState& state, const LocalE
 template <class F>
 void note_acknowledged(BytesView submessage, F&& find) {
   const auto acknowledged = read_acknowledgment(submessage);
-  const auto* const topic = acknowledged ? builtin_topic_of(acknowledged->writer) : nullptr;
-  const RemoteParticipant* const peer = topic == nullptr ? nullptr : find();
+  const auto* const topic = acknowledged ? discovery_topic_of(acknowledged->writer) : nullptr;
+  const RemoteParticipantCrypto* const peer = topic == nullptr ? nullptr : find();
   if (peer != nullptr) peer->discovery.announced.acknowledged(*topic, acknowledged->next);
 }
 
@@ -208,14 +209,14 @@ template <class Remote>
 void note_acknowledged(const CryptographyState& state, std::span<const Remote> receivers,
                        BytesView submessage) {
   if (state.host_checks_sources || receivers.empty()) return;
-  note_acknowledged(submessage, [&]() -> const RemoteParticipant* {
+  note_acknowledged(submessage, [&]() -> const RemoteParticipantCrypto* {
     const auto remote = state.remote_endpoint(receivers.front(), remote_kind(Remote{}));
     return remote ? &(*remote)->participant : nullptr;
   });
 }
 
 // As note_acknowledged above, for the submessages inside a message, whose receivers INFO_DST names.
-void note_acknowledged(const CryptographyState& state, const LocalParticipant& sender,
+void note_acknowledged(const CryptographyState& state, const LocalParticipantCrypto& sender,
                        BytesView message) {
   GuidPrefix to;
   for (auto rest = message.subspan(kRtpsHeaderSize); !rest.empty();) {
@@ -234,7 +235,7 @@ void note_acknowledged(const CryptographyState& state, const LocalParticipant& s
 // since the host listed them. Errors: receiver_count for no writer, or for writers of several
 // participants; crypto_not_matched; crypto_handle_unknown if all have left.
 template <class Remote>
-Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpoint& sender,
+Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpointCrypto& sender,
                           std::span<const Remote> receivers) {
   const PeerKey* common = nullptr;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
@@ -254,7 +255,7 @@ Result<SendKey*> peer_key(const CryptographyState& state, const LocalEndpoint& s
 
 // Returns the key of the endpoint `sender` for these receivers.
 template <class Remote>
-Result<SendKey*> key_towards(const CryptographyState& state, const LocalEndpoint& sender,
+Result<SendKey*> key_towards(const CryptographyState& state, const LocalEndpointCrypto& sender,
                              std::span<const Remote> receivers) {
   return sender.has_peer_keys() ? peer_key(state, sender, receivers)
                                 : Result<SendKey*>(sender.submessage_key.read());

@@ -3,8 +3,8 @@
 #include <iterator>
 #include <utility>
 
+#include "plugins/cyclonedds/access_control_gate.hpp"
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
-#include "plugins/cyclonedds/match_gate.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
 #include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
@@ -27,7 +27,7 @@ Result<spi::PropertyList> optional_properties(const DDS_Security_PropertySeq* pr
 Result<spi::EndpointSecurityAttributes> gated_attributes_from(
     const DDS_Security_EndpointSecurityAttributes& attributes) {
   auto out = attributes_from(attributes);
-  DDSSEC_ASSIGN_OR_RETURN(out.gate, MatchGate::of(attributes.ac_endpoint_properties));
+  DDSSEC_ASSIGN_OR_RETURN(out.gate, AccessControlGate::of(attributes.ac_endpoint_properties));
   return out;
 }
 

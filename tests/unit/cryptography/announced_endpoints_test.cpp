@@ -294,7 +294,7 @@ TEST(SkippedNumbers, VeryManyGaps_AreAllCovered) {
 }
 
 TEST(AnnouncementAccounts, ParticipantsOfACertificate_ShareOneAccount) {
-  const auto& topic = *builtin_topic_of(kPublications);
+  const auto& topic = *discovery_topic_of(kPublications);
   AnnouncementAccounts accounts;
   constexpr auto kHalf = AnnouncedOctets::kMax / 2;
   const auto announces = [&](AnnouncedEndpoints& endpoints, std::uint64_t number,

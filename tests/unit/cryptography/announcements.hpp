@@ -119,7 +119,7 @@ struct AnnouncedEndpointsTest : ::testing::Test {
   }
   void acknowledge(std::uint32_t until) {
     for (const auto& writer : {kPublications, kSubscriptions})
-      peers.peer.announced.acknowledged(*builtin_topic_of(writer), until);
+      peers.peer.announced.acknowledged(*discovery_topic_of(writer), until);
   }
   void acknowledge() { acknowledge(next_number); }
   /// Announces endpoints until one more is refused.

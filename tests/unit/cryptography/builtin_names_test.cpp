@@ -59,7 +59,7 @@ struct List {
 
 // Reads the list in pieces of that size.
 Status read(const List& list, std::size_t piece = 100'000) {
-  const auto& topic = *builtin_topic_of(kPublications);
+  const auto& topic = *discovery_topic_of(kPublications);
   ParameterWalk walk;
   const auto octets = list.ended();
   for (auto rest = BytesView(octets); !rest.empty();) {
@@ -206,7 +206,7 @@ TEST(CostlyLocators, LocatorsBeyondFour_CountAsFourKibibytesEach) {
       for (std::size_t i = 0; i < std::min(each, max_of(id)); ++i) list.add(id, Bytes(24, 1));
     const auto octets = list.ended();
     ParameterWalk walk;
-    EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, octets));
+    EXPECT_TRUE(walk.read(*discovery_topic_of(kPublications), kPeer, octets));
     return walk.cost(1000);
   };
   EXPECT_EQ(cost(0), 1000u);
@@ -220,7 +220,7 @@ TEST(CostlyProperties, EachOctet_CountsSixTimes) {
     List list;
     list.add(id, Bytes(160));
     ParameterWalk walk;
-    EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, list.ended()));
+    EXPECT_TRUE(walk.read(*discovery_topic_of(kPublications), kPeer, list.ended()));
     EXPECT_EQ(walk.cost(1000), 1000u + 5 * 160) << id;
   }
 }
@@ -229,7 +229,7 @@ TEST(CostlyPartitions, EachName_Counts48Octets) {
   List list;
   list.add(Names(256, "ab"));
   ParameterWalk walk;
-  EXPECT_TRUE(walk.read(*builtin_topic_of(kPublications), kPeer, list.ended()));
+  EXPECT_TRUE(walk.read(*discovery_topic_of(kPublications), kPeer, list.ended()));
   EXPECT_EQ(walk.cost(1000), 1000u + 256 * 48);
 }
 

@@ -14,7 +14,7 @@ class SubjectOfPair : public ::testing::Test {
     return subject_of(identity, pair_);
   }
 
-  LocalParticipant local_;
+  LocalParticipantCrypto local_;
   ParticipantPair pair_{local_};
 };
 

@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/sender_part.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography::testing {
 

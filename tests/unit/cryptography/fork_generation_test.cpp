@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/send_key.hpp"
-#include "plugins/cryptography/wire.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
 

@@ -68,7 +68,7 @@ class FragmentWalksTest : public ::testing::Test {
   }
   // The host has all samples below that number.
   void acknowledge(std::uint32_t next) {
-    walks_.peer.announced.acknowledged(*builtin_topic_of(kPublications), next);
+    walks_.peer.announced.acknowledged(*discovery_topic_of(kPublications), next);
   }
   OneOwner walks_;
 };

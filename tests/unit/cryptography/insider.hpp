@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/send_key.hpp"
-#include "plugins/cryptography/wire.hpp"
 
 namespace ddssec::cryptography::testing {
 

@@ -13,7 +13,7 @@ namespace {
 
 using testing::append;
 
-const BuiltinTopic& topic() { return *builtin_topic_of(EntityId{{0xff, 0, 3, 0xc2}}); }
+const DiscoveryTopic& topic() { return *discovery_topic_of(EntityId{{0xff, 0, 3, 0xc2}}); }
 
 Bytes value_of(const std::vector<std::string>& names, bool is_little) {
   Bytes out;

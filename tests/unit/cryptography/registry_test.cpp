@@ -13,8 +13,8 @@ namespace {
 
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
-struct Thing final : Entity {
-  Thing() : Entity(EntityKind::local_writer) {}
+struct Thing final : CryptoEntity {
+  Thing() : CryptoEntity(EntityKind::local_writer) {}
 };
 
 TEST(Registry, FullRegistry_RefusesMore) {

@@ -249,7 +249,7 @@ TEST_F(ClosedWriters, HeartbeatAndGapInTheClear_SkipNoNumber) {
   const auto heartbeat = of_writer(submessage_id::kHeartbeat, kPublications, {0, 5, 0, 4, 1});
   EXPECT_EQ(part_of({info_source(kPeer), heartbeat}).hidden, std::vector<std::size_t>{24});
   ASSERT_EQ(dispose_under(2, 7, kDisposed), Code{});
-  peers.peer.announced.acknowledged(*builtin_topic_of(kPublications), 3);
+  peers.peer.announced.acknowledged(*discovery_topic_of(kPublications), 3);
   EXPECT_EQ(account->sum(), 0U) << "the end of the endpoint counts: it was not skipped";
 }
 

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "plugins/cyclonedds/access_control_gate.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
-#include "plugins/cyclonedds/match_gate.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
 #include "tests/unit/cyclonedds/access_control_adapters.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
@@ -106,7 +106,7 @@ TEST_F(AccessControlAdapterTest, OnlyEndpointsUnderAccessControl_HaveAScope) {
         c->get_datawriter_sec_attributes(c, 8, "Square", nullptr, nullptr, &attributes, nullptr),
         1);
     const bool has = is_scope(attributes.ac_endpoint_properties);
-    EXPECT_EQ(MatchGate::of(attributes.ac_endpoint_properties).value() != nullptr, has);
+    EXPECT_EQ(AccessControlGate::of(attributes.ac_endpoint_properties).value() != nullptr, has);
     EXPECT_EQ(c->return_datawriter_sec_attributes(c, &attributes, nullptr), 1);
     return has;
   };

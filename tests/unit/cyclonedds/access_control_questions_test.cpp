@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
-#include "plugins/cyclonedds/match_gate.hpp"
+#include "plugins/cyclonedds/access_control_gate.hpp"
 #include "tests/support/code_of.hpp"
 #include "tests/unit/cyclonedds/access_control_adapters.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
@@ -61,17 +61,17 @@ TEST_F(AccessControlAdapterTest, EachAdapter_IsAskedAboutItsOwnAndNoneThatIsGone
     EXPECT_NE(gone, harness.adapter.id());
     EXPECT_CALL(*other.plugin, check_remote_match(_, _));
     EXPECT_CALL(plugin, check_remote_match(_, _)).Times(0);
-    EXPECT_TRUE(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({}));
+    EXPECT_TRUE(AccessControlGate(scope_of(gone), AccessControlAdapter::judge).check({}));
   }
-  EXPECT_EQ(code_of(MatchGate(scope_of(gone), AccessControlAdapter::judge).check({})),
+  EXPECT_EQ(code_of(AccessControlGate(scope_of(gone), AccessControlAdapter::judge).check({})),
             Code::access_control_missing);
   auto broken = scope_of(harness.adapter.id());
   broken[0].value += "x";
-  EXPECT_EQ(code_of(MatchGate(broken, AccessControlAdapter::judge).check({})),
+  EXPECT_EQ(code_of(AccessControlGate(broken, AccessControlAdapter::judge).check({})),
             Code::access_control_missing);
   EXPECT_EQ(AccessControlAdapter::judge(nullptr), MatchVerdict::unknown_access_control);
   // No library of this process exports the function.
-  EXPECT_EQ(code_of(MatchGate(scope_of(harness.adapter.id())).check({})),
+  EXPECT_EQ(code_of(AccessControlGate(scope_of(harness.adapter.id())).check({})),
             Code::access_control_missing);
 }
 

@@ -79,8 +79,8 @@ TEST(GovernanceDiff, WorkThatMovesToAnotherLayer_IsToldByAttacker) {
   EXPECT_EQ(diff.changes[0].witness, "rt/cmd");
   EXPECT_EQ(diff.changes[0].old_line(), 22);
   EXPECT_EQ(diff.changes[0].new_line(), 23);
-  EXPECT_THAT(listed(diff.changes[0].lost),
-              ElementsAre(Property::insider_payload_secrecy, Property::relay_payload_secrecy));
+  EXPECT_THAT(listed(diff.changes[0].lost), ElementsAre(ProtectionProperty::insider_payload_secrecy,
+                                                        ProtectionProperty::relay_payload_secrecy));
   EXPECT_EQ(diff.changes[1].element.element, "rtps_protection_kind");
   EXPECT_EQ(diff.changes[1].element.change, stronger);
 }
@@ -96,8 +96,10 @@ TEST(GovernanceDiff, AnotherLayer_DoesNotMakeUpForPayload) {
   const auto diff = compare(before, after);
   EXPECT_EQ(diff.verdict, mixed);
   EXPECT_THAT(listed(diff.changes[0].lost),
-              ElementsAre(Property::insider_payload_secrecy, Property::insider_payload_integrity,
-                          Property::relay_payload_secrecy, Property::relay_payload_integrity));
+              ElementsAre(ProtectionProperty::insider_payload_secrecy,
+                          ProtectionProperty::insider_payload_integrity,
+                          ProtectionProperty::relay_payload_secrecy,
+                          ProtectionProperty::relay_payload_integrity));
 }
 
 // Relays hold the keys of submessages only (DDS-Security 1.2, clause 9.5.1.9.3).
@@ -109,7 +111,7 @@ TEST(GovernanceDiff, RelayedTopics_AreReadWhereOnlySubmessagesAreProtected) {
   EXPECT_EQ(diff.verdict, mixed);
   ASSERT_THAT(diff.changes, SizeIs(2));
   EXPECT_EQ(diff.changes[0].element.element, "data_protection_kind");
-  EXPECT_THAT(listed(diff.changes[0].lost), ElementsAre(Property::relay_payload_secrecy));
+  EXPECT_THAT(listed(diff.changes[0].lost), ElementsAre(ProtectionProperty::relay_payload_secrecy));
   EXPECT_TRUE(diff.changes[0].gained.none());
   EXPECT_TRUE(diff.changes[1].lost.none()) << "told where it is lost";
 }
@@ -141,11 +143,12 @@ TEST(GovernanceDiff, AStrongerLine_LosesNothing) {
   const auto diff = compare(before, after);
   ASSERT_THAT(diff.changes, SizeIs(2));
   EXPECT_EQ(diff.changes[0].element.element, "metadata_protection_kind");
-  EXPECT_TRUE(
-      diff.changes[0].lost.test(static_cast<std::size_t>(Property::insider_payload_secrecy)));
+  EXPECT_TRUE(diff.changes[0].lost.test(
+      static_cast<std::size_t>(ProtectionProperty::insider_payload_secrecy)));
   EXPECT_EQ(diff.changes[1].element.change, stronger);
   EXPECT_TRUE(diff.changes[1].lost.none());
-  EXPECT_THAT(listed(diff.changes[1].gained), ElementsAre(Property::relay_payload_integrity));
+  EXPECT_THAT(listed(diff.changes[1].gained),
+              ElementsAre(ProtectionProperty::relay_payload_integrity));
 }
 
 TEST(GovernanceDiff, AChangeOfADomain_NamesTheTopicsItMattersFor) {
@@ -156,11 +159,11 @@ TEST(GovernanceDiff, AChangeOfADomain_NamesTheTopicsItMattersFor) {
   after.domain_rules[0].rtps_protection_kind = Kind::none;
   const auto diff = compare(before, after);
   ASSERT_THAT(diff.changes, SizeIs(1));
-  EXPECT_TRUE(
-      diff.changes[0].lost.test(static_cast<std::size_t>(Property::outsider_payload_secrecy)));
+  EXPECT_TRUE(diff.changes[0].lost.test(
+      static_cast<std::size_t>(ProtectionProperty::outsider_payload_secrecy)));
   const auto& of_some = diff.changes[0].of_some;
-  const auto found =
-      std::ranges::find(of_some, Property::outsider_payload_secrecy, &PropertyOfSome::property);
+  const auto found = std::ranges::find(of_some, ProtectionProperty::outsider_payload_secrecy,
+                                       &PropertyOfSome::property);
   ASSERT_NE(found, of_some.end());
   EXPECT_EQ(found->witness, "open");
 }

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/key_material.hpp"
 #include "plugins/cryptography/receive_key.hpp"
-#include "plugins/cryptography/wire.hpp"
 #include "tests/unit/rtps_security/key_thief.hpp"
 
 namespace ddssec::rtps::testing {

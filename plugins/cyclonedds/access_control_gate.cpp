@@ -1,4 +1,4 @@
-#include "plugins/cyclonedds/match_gate.hpp"
+#include "plugins/cyclonedds/access_control_gate.hpp"
 
 #include <dlfcn.h>
 
@@ -7,19 +7,20 @@
 
 namespace ddssec::cyclonedds {
 
-Result<std::shared_ptr<const MatchGate>> MatchGate::of(const DDS_Security_PropertySeq& properties) {
+Result<std::shared_ptr<const AccessControlGate>> AccessControlGate::of(
+    const DDS_Security_PropertySeq& properties) {
   if (!is_scope(properties)) return nullptr;
   DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(properties));
-  return std::make_shared<const MatchGate>(std::move(property_list));
+  return std::make_shared<const AccessControlGate>(std::move(property_list));
 }
 
-MatchGate::MatchGate(spi::PropertyList scope, JudgeMatch* judge)
+AccessControlGate::AccessControlGate(spi::PropertyList scope, JudgeMatch* judge)
     : scope_(std::move(scope)), judge_(judge) {
   // The C type has no const; nothing writes to the text.
   for (auto& one : scope_) as_c_.push_back({one.name.data(), one.value.data(), one.propagate});
 }
 
-Status MatchGate::check(const Peer& peer) const {
+Status AccessControlGate::check(const Peer& peer) const {
   auto* const judge = judge_ != nullptr
                           ? judge_
                           : reinterpret_cast<JudgeMatch*>(dlsym(RTLD_DEFAULT, kJudgeMatchSymbol));

@@ -1,5 +1,5 @@
 // The octets around protected content: what is read back, and which forms are refused.
-#include "plugins/cryptography/wire.hpp"
+#include "plugins/cryptography/crypto_framing.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "plugins/cryptography/wire.hpp"
+#include "plugins/cryptography/crypto_framing.hpp"
 
 #include <utility>
 

@@ -54,7 +54,7 @@ class PartitionNames {
 /// partitions and tags. It then asks about a match with those of the local endpoint. This class
 /// connects the second question with the first. Bounded: the newest entries stay, because the
 /// second question directly follows the first. Thread-safe.
-class AnnouncedEndpoints {
+class AllowedEndpoints {
  public:
   static constexpr std::size_t kMax = 32;
   /// Octets of one announcement; a larger one is not remembered.

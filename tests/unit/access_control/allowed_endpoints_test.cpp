@@ -1,4 +1,4 @@
-#include "plugins/access_control/announced.hpp"
+#include "plugins/access_control/allowed_endpoints.hpp"
 
 #include <algorithm>
 #include <ctime>
@@ -10,8 +10,8 @@ namespace {
 
 using Partitions = std::vector<std::string_view>;
 
-TEST(AnnouncedEndpoints, ManyEndpoints_TheNewestStayAndWildcardsMeetNames) {
-  AnnouncedEndpoints announced;
+TEST(AllowedEndpoints, ManyEndpoints_TheNewestStayAndWildcardsMeetNames) {
+  AllowedEndpoints announced;
   const auto meets = [&](const Partitions& ours) {
     const auto all = announced.of_topic(Action::publish, "t");
     return std::ranges::count_if(
@@ -31,18 +31,18 @@ TEST(AnnouncedEndpoints, ManyEndpoints_TheNewestStayAndWildcardsMeetNames) {
   EXPECT_EQ(meets(other), 1);
   EXPECT_TRUE(announced.of_topic(Action::subscribe, "t").empty());
   EXPECT_TRUE(announced.of_topic(Action::publish, "u").empty());
-  const std::string large(AnnouncedEndpoints::kMaxOctets, 'x');
+  const std::string large(AllowedEndpoints::kMaxOctets, 'x');
   announced.note(Action::publish, {.topic_name = large, .partitions = a});
   EXPECT_TRUE(announced.of_topic(Action::publish, large).empty());
-  for (std::size_t i = 0; i < AnnouncedEndpoints::kMax; ++i)
+  for (std::size_t i = 0; i < AllowedEndpoints::kMax; ++i)
     announced.note(Action::publish, {.topic_name = std::to_string(i)});
   EXPECT_EQ(meets(star), 0);
   EXPECT_EQ(announced.of_topic(Action::publish, "0").size(), 1u);
 }
 
 // A compiled expression takes many times as much memory as its text.
-TEST(AnnouncedEndpoints, Memory_IsBoundedAndTheNewestStays) {
-  AnnouncedEndpoints announced;
+TEST(AllowedEndpoints, Memory_IsBoundedAndTheNewestStays) {
+  AllowedEndpoints announced;
   const auto note = [&](char c) {
     std::string name;
     while (name.size() < 1'000) name += "[ab]";
@@ -55,8 +55,8 @@ TEST(AnnouncedEndpoints, Memory_IsBoundedAndTheNewestStays) {
   ASSERT_FALSE(all.empty());
   std::size_t octets = 0;
   for (const auto& one : all) octets += one->octets();
-  EXPECT_LE(octets, AnnouncedEndpoints::kMaxMemory);
-  EXPECT_GT(octets, AnnouncedEndpoints::kMaxMemory / 2);
+  EXPECT_LE(octets, AllowedEndpoints::kMaxMemory);
+  EXPECT_GT(octets, AllowedEndpoints::kMaxMemory / 2);
   note('!');
   EXPECT_TRUE(
       announced.of_topic(Action::publish, "t").front()->partitions.views().front().ends_with('!'));
@@ -150,7 +150,7 @@ TEST_F(HostilePartitions, PartitionsBeyondTheBounds_AreRefusedOfPeersOnly) {
   EXPECT_TRUE(plugin->check_create_datawriter(own, 0, request));
 }
 
-TEST(AnnouncedEndpoints, Lengths_AreBounded) {
+TEST(AllowedEndpoints, Lengths_AreBounded) {
   const auto code = [](std::string_view topic, const Partitions& partitions) {
     const auto status = check_lengths({.topic_name = topic, .partitions = partitions});
     return status ? std::nullopt : std::optional(status.error().code());

@@ -1,4 +1,4 @@
-#include "plugins/access_control/announced.hpp"
+#include "plugins/access_control/allowed_endpoints.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -88,19 +88,19 @@ std::size_t PartitionNames::octets() const {
   return octets;
 }
 
-AnnouncedEndpoints::Announcement::Announcement(Action of, const spi::EndpointRequest& request)
+AllowedEndpoints::Announcement::Announcement(Action of, const spi::EndpointRequest& request)
     : action(of),
       topic(request.topic_name),
       partitions(request.partitions),
       data_tags(request.data_tags.begin(), request.data_tags.end()) {}
 
-std::size_t AnnouncedEndpoints::Announcement::octets() const {
+std::size_t AllowedEndpoints::Announcement::octets() const {
   auto octets = sizeof *this + topic.size() + partitions.octets();
   for (const auto& tag : data_tags) octets += sizeof tag + tag.name.size() + tag.value.size();
   return octets;
 }
 
-void AnnouncedEndpoints::note(Action action, const spi::EndpointRequest& request) {
+void AllowedEndpoints::note(Action action, const spi::EndpointRequest& request) {
   if (octets_of(request) > kMaxOctets) return;
   std::list<One> fresh;
   fresh.push_back(std::make_shared<const Announcement>(action, request));
@@ -119,13 +119,13 @@ void AnnouncedEndpoints::note(Action action, const spi::EndpointRequest& request
   }
 }
 
-std::vector<AnnouncedEndpoints::One> AnnouncedEndpoints::all() const {
+std::vector<AllowedEndpoints::One> AllowedEndpoints::all() const {
   const std::lock_guard lock(mutex_);
   return {newest_first_.begin(), newest_first_.end()};
 }
 
-std::vector<AnnouncedEndpoints::One> AnnouncedEndpoints::of_topic(Action action,
-                                                                  std::string_view topic) const {
+std::vector<AllowedEndpoints::One> AllowedEndpoints::of_topic(Action action,
+                                                              std::string_view topic) const {
   const std::lock_guard lock(mutex_);
   std::vector<One> out;
   std::ranges::copy_if(newest_first_, std::back_inserter(out), [&](const One& one) {

@@ -1,5 +1,5 @@
 // Questions of cryptography to access control about a match.
-#include "plugins/cyclonedds/match_gate.hpp"
+#include "plugins/cyclonedds/access_control_gate.hpp"
 
 #include <stdexcept>
 
@@ -33,14 +33,14 @@ TEST_F(AccessControlAdapterTest, Cryptography_AsksAboutTheEndpointItself) {
   DDS_Security_EndpointSecurityAttributes attributes{};
   ASSERT_EQ(
       c->get_datareader_sec_attributes(c, 8, "Square", &partition, &tags, &attributes, nullptr), 1);
-  const auto gate = MatchGate::of(attributes.ac_endpoint_properties);
+  const auto gate = AccessControlGate::of(attributes.ac_endpoint_properties);
   ASSERT_TRUE(gate && *gate);
   EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);
   EXPECT_FALSE(is_scope(attributes.ac_endpoint_properties));
   EXPECT_EQ(c->return_datareader_sec_attributes(c, &attributes, nullptr), 1);  // once is enough
 
   const auto scope = scope_of(harness.adapter.id());
-  const MatchGate asks(scope, AccessControlAdapter::judge);
+  const AccessControlGate asks(scope, AccessControlAdapter::judge);
   const GuidPrefix prefix{{1, 2, 3}};
   EXPECT_CALL(plugin, check_remote_match(Handle{9}, _))
       .WillOnce([&](Handle, const spi::AccessControl::Match& match) -> Status {

@@ -11,14 +11,15 @@
 namespace ddssec::cyclonedds {
 
 /// Asks access control in the other library whether a pair may match.
-class MatchGate final : public spi::MatchGate {
+class AccessControlGate final : public spi::MatchGate {
  public:
   /// Returns the gate of an endpoint with these ac_endpoint_properties; nullptr with a stock access
   /// control plugin, which cannot be asked. Errors: null_argument, length_out_of_range.
-  static Result<std::shared_ptr<const MatchGate>> of(const DDS_Security_PropertySeq& properties);
+  static Result<std::shared_ptr<const AccessControlGate>> of(
+      const DDS_Security_PropertySeq& properties);
 
   /// If `judge` is null, it is looked up in the process for each question.
-  explicit MatchGate(spi::PropertyList scope, JudgeMatch* judge = nullptr);
+  explicit AccessControlGate(spi::PropertyList scope, JudgeMatch* judge = nullptr);
   Status check(const Peer& peer) const override;
 
  private:
