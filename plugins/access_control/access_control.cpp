@@ -51,8 +51,9 @@ class AccessControlPlugin final : public spi::AccessControl {
                                                         const spi::Token& permissions_token,
                                                         const spi::Token& credential) override;
 
-  Status renew_remote_permissions(PermissionsHandle remote, const spi::Token& permissions_token,
-                                  const spi::Token& credential) override;
+  Result<bool> renew_remote_permissions(PermissionsHandle remote,
+                                        const spi::Token& permissions_token,
+                                        const spi::Token& credential) override;
   Status note_presented(PermissionsHandle remote, const spi::SessionFacts& facts) override;
 
   Status check_create_participant(PermissionsHandle local, DomainId domain_id) override {
@@ -285,9 +286,9 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   return add(std::move(holder));
 }
 
-Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
-                                                     const spi::Token& permissions_token,
-                                                     const spi::Token& credential) {
+Result<bool> AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
+                                                           const spi::Token& permissions_token,
+                                                           const spi::Token& credential) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   const auto& participant = *holder->participant();
   const auto& name = holder->document_name();
@@ -296,17 +297,16 @@ Status AccessControlPlugin::renew_remote_permissions(PermissionsHandle remote,
     return refuse(status.error().with_default_document(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
   if (!judged) return refuse(judged.error().with_default_document(name), *holder);
-  const auto taken =
-      holder->adopt_presented(*std::move(judged), services_.clock.calendar_seconds());
-  if (!taken) return refuse(taken.error().with_default_document(name), *holder);
-  if (!*taken) return {};
-  const auto end = holder->ends();
+  const auto now = services_.clock.calendar_seconds();
+  const auto rights = holder->adopt_presented(*std::move(judged), now);
+  if (!rights) return refuse(rights.error().with_default_document(name), *holder);
+  if (*rights == PresentedRights::same) return false;
+  const auto ends = holder->ends();
+  const auto shown = ends ? to_string(*ends) : std::string();
   services_.events.raise(event_about(
-      holder->peer_subject(),
-      Error(Code::peer_permissions_renewed, {.document = name,
-                                             .field = "not_after",
-                                             .found = end ? to_string(*end) : std::string()})));
-  return {};
+      holder->peer_subject(), Error(Code::peer_permissions_renewed,
+                                    {.document = name, .field = "not_after", .found = shown})));
+  return *rights == PresentedRights::fewer;
 }
 
 Status AccessControlPlugin::note_presented(PermissionsHandle remote,

@@ -231,17 +231,20 @@ Status PermissionsHolder::check_follows(const PermissionsDocument& document,
   return document_ ? check_signed_later(*document_, document) : Status();
 }
 
-Result<bool> PermissionsHolder::adopt_presented(std::shared_ptr<PermissionsDocument> document,
-                                                WallTime now) {
+Result<PresentedRights> PermissionsHolder::adopt_presented(
+    std::shared_ptr<PermissionsDocument> document, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, grant_in(*document, now));
   const std::lock_guard lock(mutex_);
-  if (document == document_) return false;
+  if (document == document_) return PresentedRights::same;
   DDSSEC_RETURN_IF_ERROR(check_follows(*document, renewed));
+  const bool has_less =
+      grant_ != nullptr && !gives_at_least(renewed->grant(), grant_->grant(), participant_->domain,
+                                           participant_->domain_tag);
   document_ = std::move(document);
   grant_ = std::move(renewed);
   extension_.reset();
   accepted_by_.reset();
-  return true;
+  return has_less ? PresentedRights::fewer : PresentedRights::no_fewer;
 }
 
 Status PermissionsHolder::adopt(std::shared_ptr<PermissionsDocument> document, BytesView file,

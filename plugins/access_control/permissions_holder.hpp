@@ -1,6 +1,7 @@
 // The object behind a permissions handle: a subject, its document and the grant that counts now.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,6 +22,13 @@ namespace ddssec::access_control {
 struct HolderSubject {
   pki::SubjectName name;
   std::string shown;  ///< RFC 2253
+};
+
+/// How permissions that a peer presents compare with those in force.
+enum class PresentedRights : std::uint8_t {
+  same,      ///< the same document
+  no_fewer,  ///< another document that gives the same rights or more
+  fewer,     ///< another document that may give fewer rights
 };
 
 /// The permissions of one subject as one local participant sees them. Thread-safe.
@@ -67,9 +75,10 @@ class PermissionsHolder {
   /// permissions may give less, and end earlier. Error: permissions_renewal_refused, also after the
   /// end was reported; those of grant_for.
   Status adopt(std::shared_ptr<PermissionsDocument> document, BytesView file, WallTime now);
-  /// For a peer: does the same with permissions that it has shown within its session. Returns true
-  /// if they differ from those in force.
-  Result<bool> adopt_presented(std::shared_ptr<PermissionsDocument> document, WallTime now);
+  /// For a peer: does the same with permissions that it has shown within its session, and compares
+  /// them with those in force.
+  Result<PresentedRights> adopt_presented(std::shared_ptr<PermissionsDocument> document,
+                                          WallTime now);
   /// For a peer: lets permissions of the participant's renewal list extend those that the peer
   /// presented. They do if they give the same or more and end later, or if the CA of the presented
   /// ones was removed from its file (ListedPermissions::extension_of). They count until their own

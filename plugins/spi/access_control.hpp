@@ -64,11 +64,13 @@ class AccessControl {
                                                                 const Token& credential) = 0;
 
   /// Judges a peer by the renewed permissions that it has shown within its session, under the same
-  /// handle. `credential` is from Authentication::judge_renewal. Errors, which leave the former
-  /// permissions in force: those of validate_remote_permissions, permissions_renewal_refused (they
-  /// begin or were signed earlier than the former, or the peer has ended).
-  virtual Status renew_remote_permissions(PermissionsHandle, const Token& /*permissions_token*/,
-                                          const Token& /*credential*/) {
+  /// handle. `credential` is from Authentication::judge_renewal. Returns true if the peer may have
+  /// fewer rights from now on. Errors, which leave the former permissions in force: those of
+  /// validate_remote_permissions, permissions_renewal_refused (they begin or were signed earlier
+  /// than the former, or the peer has ended).
+  virtual Result<bool> renew_remote_permissions(PermissionsHandle,
+                                                const Token& /*permissions_token*/,
+                                                const Token& /*credential*/) {
     return fail(Code::unknown_permissions_handle);
   }
   /// Notes that the peer has seen renewed permissions of the local identity: its session no longer

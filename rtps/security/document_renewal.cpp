@@ -58,10 +58,12 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
   const auto handshake = peer.state.handshake()->handle();
   const auto permissions = association.permissions.handle;
   const auto credential = authentication.judge_renewal(handshake, offer);
-  if (!credential ||
-      !access_control.renew_remote_permissions(
-          permissions, peer.data.permissions_token.value_or(spi::Token{}), *credential))
-    return;
+  if (!credential) return;
+  const auto has_less = access_control.renew_remote_permissions(
+      permissions, peer.data.permissions_token.value_or(spi::Token{}), *credential);
+  if (!has_less) return;
+  // It may also have the keys of topics of which it has no endpoints any more.
+  if (*has_less) revision_.request(KeyReviser::RevisionReason::right_lost);
   auto answer = authentication.accept_renewal(handshake, offer);
   if (!answer) return;
   exchange_.send_token(peer, message_class::kRenewalTaken, *std::move(answer));

@@ -250,6 +250,7 @@ bool Handshakes::advance(Peer& peer) {
   // The peer has begun another session, so it does not return to the one that is kept.
   dormant_.drop(peer.prefix());
   const bool had_keys = peer.state.association() != nullptr;
+  const bool had_endpoint_keys = peer.state.joined() != nullptr;
   const bool was_admitted = peer.state.is_admitted();
   if (had_keys) core_.host.on_replaced(GuidPrefix(peer.prefix()));
   if (!peer.state.on_handshake_finished()) return false;
@@ -264,8 +265,10 @@ bool Handshakes::advance(Peer& peer) {
   }
   // Until here the peer took part as before, so a refusal interrupts nothing.
   if (was_admitted) core_.host.on_replaced(GuidPrefix(peer.prefix()));
-  // The peer has returned with earlier keys. It may have fewer rights, but no peer has lost trust.
+  // The peer has earlier keys of local endpoints, whether it left or not. It may have fewer rights,
+  // but no peer has lost trust.
   revision_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
+  if (had_endpoint_keys) revision_.request(KeyReviser::RevisionReason::right_lost);
   fragments_.forget(peer.prefix());
   core_.sender.amplification_limit().end(peer.prefix());
   return peer.state.on_permissions_validated(std::move(*association), core_.now);

@@ -15,14 +15,17 @@ void KeyReviser::request(RevisionReason reason) {
 // then.
 void KeyReviser::tick() {
   if (under_way_ && (core_.now >= under_way_->deadline || all_are_up_to_date())) finish();
-  const bool is_due = due_by_ && (!core_.governance_waits || is_urgent());
-  if (!under_way_ && is_due && core_.now >= retry_) begin();
+  if (!under_way_ && due_by_ && core_.now >= std::max(retry_, beginning())) begin();
 }
 
 MonotonicTime KeyReviser::next_tick() const {
   if (under_way_) return all_are_up_to_date() ? core_.now : under_way_->deadline;
   if (!due_by_) return kNever;
-  return std::max({core_.now, retry_, core_.governance_waits ? *due_by_ : MonotonicTime::zero()});
+  return std::max({core_.now, retry_, beginning()});
+}
+
+MonotonicTime KeyReviser::beginning() const {
+  return core_.governance_waits ? *due_by_ : std::min(*due_by_, next_that_can_wait_);
 }
 
 void KeyReviser::begin() {
@@ -38,6 +41,7 @@ void KeyReviser::begin() {
   // its keys.
   while (!core_.dormant.empty()) core_.dormant.erase(core_.dormant.begin());
   under_way_ = {*number, core_.now + kTimeout};
+  next_that_can_wait_ = core_.now + kMinInterval;
   exchange_.set_revising(true);
   for (auto& [prefix, peer] : core_.peers) exchange_.send_revised(peer);
 }

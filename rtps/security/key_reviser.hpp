@@ -17,6 +17,10 @@ class KeyReviser {
   static constexpr MonotonicTime kRetry = std::chrono::seconds(1);
   /// The longest time for which a revision that can wait does so while the governance changes.
   static constexpr MonotonicTime kMaxDelay = std::chrono::seconds(60);
+  /// The shortest time between the beginnings of a revision and of one that can wait. Within it the
+  /// former keys end everywhere, so that receivers recover from what was forged with them.
+  static constexpr MonotonicTime kMinInterval =
+      kTimeout + spi::kFormerKeyLife + std::chrono::seconds(2);
   /// Limit for peers that left with the local keys and whose trust is still watched. If there is
   /// one more, keys are revised, as for right_lost: it was trusted when it left.
   static constexpr std::size_t kMaxAbsent = 256;
@@ -29,7 +33,9 @@ class KeyReviser {
   bool is_busy() const { return under_way_ || is_urgent(); }
   enum class RevisionReason : std::uint8_t {
     trust_lost,  ///< trust was lost, or the application asked for it: as soon as possible
-    right_lost,  ///< a peer may do less than before: when the governance does not change
+    /// A peer may do less than before: when the governance does not change, and kMinInterval after
+    /// the last revision.
+    right_lost,
   };
   void request(RevisionReason reason = RevisionReason::trust_lost);
   void tick();
@@ -67,6 +73,8 @@ class KeyReviser {
     MonotonicTime deadline;
   };
 
+  /// Returns the time at which the requested revision may begin.
+  MonotonicTime beginning() const;
   bool is_urgent() const { return due_by_ && core_.now >= *due_by_; }
   void begin();
   void finish();
@@ -78,6 +86,7 @@ class KeyReviser {
   std::optional<MonotonicTime> due_by_;  ///< a revision is requested, and must begin by then
   std::optional<PendingRevision> under_way_;
   MonotonicTime retry_{};
+  MonotonicTime next_that_can_wait_{};
 };
 
 }  // namespace ddssec::rtps

@@ -22,7 +22,7 @@ class ListenerPeerTest : public AccessControlTest {
     out.validity = {kNow + from, kNow + until.value_or(lifetime_)};
     return signed_permissions({out});
   }
-  Status show(const std::string& text) {
+  Result<bool> show(const std::string& text) {
     return plugin->renew_remote_permissions(peer_, permissions_token(),
                                             credential(authorities().listener, text));
   }

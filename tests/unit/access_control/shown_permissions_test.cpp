@@ -50,6 +50,13 @@ TEST_F(ShownPermissions, SameDocumentAgain_IsNoEvent) {
   EXPECT_THAT(log.all, IsEmpty());
 }
 
+TEST_F(ShownPermissions, FewerRights_AreReported) {
+  const auto more = document({"t", "u"}, 0s, 48h);
+  EXPECT_FALSE(show(more).value_or(true));
+  EXPECT_FALSE(show(more).value_or(true)) << "the same document";
+  EXPECT_TRUE(show(document({"u"}, 0s, 48h)).value_or(false));
+}
+
 TEST_F(ShownPermissions, EarlierBegin_IsRefusedAsARollBack) {
   EXPECT_REFUSED(show(document({"t", "u"}, -25h, 48h)), permissions_renewal_refused);
   EXPECT_FALSE(may_publish("u"));
