@@ -1,6 +1,7 @@
 #include "rtps/participant/reader_presence.hpp"
 
 #include "rtps/participant/remote_addresses.hpp"
+#include "rtps/participant/shared_memory.hpp"
 
 namespace ddssec::rtps {
 
@@ -93,6 +94,7 @@ void ReaderPresence::on_no_answer(const ReaderEndChecks::ReaderPair& pair) {
         core_.security->keyring().attributes(pair.writer.entity)->is_submessage_protected())
       writer->silent.erase(*displaced);  // without keys, its answer cannot be read
   writer->protocol->unmatch(pair.reader);
+  note_reader_gone(core_, pair.writer.entity, pair.reader);
   writer->listener->on_unmatched(pair.reader);
   places_.note_room(MatchPlaces::Local(*writer));
   core_.raise_about(Error(Code::rtps_reader_silent, {.field = data->topic_name}), *data);
