@@ -98,8 +98,7 @@ Result<PkiDh::RemoteIdentity> PkiDh::admit(IdentityHandle local,
   if (!kept) DDSSEC_RETURN_IF_ERROR(services_.random.fill(own_challenge));
 
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto pair,
-      table_.admit_remote(local, {guid, identity_token, std::move(claim.subject)}, own_challenge));
+      const auto pair, table_.admit_remote(local, {guid, std::move(claim.subject)}, own_challenge));
   const std::scoped_lock lock(pair->mutex);
   if (kept && pair->own_challenge == *kept) restore_kept_request(pair);
   if (announced) pair->announced_challenge = announced;

@@ -48,9 +48,8 @@ inline constexpr std::chrono::seconds kPendingAge{5};
 /// - The same request gets the same reply, and the same reply the same final message, without new
 ///   work.
 /// - validate_remote_identity for a GUID that this local identity has seen before returns the same
-///   handle. Another identity token replaces the first one as long as no peer authenticated under
-///   that GUID, because neither token proves anything. Afterwards it is refused until
-///   return_identity_handle.
+///   handle, whatever the identity token: no token proves anything, and anyone may have announced
+///   the first one. A handshake proves who the peer is.
 std::unique_ptr<spi::Authentication> make_authentication(const PluginServices& services,
                                                          AuthenticationOptions options = {});
 

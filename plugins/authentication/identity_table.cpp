@@ -83,14 +83,12 @@ Result<std::shared_ptr<OwnIdentity>> IdentityTable::local(spi::IdentityHandle ha
   return local->identity;
 }
 
+// An announcement proves nothing, and anyone may have sent the first one. What a handshake has
+// proven stays.
 Status IdentityTable::renew_claim(spi::IdentityHandle handle, RemoteClaim claim) {
   DDSSEC_RETURN_IF_ERROR(live_remote(handle));
   Remote& remote = remotes_.at(handle.value);
-  if (remote.claim.identity_token == claim.identity_token) return {};
-  if (remote.authenticated)
-    return fail(Code::identity_token_changed,
-                {.expected = remote.claim.subject, .found = claim.subject});
-  remote.claim = std::move(claim);
+  if (!remote.authenticated) remote.claim = std::move(claim);
   return {};
 }
 

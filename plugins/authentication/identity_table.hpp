@@ -78,13 +78,11 @@ class IdentityTable {
 
   struct RemoteClaim {
     Guid guid;
-    spi::Token identity_token;
     std::string subject;  ///< as claimed; from the certificate once the remote has authenticated
   };
-  /// Returns the pair; created with `own_challenge` if it is new. If it exists, a different
-  /// identity token replaces the first, unless the remote has authenticated. Errors:
-  /// unknown_identity, identity_ended, too_many_remote_identities, too_many_identities_of_subject,
-  /// identity_token_changed.
+  /// Returns the pair; created with `own_challenge` if it is new. If it exists, the claim replaces
+  /// the first one, unless the remote has authenticated. Errors: unknown_identity, identity_ended,
+  /// too_many_remote_identities, too_many_identities_of_subject.
   Result<std::shared_ptr<IdentityPair>> admit_remote(spi::IdentityHandle local, RemoteClaim claim,
                                                      const spi::Challenge& own_challenge);
   /// Returns an existing pair. Errors: unknown_identity (also if the remote identity belongs to
