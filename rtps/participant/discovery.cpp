@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rtps/participant/proven_data.hpp"
 #include "rtps/participant/remote_addresses.hpp"
 
 namespace ddssec::rtps {
@@ -29,19 +30,6 @@ LocatorList where_to_answer(const LocatorList& metatraffic, const SourceAddress&
     if (SourceAddress(locator) == source) out.push_back(locator);
   if (out.empty()) out.push_back(metatraffic.front());
   return out;
-}
-
-// Takes over the data that the peer signed but that no handshake needs. For Cyclone DDS this is
-// its version, which determines how it lays out keys. ddssec also signs its name and user data,
-// unless DCPSParticipantsSecure carries them. For other vendors, name and user data stay as
-// announced.
-void adopt_names(ParticipantData& known, const ParticipantData& proven) {
-  known.vendor = proven.vendor;
-  const bool is_cyclone = proven.vendor == kVendorCyclone;
-  if (!is_cyclone || !proven.vendor_version.empty()) known.vendor_version = proven.vendor_version;
-  if (proven.vendor != kVendorDdssec) return;
-  known.entity_name = proven.entity_name;
-  known.user_data = proven.user_data;
 }
 
 // Reports an endpoint announcement that cannot be read. The topic still shows whether it is a
@@ -83,6 +71,10 @@ void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& bui
     core.sender.amplification_limit().begin(remote.prefix(), remote.metatraffic,
                                             remote.metatraffic_sources);
   readdress(core, matcher, builtin, remote);
+}
+
+void check_ends(EndpointMatcher& matcher, RemoteParticipant& remote) {
+  for (const auto& [id, endpoint] : remote.endpoints) matcher.check_end(remote, id);
 }
 
 void note_heard(RemoteParticipants& remotes, BuiltinMatcher& builtin, const Guid& of) {
@@ -263,7 +255,7 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
   const bool is_authenticated = core_.is_authenticated(prefix);
   const auto& vendor = remote->data.vendor;
   if (is_authenticated && (vendor == kVendorFastDds || vendor == kVendorCyclone))
-    for (const auto& [id, endpoint] : remote->endpoints) parts_.matcher.check_end(*remote, id);
+    check_ends(parts_.matcher, *remote);
   else if (is_authenticated || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
   else
@@ -370,10 +362,14 @@ void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
 }
 
 // Only the participant itself, using its own keys, can announce its data or report that it leaves.
+// Where nothing protects this topic, a report that it leaves is treated like one by SPDP, and the
+// lease stays the one that it signed. Cyclone DDS signs none.
 void Discovery::on_secure_participant(const Change& change) {
   auto* remote = parts_.remotes.find(change.writer.prefix);
   if (remote == nullptr) return;
-  if (!change.is_alive()) return gone_.push_back(change.writer.prefix);
+  const bool is_proven = core_.is_participant_data_proven(remote->prefix());
+  if (!change.is_alive())
+    return is_proven ? gone_.push_back(remote->prefix()) : check_ends(parts_.matcher, *remote);
   auto data = read_participant_data(change.payload.view());
   if (!data || data->guid.prefix != remote->prefix()) {
     ++core_.counters.refused_discovery;
@@ -381,7 +377,8 @@ void Discovery::on_secure_participant(const Change& change) {
   }
   remote->data.user_data = std::move(data->user_data);
   remote->data.entity_name = std::move(data->entity_name);
-  remote->data.lease_duration = data->lease_duration;
+  if (is_proven || remote->data.vendor == kVendorCyclone)
+    remote->data.lease_duration = lease_that_counts(data->lease_duration, is_proven);
   parts_.remotes.on_changed(*remote);
   if (remote->data.vendor == kVendorDdssec)
     follow(core_, parts_.matcher, builtin_, *remote, std::move(*data));
@@ -457,11 +454,8 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   auto* remote = parts_.remotes.find(peer);
   if (remote == nullptr) return usable(core_, proven.metatraffic_unicast);
   remote->has_returned = false;
-  adopt_names(remote->data, proven);
-  remote->data.builtin_endpoints = proven.builtin_endpoints;
+  adopt_proven(remote->data, proven);
   remote->marks_ends = find_property(proven.properties, kMarksEndsProperty) != nullptr;
-  // Cyclone DDS announces the lease duration only by DCPSParticipantsSecure.
-  if (proven.vendor != kVendorCyclone) remote->data.lease_duration = proven.lease_duration;
   auto metatraffic = proven.metatraffic_unicast, user = proven.default_unicast;
   leave_out_loopback(core_, metatraffic);
   leave_out_loopback(core_, user);
