@@ -112,8 +112,8 @@ class Authentication {
   /// (token_class_wrong, token_too_large, token_field_missing, token_field_repeated,
   /// token_field_length), remote_guid_is_local, guid_not_adjusted, those of
   /// pki::ChainVerifier::verify for the local certificate, random_failed,
-  /// too_many_remote_identities, too_many_identities_of_subject. If
-  /// refusal_passes is true for the error, ask again one second later.
+  /// too_many_remote_identities, too_many_identities_of_subject. If refusal_passes is true for the
+  /// error, ask again one second later.
   virtual Result<RemoteIdentity> validate_remote_identity(
       IdentityHandle local, const std::optional<Token>& remote_auth_request,
       const Token& remote_identity_token, const Guid& remote_guid) = 0;

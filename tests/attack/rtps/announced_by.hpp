@@ -7,12 +7,12 @@
 
 namespace ddssec::rtps::testing {
 
-/// Returns the announcement of `whom`. Nothing arrives meanwhile.
-inline ParticipantData announced_by(World& world, const Node& whom) {
+/// Returns the announcement of `node`. Nothing arrives meanwhile.
+inline ParticipantData announced_by(World& world, const Node& node) {
   std::optional<ParticipantData> out;
   world.filter = [&](const Node& from, Bytes datagram) {
     auto reader = MessageReader::open(datagram);
-    while (&from == &whom && reader && !out) {
+    while (&from == &node && reader && !out) {
       const auto view = reader->next();
       if (!view || !*view) break;
       if ((*view)->id != SubmessageId::data) continue;
