@@ -253,22 +253,11 @@ std::unexpected<Error> Agent::worker_ended_error(const Folder& folder, End end) 
   return no_answer_error(end);
 }
 
-// The folders of the agent's own user are not restricted without --trust: that user could ask any
-// responder anyway.
 AskedResponders Agent::responders_for(const Folder& folder) const {
-  AskedResponders out{.cas_source = hooks_.certificates ? "--trust" : "--ca"};
-  if (!folder.lock) return out;  // with --dry-run no responder is asked
+  if (!folder.lock) return {};  // with --dry-run no responder is asked
   const auto owner = folder.lock->owner().user;
+  auto out = asked_responders(arguments_, owner);
   out.silent_urls = silent_responders_.silent_for(owner, context_.clock.since_boot());
-  if (hooks_.certificates && !arguments_.has("--trust")) {
-    out.asks_none = owner != ::geteuid();
-    return out;
-  }
-  const auto cas = read_certificates(
-      hooks_.certificates ? std::filesystem::path(arguments_.text("--trust"))
-                          : ca_paths(arguments_.text("--ca"), "identity").certificate);
-  if (cas) out.cas_pem = to_pem(*cas);
-  out.asks_none = !cas;
   return out;
 }
 

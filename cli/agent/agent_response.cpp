@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <unistd.h>
 
 #include "base/tool_code.hpp"
 #include "cli/agent/agent_messages.hpp"
@@ -85,6 +86,21 @@ void look_again_at(WallTime time, Json& event) {
 }
 
 }  // namespace
+
+AskedResponders asked_responders(const Arguments& arguments, uid_t owner) {
+  const bool is_by_hook = arguments.has("--hook");
+  AskedResponders out{.cas_source = is_by_hook ? "--trust" : "--ca"};
+  if (is_by_hook && !arguments.has("--trust")) {
+    out.asks_none = owner != ::geteuid();
+    return out;
+  }
+  const auto cas =
+      read_certificates(is_by_hook ? std::filesystem::path(arguments.text("--trust"))
+                                   : ca_paths(arguments.text("--ca"), "identity").certificate);
+  if (cas) out.cas_pem = to_pem(*cas);
+  out.asks_none = !cas;
+  return out;
+}
 
 void keep_response(const ResponseTask& task, Json& event) {
   if (pki::ocsp_responder_of(task.certificate).empty()) return;

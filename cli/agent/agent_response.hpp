@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <sys/types.h>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "cli/frame/command.hpp"
 #include "cli/frame/report.hpp"
 #include "pki/certificate.hpp"
 #include "pki/participant_folder.hpp"
@@ -21,6 +23,12 @@ struct AskedResponders {
   bool asks_none = false;
   std::vector<std::string> silent_urls = {};  ///< URLs that did not answer another folder's request
 };
+
+/// Returns the responders that the agent's options allow for the folders of an owner, without
+/// silent_urls: those of certificates that --ca or --trust issued. With a hook and without --trust,
+/// the folders of the agent's own user are not restricted: that user could ask any responder
+/// anyway.
+AskedResponders asked_responders(const Arguments& arguments, uid_t owner);
 
 /// What it takes to decide whether a certificate needs a new OCSP response. Borrows everything.
 struct ResponseTask {
