@@ -344,10 +344,20 @@ void Agent::note_documents(Folder& folder, const Json& outcome) {
   folder.next_documents = context_.clock.since_boot() + rest;
   auto members = known_members(outcome);
   for (auto& file : files_from(members)) written_.push_back(std::move(file));
+  note_lasting_problem(folder, members);
   note_problem(members);
   if (members.empty()) return;
   if (!members.contains("files")) members["files"] = Json::array();
   events_.report("documents_fetched", folder.task.folder, std::move(members));
+}
+
+// A problem of the documents that stays until the operator acts is reported once a day, and removed
+// from the members otherwise. Others are reported at each attempt.
+void Agent::note_lasting_problem(Folder& folder, Json& members) {
+  if (!members.contains("problem")) return folder.lasting_problem.clear();
+  const auto code = error_from(members["problem"]).code();
+  if (code != tool_code::no_new_permissions) return;
+  if (!folder.lasting_problem.note(code, context_.clock.since_boot())) members.erase("problem");
 }
 
 // The worker asks the CA at most once. If the answer is an error, the worker ends without a reply,

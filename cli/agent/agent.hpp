@@ -15,6 +15,7 @@
 #include "cli/agent/agent_overlaps.hpp"
 #include "cli/agent/agent_participant.hpp"
 #include "cli/agent/agent_process.hpp"
+#include "cli/agent/repeated_problem.hpp"
 #include "cli/agent/silent_responders.hpp"
 #include "cli/frame/command.hpp"
 
@@ -51,7 +52,8 @@ class Agent {
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string last_reported_serial = {};
     bool is_paused = false;
-    bool has_problem = false;  ///< true if the last event had a "problem"
+    bool has_problem = false;              ///< true if the last event had a "problem"
+    RepeatedProblem lasting_problem = {};  ///< of the documents that the second hook brings
   };
 
   void visit(Folder& folder);
@@ -66,6 +68,7 @@ class Agent {
   std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
   std::string renewal_list_text() const;
   void note_documents(Folder& folder, const Json& outcome);
+  void note_lasting_problem(Folder& folder, Json& members);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
   Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);

@@ -43,14 +43,15 @@ class Documents(AgentTest):
         path.chmod(0o755)
         return ("--hook", self.signing_hook(), "--documents-hook", str(path))
 
-    def short_permissions(self, seconds=100):
-        """In the folder, signed by hand: two thirds of their time are over."""
+    def short_permissions(self, seconds=100, options=("-noattr",)):
+        """In the folder, signed by hand: two thirds of their time are over. Without options they say when they were
+        signed, and their time counts from then on."""
         text = (self.at / "rights.xml").read_text()
         now = datetime.datetime.now(datetime.timezone.utc)
         for sign, offset in (("@FROM@", -seconds * 4), ("@TO@", seconds)):
             text = text.replace(sign, (now + datetime.timedelta(seconds=offset)).strftime("%FT%TZ"))
         (self.talker / "permissions.xml").write_text(text)
-        self.openssl("smime", "-sign", "-text", "-signer", self.permissions_ca / "ca.pem", "-inkey",
+        self.openssl("smime", "-sign", "-text", *options, "-signer", self.permissions_ca / "ca.pem", "-inkey",
                      self.permissions_ca / "ca.key.pem", "-in", self.talker / "permissions.xml", "-out",
                      self.talker / "permissions.p7s")
 
@@ -101,13 +102,54 @@ class Documents(AgentTest):
 
     def test_DocumentThatWasSignedEarlier_IsRefusedThoughItLastsLonger(self):
         """It may have given more."""
-        self.short_permissions(200)
+        self.short_permissions(200, options=())
         wide = self.at / "wide.p7s"
         words = self.documents_hook(text=f"[ $DDSSEC_WANTED != permissions ] || cat {wide}")
         shutil.copy(self.talker / "permissions.p7s", wide)
         time.sleep(1.1)
-        self.short_permissions(100)  # signed later, and it ends earlier
-        self.assertEqual(self.look(*words, exit=1)["problem"]["code"], "renewal_goes_back")
+        self.short_permissions(100, options=())  # signed later, and it ends earlier
+        later = datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(seconds=90)
+        event = self.look(*words, "--now", later.strftime("%FT%TZ"), exit=1)
+        self.assertEqual(event["problem"]["code"], "renewal_goes_back")
+
+    def test_PermissionsWhoseBeginStays_AreDueByTheirSignature(self):
+        self.short_permissions(20 * 86400)
+        begin = (datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(days=60)).strftime("%FT%TZ")
+        words = self.documents_hook(seconds=30 * 86400, begin=begin)
+        self.assertEqual(self.names(self.look(*words)), ["permissions.p7s", "permissions.xml"])
+        self.assertIsNone(self.look(*words))
+        self.assertIsNone(self.look(*words, "--now", "+19d"))
+        self.assertIsNotNone(self.look(*words, "--now", "+21d", exit=None))
+
+    def test_HookWithoutPermissions_IsAProblemOnceTheyAreDue(self):
+        words = self.documents_hook(text="exit 0")
+        self.assertIsNone(self.look(*words))
+        self.short_permissions()
+        event = self.look(*words, exit=1)
+        self.assertEqual((event["files"], event["problem"]["code"]), ([], "no_new_permissions"))
+        self.assertIn("permissions that end on ", event["problem"]["message"])
+        self.short_permissions(-100)
+        self.assertEqual(self.look(*words, exit=1)["problem"]["code"], "no_new_permissions")
+        (self.talker / "permissions.p7s").unlink()
+        told = self.run_program("agent", "demo/talker", "--once", *words, exit=1).stderr
+        self.assertIn("error[no_new_permissions]", told)
+        self.assertIn("no permissions that can be used", " ".join(told.split()))
+
+    def test_Daemon_HookWithoutPermissions_IsAskedRarelyAndReportedOnce(self):
+        self.short_permissions(24)  # of 120 s: asked again after 2 s
+        asked = self.at / "asked"
+        words = self.documents_hook(text=f"[ $DDSSEC_WANTED != permissions ] || echo >>{asked}")
+        agent = Running(self.at, "demo/talker", *words)
+        self.addCleanup(agent.end, signal.SIGKILL)
+        event = agent.wait_for("documents_fetched")
+        self.assertEqual(event["problem"]["code"], "no_new_permissions")
+        begin = time.monotonic()
+        while len(asked.read_text()) < 3:
+            self.assertLess(time.monotonic() - begin, 30)
+            time.sleep(0.05)
+        self.assertGreater(time.monotonic() - begin, 3)
+        self.assertEqual(agent.end(), 0)
+        self.assertEqual(len(agent.events("documents_fetched")), 1)
 
     def test_HookThatOthersCanChange_IsNotRun(self):
         words = self.documents_hook()
