@@ -8,14 +8,12 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
-#include "cli/agent/agent_ca.hpp"
 #include "cli/agent/agent_schedule.hpp"
 #include "cli/agent/agent_worker.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/frame/file_transaction.hpp"
-#include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_file.hpp"
 #include "cli/inputs/times.hpp"
 
@@ -36,28 +34,14 @@ constexpr seconds kMinRestOfOthers{60};
 // The longest time between two looks for overlaps, which other commands may begin at any time.
 constexpr seconds kMaxLook{60};
 constexpr seconds kRetryEnd{3600};
-// How long a process that uses the CA's key may take. It may wait for the CA's lock for up to 20 s,
-// because other commands may use the CA.
-constexpr seconds kTimeForOwnCa{120};
 
 // How long the agent waits for a worker if its owner counts as slow, which lasts for kSlowFor.
 // Otherwise one user could keep the agent from the other folders.
 constexpr seconds kTimeForSlowOwner{3};
 constexpr seconds kSlowFor{3600};
 
-std::unexpected<Error> no_answer_error(End end) {
-  if (end == End::stopped) return fail(Code::interrupted);
-  return fail(Code::internal, {.field = "a process of the agent",
-                               .note = end == End::too_slow ? "it took too long" : "it has ended"});
-}
-
 // A process that does not keep to the protocol is treated like one that has ended.
 std::unexpected<Error> protocol_error() { return no_answer_error(End::closed); }
-
-// True for errors after which another attempt with the same PIN or passphrase may lock the token.
-bool must_not_be_tried_again(Code code) {
-  return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
-}
 
 Result<Json> event_from(const Json& json) {
   if (json.contains("error")) return std::unexpected(error_from(json["error"]));
@@ -68,8 +52,8 @@ Result<Json> event_from(const Json& json) {
 
 Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& context)
     : arguments_(arguments),
-      hooks_(std::move(hooks)),
       context_(context),
+      ca_(arguments, std::move(hooks), context, signals_),
       events_(arguments.text("--format") == "json" ? AgentEvents::To::report
                                                    : AgentEvents::To::standard_output,
               context.clock) {
@@ -83,19 +67,12 @@ Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& contex
 
 Json Agent::start_members() const {
   return {{"folders", folders_.size()},
-          {"by", hooks_.certificates ? "hook" : "ca"},
+          {"by", ca_.has_certificate_hook() ? "hook" : "ca"},
           {"pid", ::getpid()}};
 }
 
-// Runs in a process of its own, like each use of the CA's key. Without this check, a wrong
-// passphrase would be noticed only when the first certificate is due.
-Status Agent::check_ca_opens() {
-  if (hooks_.certificates) return {};
-  return check_in_child_process([&] { return check_passphrase(arguments_); });
-}
-
 Answer<AgentRun> Agent::run_once() {
-  if (const auto proven = check_ca_opens(); !proven) return {{}, report_of(proven.error())};
+  if (const auto proven = ca_.check_ca_opens(); !proven) return {{}, report_of(proven.error())};
   end_overlaps();
   for (auto& folder : folders_)
     if (!signals_.is_stopped()) visit(folder);
@@ -109,7 +86,7 @@ Answer<AgentRun> Agent::run_once() {
 
 Answer<AgentRun> Agent::run() {
   constexpr bool kHasResult = false;
-  if (const auto proven = check_ca_opens(); !proven)
+  if (const auto proven = ca_.check_ca_opens(); !proven)
     return {{}, report_of(proven.error()), kHasResult};
   events_.report("started", start_members());
   while (!signals_.is_stopped()) {
@@ -136,7 +113,7 @@ void Agent::schedule_all_now() {
     folder.is_paused = false;
   }
   next_end_ = {};
-  ca_refusal_.reset();
+  ca_.forget_refusal();
   owners_with_wrong_pin_.clear();
   slow_owners_.clear();
   silent_responders_.clear();
@@ -156,22 +133,18 @@ void Agent::end_overlaps() {
     end_overlap_and_report(overlap);
     if (failed_ends_ > 0) break;
   }
-  const bool is_paused = failed_ends_ > 0 && ca_refusal_;
+  const bool is_paused = failed_ends_ > 0 && ca_.refusal();
   next_end_ = is_paused ? Moment::max()
                         : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
 }
 
-// Runs in a process of its own, like each use of the CA's key.
 void Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
-  auto json = ca_refusal_ ? Result<Json>(std::unexpected(*ca_refusal_)) : run_in_child_process([&] {
-    return end_overlap(overlap, arguments_, context_);
-  });
+  auto json = ca_.end_overlap(overlap);
   if (!json) {
     if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
-    if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
     auto members = event_members(json.error());
     members["failures"] = ++failed_ends_;
-    members["again_in"] = ca_refusal_ ? Json() : Json(kRetryEnd.count());
+    members["again_in"] = ca_.refusal() ? Json() : Json(kRetryEnd.count());
     events_.report("failed", arguments_.text("--ca"), std::move(members));
     errors_.push_back(json.error());
     return;
@@ -219,8 +192,8 @@ Result<Json> Agent::run_worker(Folder& folder) {
     folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
   folder.task.responders = responders_for(folder);
   folder.task.renewals = renewal_list_text();
-  folder.task.fetches_documents =
-      hooks_.documents && folder.lock && folder.next_documents <= context_.clock.since_boot();
+  folder.task.fetches_documents = ca_.has_document_hook() && folder.lock &&
+                                  folder.next_documents <= context_.clock.since_boot();
   const int lock = folder.lock ? folder.lock->descriptor() : -1;
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
@@ -264,7 +237,7 @@ AskedResponders Agent::responders_for(const Folder& folder) const {
 // The CA's renewal list as text. Empty if the CA is behind a hook, or if the list does not fit into
 // a line to a worker; `crl distribute` then writes it.
 std::string Agent::renewal_list_text() const {
-  if (hooks_.certificates) return {};
+  if (ca_.has_certificate_hook()) return {};
   const std::filesystem::path given = arguments_.text("--ca");
   const auto crl = present_crl(ca_paths(given, "identity"));
   const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
@@ -276,7 +249,7 @@ std::string Agent::renewal_list_text() const {
 // Lets the other folders get the list with the new certificate soon, unless there are too many.
 void Agent::schedule_others(const Folder& renewed) {
   constexpr std::size_t kMax = 64;
-  if (hooks_.certificates || folders_.size() > kMax) return;
+  if (ca_.has_certificate_hook() || folders_.size() > kMax) return;
   const auto soon = context_.clock.since_boot() + seconds(1);
   for (auto& other : folders_)
     if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
@@ -307,30 +280,13 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
       note_documents(folder, json["documents"]);
       continue;
     }
-    const auto document = ask_document(folder, document_request_from(json));
+    const auto document =
+        ca_.document(folder.task.folder, folder.lock->folder(), document_request_from(json));
     if (!document && signals_.is_stopped()) return std::unexpected(document.error());
     const auto answer = document ? document_line(*document) : error_line(document.error());
     const auto sent = worker.write(to_line(answer) + '\n', deadline_for(folder));
     if (sent != End::done) return worker_ended_error(folder, sent);
   }
-}
-
-// Revocation and renewal lists are public. Permissions are given only to the holder of their key.
-Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& request) {
-  constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
-  if (std::ranges::find(kKinds, request.wanted) == kKinds.end()) return protocol_error();
-  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
-  if (request.wanted == kKinds.front())
-    DDSSEC_RETURN_IF_ERROR(check_request({request.request, request.certificate}));
-  DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
-                          pki::Certificate::from_pem(as_bytes(request.certificate)));
-  std::error_code ignored;
-  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored),
-                          certificate.subject(), certificate.pem(), request.wanted,
-                          kMaxHookDocument};
-  DDSSEC_ASSIGN_OR_RETURN(const auto text, run_hook(*hooks_.documents, asked, signals_));
-  const auto octets = as_bytes(text);
-  return Bytes(octets.begin(), octets.end());
 }
 
 // The folder's worker says when to ask again. For a folder of another user the agent waits at least
@@ -371,7 +327,9 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   const auto asked_lifetime = std::max(seconds(1), request.lifetime);
   if (is_own) folder.lifetime = asked_lifetime;
-  DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
+  if (!folder.lock) return protocol_error();  // with --dry-run the CA is not asked
+  DDSSEC_ASSIGN_OR_RETURN(auto answer,
+                          ca_.renew(folder.task.folder, folder.lock->folder(), request));
   folder.lifetime = asked_lifetime;       // the CA has accepted the certificate
   answer.renewals = renewal_list_text();  // includes the new certificate
   const auto sent = worker.write(answer_line(answer), deadline_for(folder));
@@ -381,66 +339,6 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
   if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
   return event;
-}
-
-Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
-  if (!folder.lock) return protocol_error();  // with --dry-run the CA is not asked
-  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
-  if (!hooks_.certificates) return ask_own_ca(folder, request);
-  DDSSEC_RETURN_IF_ERROR(check_request(request));
-  DDSSEC_ASSIGN_OR_RETURN(const auto old,
-                          pki::Certificate::from_pem(as_bytes(request.certificate)));
-  std::error_code ignored;
-  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored), old.subject(),
-                          request.request};
-  DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hooks_.certificates, asked, signals_));
-  return RenewalAnswer{std::move(pem)};
-}
-
-// Returns the result of `work`, which runs in a process of its own with the agent's rights.
-Result<Json> Agent::run_in_child_process(const std::function<Result<Json>()>& work) {
-  DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
-                            const auto result = work();
-                            return send_line(out, result ? *result : error_line(result.error()));
-                          }));
-  std::string line;
-  const auto end = process.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForOwnCa);
-  if (end != End::done) return no_answer_error(end);
-  DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
-  return json;
-}
-
-Status Agent::check_in_child_process(const std::function<Status()>& check) {
-  const auto json = run_in_child_process([&]() -> Result<Json> {
-    DDSSEC_RETURN_IF_ERROR(check());
-    return Json::object();
-  });
-  return json ? Status{} : std::unexpected(json.error());
-}
-
-// Only the child process has the CA's key. It judges the locked folder, because the path may lead
-// to another one by now.
-Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
-  if (ca_refusal_) return std::unexpected(*ca_refusal_);
-  const auto json = run_in_child_process([&]() -> Result<Json> {
-    const auto& path = folder.task.folder;
-    DDSSEC_RETURN_IF_ERROR(hold_folder(path));
-    DDSSEC_RETURN_IF_ERROR(folder.lock->folder().check_same(folder_descriptor(path), path));
-    const auto answer = renew_by_ca(request, path, arguments_, context_);
-    if (!answer) return std::unexpected(answer.error());
-    return to_json(*answer);
-  });
-  if (json) return answer_from(*json);
-  if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
-  return std::unexpected(json.error());
-}
-
-Status Agent::check_request(const RenewalRequest& request) {
-  return check_in_child_process([&] {
-    return check_requester(request, {arguments_.text("--trust"), arguments_.text("--crl")},
-                           arguments_.has("--rekey"));
-  });
 }
 
 bool Agent::note_problem(Json& event) {
@@ -458,7 +356,7 @@ void Agent::note_success(Folder& folder, Json event) {
   const auto now = context_.clock.calendar_seconds();
   const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kMaxRest);
   folder.next = context_.clock.since_boot() + rest;
-  if (hooks_.documents && folder.next_documents > Moment(0))
+  if (ca_.has_document_hook() && folder.next_documents > Moment(0))
     folder.next = std::min(folder.next, folder.next_documents);
   if (name == "renewed") {
     folder.task.known = text_in(event, "sha256");
@@ -481,7 +379,7 @@ void Agent::note_success(Folder& folder, Json event) {
 void Agent::note_failure(Folder& folder, const Error& error) {
   ++folder.failures;
   folder.is_paused = must_not_be_tried_again(error.code());
-  if (folder.is_paused && !ca_refusal_ && folder.lock)
+  if (folder.is_paused && !ca_.refusal() && folder.lock)
     owners_with_wrong_pin_.insert(folder.lock->owner().user);
   std::array<std::uint8_t, 1> jitter{};
   static_cast<void>(context_.random.fill(jitter));

@@ -10,22 +10,15 @@
 
 #include "cli/agent/agent_events.hpp"
 #include "cli/agent/agent_folder.hpp"
-#include "cli/agent/agent_hook.hpp"
-#include "cli/agent/agent_messages.hpp"
 #include "cli/agent/agent_overlaps.hpp"
 #include "cli/agent/agent_participant.hpp"
 #include "cli/agent/agent_process.hpp"
+#include "cli/agent/ca_requests.hpp"
 #include "cli/agent/repeated_problem.hpp"
 #include "cli/agent/silent_responders.hpp"
 #include "cli/frame/command.hpp"
 
 namespace ddssec::cli {
-
-/// The programs that get certificates or documents from a CA elsewhere.
-struct AgentHooks {
-  std::optional<Hook> certificates = {};  ///< empty: a CA of this machine (--ca)
-  std::optional<Hook> documents = {};     ///< permissions and lists
-};
 
 /// Renews what is due in some folders. For each of them a process with the rights of the folder's
 /// owner reads and writes the files (agent_participant.hpp), and another one with the agent's own
@@ -69,16 +62,8 @@ class Agent {
   std::string renewal_list_text() const;
   void note_documents(Folder& folder, const Json& outcome);
   void note_lasting_problem(Folder& folder, Json& members);
-  Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
   Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
-  Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
-  Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
-  Status check_request(const RenewalRequest& request);
-  Status check_ca_opens();
-  Result<Json> run_in_child_process(const std::function<Result<Json>()>& work);
-  /// Runs a check that uses the CA or reads files of its own in such a process.
-  Status check_in_child_process(const std::function<Status()>& check);
   /// Keeps the error of the member "problem" for the report, and makes the member one of an event.
   /// Returns false if there is no such member.
   bool note_problem(Json& event);
@@ -90,13 +75,11 @@ class Agent {
   std::vector<std::string> secret_variables() const;
 
   const Arguments& arguments_;
-  AgentHooks hooks_;
   const Context& context_;
   HeldSignals signals_;
+  CaRequests ca_;
   AgentEvents events_;
   std::vector<Folder> folders_;
-  /// The error if the CA's key refused its PIN or passphrase.
-  std::optional<Error> ca_refusal_ = {};
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< owners of a folder whose token refused the PIN
   /// Owners whose workers took too long, and until when that counts.
   std::map<uid_t, Moment> slow_owners_ = {};

@@ -234,4 +234,11 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept
       buffer_(std::move(other.buffer_)),
       status_(other.status_) {}
 
+std::unexpected<Error> no_answer_error(ChildProcess::End end) {
+  if (end == ChildProcess::End::stopped) return fail(Code::interrupted);
+  return fail(Code::internal,
+              {.field = "a process of the agent",
+               .note = end == ChildProcess::End::too_slow ? "it took too long" : "it has ended"});
+}
+
 }  // namespace ddssec::cli

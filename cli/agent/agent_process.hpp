@@ -91,4 +91,8 @@ class ChildProcess {
   std::optional<int> status_ = {};
 };
 
+/// Returns the error for an exchange that did not end with `done`. Errors: interrupted (stopped),
+/// internal.
+std::unexpected<Error> no_answer_error(ChildProcess::End end);
+
 }  // namespace ddssec::cli

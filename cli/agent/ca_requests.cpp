@@ -1,0 +1,120 @@
+#include "cli/agent/ca_requests.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "cli/agent/agent_ca.hpp"
+#include "cli/frame/held_folder.hpp"
+
+namespace ddssec::cli {
+namespace {
+
+using End = ChildProcess::End;
+using std::chrono::seconds;
+
+// How long a process that uses the CA's key may take. It may wait for the CA's lock for up to 20 s,
+// because other commands may use the CA.
+constexpr seconds kTimeForOwnCa{120};
+
+std::filesystem::path absolute_path(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::absolute(folder, ignored);
+}
+
+}  // namespace
+
+bool must_not_be_tried_again(Code code) {
+  return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
+}
+
+Status CaRequests::check_ca_opens() {
+  if (hooks_.certificates) return {};
+  return check_in_child_process([&] { return check_passphrase(arguments_); });
+}
+
+Result<RenewalAnswer> CaRequests::renew(const std::filesystem::path& folder,
+                                        const LockedFolder& locked, const RenewalRequest& request) {
+  DDSSEC_RETURN_IF_ERROR(check_owner(locked.owner, arguments_, folder));
+  if (!hooks_.certificates) return renew_by_own_ca(folder, locked, request);
+  DDSSEC_RETURN_IF_ERROR(check_request(request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto old,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  const HookRequest asked{absolute_path(folder), old.subject(), request.request};
+  DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hooks_.certificates, asked, signals_));
+  return RenewalAnswer{std::move(pem)};
+}
+
+Result<Bytes> CaRequests::document(const std::filesystem::path& folder, const LockedFolder& locked,
+                                   const DocumentRequest& request) {
+  constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
+  if (std::ranges::find(kKinds, request.wanted) == kKinds.end())
+    return no_answer_error(End::closed);
+  DDSSEC_RETURN_IF_ERROR(check_owner(locked.owner, arguments_, folder));
+  if (request.wanted == kKinds.front())
+    DDSSEC_RETURN_IF_ERROR(check_request({request.request, request.certificate}));
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  const HookRequest asked{absolute_path(folder), certificate.subject(), certificate.pem(),
+                          request.wanted, kMaxHookDocument};
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, run_hook(*hooks_.documents, asked, signals_));
+  const auto octets = as_bytes(text);
+  return Bytes(octets.begin(), octets.end());
+}
+
+Result<Json> CaRequests::end_overlap(const OverlapToEnd& overlap) {
+  if (refusal_) return std::unexpected(*refusal_);
+  auto json = run_in_child_process([&] { return cli::end_overlap(overlap, arguments_, context_); });
+  if (!json && must_not_be_tried_again(json.error().code())) refusal_ = json.error();
+  return json;
+}
+
+// Only the child process has the CA's key. It judges the locked folder, because the path may lead
+// to another one by now.
+Result<RenewalAnswer> CaRequests::renew_by_own_ca(const std::filesystem::path& folder,
+                                                  const LockedFolder& locked,
+                                                  const RenewalRequest& request) {
+  if (refusal_) return std::unexpected(*refusal_);
+  const auto json = run_in_child_process([&]() -> Result<Json> {
+    DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
+    DDSSEC_RETURN_IF_ERROR(locked.check_same(folder_descriptor(folder), folder));
+    const auto answer = renew_by_ca(request, folder, arguments_, context_);
+    if (!answer) return std::unexpected(answer.error());
+    return to_json(*answer);
+  });
+  if (json) return answer_from(*json);
+  if (must_not_be_tried_again(json.error().code())) refusal_ = json.error();
+  return std::unexpected(json.error());
+}
+
+Status CaRequests::check_request(const RenewalRequest& request) {
+  return check_in_child_process([&] {
+    return check_requester(request, {arguments_.text("--trust"), arguments_.text("--crl")},
+                           arguments_.has("--rekey"));
+  });
+}
+
+// Returns the result of `work`, which runs in a process of its own with the agent's rights.
+Result<Json> CaRequests::run_in_child_process(const std::function<Result<Json>()>& work) {
+  DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
+                            const auto result = work();
+                            return send_line(out, result ? *result : error_line(result.error()));
+                          }));
+  std::string line;
+  const auto deadline = std::chrono::steady_clock::now() + kTimeForOwnCa;
+  if (const auto end = process.read_line(line, kMaxAgentLine, deadline); end != End::done)
+    return no_answer_error(end);
+  DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  return json;
+}
+
+// Runs a check that uses the CA or reads files of the agent's user in such a process.
+Status CaRequests::check_in_child_process(const std::function<Status()>& check) {
+  const auto json = run_in_child_process([&]() -> Result<Json> {
+    DDSSEC_RETURN_IF_ERROR(check());
+    return Json::object();
+  });
+  return json ? Status{} : std::unexpected(json.error());
+}
+
+}  // namespace ddssec::cli
