@@ -111,6 +111,8 @@ void Agent::schedule_all_now() {
   for (auto& folder : folders_) {
     folder.next = folder.next_documents = {};
     folder.is_paused = false;
+    folder.limit.clear();
+    folder.lasting_problem.clear();
   }
   next_end_ = {};
   ca_.forget_refusal();
@@ -325,12 +327,13 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   if (!json.contains("request")) return event_from(json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
-  const auto asked_lifetime = std::max(seconds(1), request.lifetime);
-  if (is_own) folder.lifetime = asked_lifetime;
+  if (is_own) folder.lifetime = std::max(seconds(1), request.lifetime);
   if (!folder.lock) return protocol_error();  // with --dry-run the CA is not asked
+  if (!folder.limit.allows(context_.clock.since_boot()))
+    return fail(tool_code::renewed_too_often, {.document = folder.task.folder});
   DDSSEC_ASSIGN_OR_RETURN(auto answer,
                           ca_.renew(folder.task.folder, folder.lock->folder(), request));
-  folder.lifetime = asked_lifetime;       // the CA has accepted the certificate
+  note_answer(folder, answer);
   answer.renewals = renewal_list_text();  // includes the new certificate
   const auto sent = worker.write(answer_line(answer), deadline_for(folder));
   if (sent != End::done) return worker_ended_error(folder, sent);
@@ -339,6 +342,13 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
   if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
   return event;
+}
+
+// The lifetime is read from what the CA signed: a worker may run code of the folder's owner.
+void Agent::note_answer(Folder& folder, const RenewalAnswer& answer) {
+  const auto certificate = pki::Certificate::from_pem(as_bytes(answer.certificate));
+  if (certificate) folder.lifetime = lifetime(*certificate);
+  folder.limit.note(folder.lifetime, context_.clock.since_boot());
 }
 
 bool Agent::note_problem(Json& event) {

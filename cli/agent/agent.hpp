@@ -14,6 +14,7 @@
 #include "cli/agent/agent_participant.hpp"
 #include "cli/agent/agent_process.hpp"
 #include "cli/agent/ca_requests.hpp"
+#include "cli/agent/renewal_limit.hpp"
 #include "cli/agent/repeated_problem.hpp"
 #include "cli/agent/silent_responders.hpp"
 #include "cli/frame/command.hpp"
@@ -41,11 +42,12 @@ class Agent {
     Moment next_documents{0};
     unsigned failures = 0;
     /// The lifetime of its certificate, which decides how often the CA is asked. For a folder of
-    /// another user it is therefore known only after the CA has accepted the certificate.
+    /// another user it is therefore that of the last certificate that the CA answered.
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string last_reported_serial = {};
     bool is_paused = false;
-    bool has_problem = false;              ///< true if the last event had a "problem"
+    bool has_problem = false;  ///< true if the last event had a "problem"
+    RenewalLimit limit = {};
     RepeatedProblem lasting_problem = {};  ///< of the documents that the second hook brings
   };
 
@@ -63,6 +65,7 @@ class Agent {
   void note_documents(Folder& folder, const Json& outcome);
   void note_lasting_problem(Folder& folder, Json& members);
   Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
+  void note_answer(Folder& folder, const RenewalAnswer& answer);
   Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
   /// Keeps the error of the member "problem" for the report, and makes the member one of an event.
   /// Returns false if there is no such member.

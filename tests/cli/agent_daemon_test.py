@@ -68,6 +68,34 @@ class Daemon(AgentTest):
         agent.wait_for("renewed", seconds=20)
         self.assertEqual(agent.end(signal.SIGINT), 0)
 
+    def due_folder(self, name):
+        """Two thirds of its certificate's year are over. Returns the certificate."""
+        if not (self.at / "old").exists():
+            self.run_program("ca", "create", "old", "--role", "identity", "--no-passphrase", "--now", "-400d")
+        self.run_program("identity", "issue", name, "--ca", "old", "-o", name, "--days", "365", "--now", "-300d")
+        return (self.at / name / "cert.pem").read_bytes()
+
+    def test_CertificatesPutBackInTwoFolders_AreNotRenewedEachSecond(self):
+        """Each renewal makes the agent look at the other folder, too."""
+        due = {name: self.due_folder(name) for name in ("one", "two")}
+        agent = self.start(*due, "--ca", "old")
+        end, seen = time.monotonic() + 30, 0
+        while not agent.events("failed"):
+            self.assertLess(time.monotonic(), end, agent.lines)
+            renewed = agent.events("renewed")
+            for event in renewed[seen:]:
+                (self.at / "back").write_bytes(due[event["folder"]])
+                os.rename(self.at / "back", self.at / event["folder"] / "cert.pem")
+            seen = len(renewed)
+            time.sleep(0.05)
+        self.assertEqual(f"error[{agent.events('failed')[0]['code']}]", "error[renewed_too_often]")
+        self.assertEqual(seen, 4)
+        for name in due:
+            self.assertEqual((self.at / "old/issued.jsonl").read_text().count(f'/{name}"'), 3, name)  # with its first one
+        agent.process.send_signal(signal.SIGHUP)  # the operator has repaired it
+        agent.wait_for("renewed", 6, seconds=20)
+        self.assertEqual(agent.end(), 0)
+
     def test_a_stop_does_not_wait_for_a_hook(self):
         self.short_lived(1)
         agent = self.start("demo/talker", "--hook", self.hook(f"echo >{self.at}/began; exec sleep 300"))
