@@ -115,7 +115,7 @@ void Agent::schedule_all_now() {
     folder.lasting_problem.clear();
   }
   next_end_ = {};
-  ca_.forget_refusal();
+  ca_.forget_refusals();
   owners_with_wrong_pin_.clear();
   slow_owners_.clear();
   silent_responders_.clear();
@@ -135,7 +135,7 @@ void Agent::end_overlaps() {
     end_overlap_and_report(overlap);
     if (failed_ends_ > 0) break;
   }
-  const bool is_paused = failed_ends_ > 0 && ca_.refusal();
+  const bool is_paused = failed_ends_ > 0 && is_end_refused_;
   next_end_ = is_paused ? Moment::max()
                         : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
 }
@@ -144,9 +144,10 @@ void Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
   auto json = ca_.end_overlap(overlap);
   if (!json) {
     if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
+    is_end_refused_ = must_not_be_tried_again(json.error().code());
     auto members = event_members(json.error());
     members["failures"] = ++failed_ends_;
-    members["again_in"] = ca_.refusal() ? Json() : Json(kRetryEnd.count());
+    members["again_in"] = is_end_refused_ ? Json() : Json(kRetryEnd.count());
     events_.report("failed", arguments_.text("--ca"), std::move(members));
     errors_.push_back(json.error());
     return;
@@ -314,7 +315,9 @@ void Agent::note_documents(Folder& folder, const Json& outcome) {
 void Agent::note_lasting_problem(Folder& folder, Json& members) {
   if (!members.contains("problem")) return folder.lasting_problem.clear();
   const auto code = error_from(members["problem"]).code();
-  if (code != tool_code::no_new_permissions) return;
+  // Asking for permissions needs the participant's key.
+  if (must_not_be_tried_again(code)) owners_with_wrong_pin_.insert(folder.lock->owner().user);
+  if (!must_not_be_tried_again(code) && code != tool_code::no_new_permissions) return;
   if (!folder.lasting_problem.note(code, context_.clock.since_boot())) members.erase("problem");
 }
 
@@ -388,8 +391,11 @@ void Agent::note_success(Folder& folder, Json event) {
 
 void Agent::note_failure(Folder& folder, const Error& error) {
   ++folder.failures;
-  folder.is_paused = must_not_be_tried_again(error.code());
-  if (folder.is_paused && !ca_.refusal() && folder.lock)
+  const bool is_refused = must_not_be_tried_again(error.code());
+  const bool is_refused_by_ca = is_refused && ca_.has_refusal(error);
+  // Without the permissions CA the certificate is renewed nevertheless, once it is due.
+  folder.is_paused = is_refused && (!is_refused_by_ca || ca_.is_refused());
+  if (is_refused && !is_refused_by_ca && folder.lock)
     owners_with_wrong_pin_.insert(folder.lock->owner().user);
   std::array<std::uint8_t, 1> jitter{};
   static_cast<void>(context_.random.fill(jitter));

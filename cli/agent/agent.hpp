@@ -89,6 +89,7 @@ class Agent {
   SilentResponders silent_responders_ = {};
   Moment next_end_{0};  ///< when the agent looks for overlaps to end
   unsigned failed_ends_ = 0;
+  bool is_end_refused_ = false;  ///< true if the last one failed because a key refused its PIN
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };

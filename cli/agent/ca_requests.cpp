@@ -4,6 +4,7 @@
 #include <array>
 
 #include "cli/agent/agent_ca.hpp"
+#include "cli/ca/ca_folder.hpp"
 #include "cli/frame/held_folder.hpp"
 
 namespace ddssec::cli {
@@ -62,10 +63,29 @@ Result<Bytes> CaRequests::document(const std::filesystem::path& folder, const Lo
 }
 
 Result<Json> CaRequests::end_overlap(const OverlapToEnd& overlap) {
-  if (refusal_) return std::unexpected(*refusal_);
+  if (const auto refused = refusals_.find(overlap.role); refused != refusals_.end())
+    return std::unexpected(refused->second);
   auto json = run_in_child_process([&] { return cli::end_overlap(overlap, arguments_, context_); });
-  if (!json && must_not_be_tried_again(json.error().code())) refusal_ = json.error();
+  if (!json) note_refusal(json.error(), overlap.role);
   return json;
+}
+
+bool CaRequests::has_refusal(const Error& error) const {
+  return std::ranges::any_of(refusals_, [&](const auto& one) {
+    return one.second.code() == error.code() &&
+           one.second.details().document == error.details().document;
+  });
+}
+
+void CaRequests::note_refusal(const Error& error, std::string_view role) {
+  if (!must_not_be_tried_again(error.code())) return;
+  bool is_noted = false;
+  for (const auto each : {kIdentity, kPermissions}) {
+    if (error.details().document != ca_paths(arguments_.text("--ca"), each).key) continue;
+    refusals_.insert_or_assign(std::string(each), error);
+    is_noted = true;
+  }
+  if (!is_noted) refusals_.insert_or_assign(std::string(role), error);
 }
 
 // Only the child process has the CA's key. It judges the locked folder, because the path may lead
@@ -73,17 +93,27 @@ Result<Json> CaRequests::end_overlap(const OverlapToEnd& overlap) {
 Result<RenewalAnswer> CaRequests::renew_by_own_ca(const std::filesystem::path& folder,
                                                   const LockedFolder& locked,
                                                   const RenewalRequest& request) {
-  if (refusal_) return std::unexpected(*refusal_);
+  if (const auto refused = refusals_.find(kIdentity); refused != refusals_.end())
+    return std::unexpected(refused->second);
+  const auto permissions_refused = refusals_.find(kPermissions);
+  const bool are_left_out = !request.permissions.empty() && permissions_refused != refusals_.end();
+  auto asked = request;
+  if (are_left_out) asked.permissions.clear();
   const auto json = run_in_child_process([&]() -> Result<Json> {
     DDSSEC_RETURN_IF_ERROR(hold_folder(folder));
     DDSSEC_RETURN_IF_ERROR(locked.check_same(folder_descriptor(folder), folder));
-    const auto answer = renew_by_ca(request, folder, arguments_, context_);
+    const auto answer = renew_by_ca(asked, folder, arguments_, context_);
     if (!answer) return std::unexpected(answer.error());
     return to_json(*answer);
   });
-  if (json) return answer_from(*json);
-  if (must_not_be_tried_again(json.error().code())) refusal_ = json.error();
-  return std::unexpected(json.error());
+  if (!json) {
+    note_refusal(json.error(), kIdentity);
+    return std::unexpected(json.error());
+  }
+  DDSSEC_ASSIGN_OR_RETURN(auto answer, answer_from(*json));
+  if (answer.problem) note_refusal(*answer.problem, kPermissions);
+  if (are_left_out) answer.problem = permissions_refused->second;
+  return answer;
 }
 
 Status CaRequests::check_request(const RenewalRequest& request) {

@@ -3,7 +3,10 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "cli/agent/agent_folder.hpp"
 #include "cli/agent/agent_hook.hpp"
@@ -24,8 +27,8 @@ struct AgentHooks {
 bool must_not_be_tried_again(Code code);
 
 /// Asks the CA or the hooks. Each use of the CA's key, and each check that reads files of the
-/// agent's user, is in a process of its own. If the CA's key refuses its PIN or passphrase, that is
-/// remembered, and later requests fail without an attempt.
+/// agent's user, is in a process of its own. If the key of a CA refuses its PIN or passphrase, that
+/// is remembered, and later requests that need this key fail without an attempt.
 class CaRequests {
  public:
   /// Borrows everything but the hooks.
@@ -39,8 +42,9 @@ class CaRequests {
   /// Success if the passphrase opens the CA's key. Without this check, a wrong passphrase would be
   /// noticed only when the first certificate is due. Errors: those of check_passphrase.
   Status check_ca_opens();
-  /// Asks for a certificate. Errors: those of check_owner, and of renew_by_ca or of check_requester
-  /// and run_hook.
+  /// Asks for a certificate. If the key of the permissions CA has refused before, the permissions
+  /// stay, and the answer's problem is that refusal. Errors: those of check_owner, and of
+  /// renew_by_ca or of check_requester and run_hook.
   Result<RenewalAnswer> renew(const std::filesystem::path& folder, const LockedFolder& locked,
                               const RenewalRequest& request);
   /// Asks the second hook for a document. Revocation and renewal lists are public. Permissions are
@@ -51,13 +55,20 @@ class CaRequests {
   /// Ends an overlap of the CA (agent_overlaps.hpp).
   Result<Json> end_overlap(const OverlapToEnd& overlap);
 
-  /// The error if the CA's key refused its PIN or passphrase.
-  const std::optional<Error>& refusal() const { return refusal_; }
-  void forget_refusal() { refusal_.reset(); }
+  /// True if the key of the identity CA has refused its PIN or passphrase: there are no
+  /// certificates before forget_refusals().
+  bool is_refused() const { return refusals_.contains(kIdentity); }
+  /// True for the error of a CA's key that has refused; false for that of a participant's key.
+  bool has_refusal(const Error& error) const;
+  void forget_refusals() { refusals_.clear(); }
 
  private:
+  static constexpr std::string_view kIdentity = "identity";
+  static constexpr std::string_view kPermissions = "permissions";
   Result<RenewalAnswer> renew_by_own_ca(const std::filesystem::path& folder,
                                         const LockedFolder& locked, const RenewalRequest& request);
+  /// Remembers the error if a key has refused: that of the file that it names, or else of `role`.
+  void note_refusal(const Error& error, std::string_view role);
   Status check_request(const RenewalRequest& request);
   Result<Json> run_in_child_process(const std::function<Result<Json>()>& work);
   Status check_in_child_process(const std::function<Status()>& check);
@@ -66,7 +77,7 @@ class CaRequests {
   AgentHooks hooks_;
   const Context& context_;
   HeldSignals& signals_;
-  std::optional<Error> refusal_ = {};
+  std::map<std::string, Error, std::less<>> refusals_ = {};  ///< by the role of the CA
 };
 
 }  // namespace ddssec::cli
