@@ -109,8 +109,9 @@ Answer<AgentRun> Agent::run() {
 
 void Agent::schedule_all_now() {
   for (auto& folder : folders_) {
-    folder.next = folder.next_documents = {};
-    folder.is_paused = false;
+    folder.next = folder.next_attempt = folder.next_documents = {};
+    folder.refusal.reset();
+    folder.reported_refusal.clear();
     folder.limit.clear();
     folder.lasting_problem.clear();
   }
@@ -177,7 +178,14 @@ void Agent::complete_lists() {
   }
 }
 
-void Agent::visit(Folder& folder) { note_outcome(folder, run_worker(folder)); }
+void Agent::visit(Folder& folder) {
+  folder.task.is_waiting = folder.next_attempt > context_.clock.since_boot();
+  auto event = run_worker(folder);
+  if (folder.task.is_waiting)
+    note_waiting_visit(folder, std::move(event));
+  else
+    note_outcome(folder, std::move(event));
+}
 
 void Agent::note_outcome(Folder& folder, Result<Json> event) {
   if (event) return note_success(folder, *std::move(event));
@@ -366,6 +374,8 @@ void Agent::note_success(Folder& folder, Json event) {
   const auto name = text_in(event, "event");
   const auto next = time_from(text_in(event, "next"));
   folder.failures = 0;
+  folder.next_attempt = {};
+  folder.refusal.reset();
   const auto now = context_.clock.calendar_seconds();
   const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kMaxRest);
   folder.next = context_.clock.since_boot() + rest;
@@ -394,18 +404,46 @@ void Agent::note_failure(Folder& folder, const Error& error) {
   const bool is_refused = must_not_be_tried_again(error.code());
   const bool is_refused_by_ca = is_refused && ca_.has_refusal(error);
   // Without the permissions CA the certificate is renewed nevertheless, once it is due.
-  folder.is_paused = is_refused && (!is_refused_by_ca || ca_.is_refused());
+  const bool is_paused = is_refused && (!is_refused_by_ca || ca_.is_refused());
+  folder.refusal = is_paused ? std::optional(error) : std::nullopt;
   if (is_refused && !is_refused_by_ca && folder.lock)
     owners_with_wrong_pin_.insert(folder.lock->owner().user);
   std::array<std::uint8_t, 1> jitter{};
   static_cast<void>(context_.random.fill(jitter));
   const auto wait = retry_after(folder.failures, folder.lifetime, jitter[0]);
-  folder.next = folder.is_paused ? Moment::max() : context_.clock.since_boot() + wait;
+  const auto now = context_.clock.since_boot();
+  folder.next_attempt = is_paused ? Moment::max() : now + wait;
+  schedule_waiting(folder);
+  if (is_paused) folder.reported_refusal.note(error.code(), now);
+  report_failure(folder, error, is_paused ? Json() : Json(wait.count()));
+  errors_.push_back(error.with_default_document(folder.task.folder));
+}
+
+void Agent::report_failure(const Folder& folder, const Error& error, Json again_in) {
   auto members = event_members(error);
   members["failures"] = folder.failures;
-  members["again_in"] = folder.is_paused ? Json() : Json(wait.count());
+  members["again_in"] = std::move(again_in);
   events_.report("failed", folder.task.folder, std::move(members));
-  errors_.push_back(error.with_default_document(folder.task.folder));
+}
+
+// While a renewal waits, the folder is visited for its lists and its OCSP response.
+void Agent::schedule_waiting(Folder& folder) {
+  const auto now = context_.clock.since_boot();
+  folder.next = std::min<Moment>(folder.next_attempt, now + kMaxRest);
+  if (ca_.has_document_hook() && folder.next_documents > now)
+    folder.next = std::min(folder.next, folder.next_documents);
+}
+
+// The reason for the wait is reported already, and once more each day if only SIGHUP ends it.
+void Agent::note_waiting_visit(Folder& folder, Result<Json> event) {
+  if (event && text_in(*event, "event") != "due")  // the operator has renewed it by hand
+    return note_success(folder, *std::move(event));
+  schedule_waiting(folder);
+  const auto now = context_.clock.since_boot();
+  if (event && folder.lock)
+    silent_responders_.note(folder.lock->owner().user, text_in(*event, "ocsp_silent"), now);
+  if (folder.refusal && folder.reported_refusal.note(folder.refusal->code(), now))
+    report_failure(folder, *folder.refusal, Json());
 }
 
 }  // namespace ddssec::cli

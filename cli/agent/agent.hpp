@@ -38,21 +38,26 @@ class Agent {
   struct Folder {
     AgentTask task;
     std::optional<FolderLock> lock = {};
-    Moment next{0};
+    Moment next{0};          ///< the next visit
+    Moment next_attempt{0};  ///< after a failure: before that time nothing is renewed
     Moment next_documents{0};
     unsigned failures = 0;
     /// The lifetime of its certificate, which decides how often the CA is asked. For a folder of
     /// another user it is therefore that of the last certificate that the CA answered.
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string last_reported_serial = {};
-    bool is_paused = false;
     bool has_problem = false;  ///< true if the last event had a "problem"
     RenewalLimit limit = {};
+    /// Why nothing is renewed before SIGHUP; empty if it is.
+    std::optional<Error> refusal = {};
+    RepeatedProblem reported_refusal = {};
     RepeatedProblem lasting_problem = {};  ///< of the documents that the second hook brings
   };
 
   void visit(Folder& folder);
   void note_outcome(Folder& folder, Result<Json> event);
+  void note_waiting_visit(Folder& folder, Result<Json> event);
+  void schedule_waiting(Folder& folder);
   void complete_lists();
   void end_overlaps();
   void end_overlap_and_report(const OverlapToEnd& overlap);
@@ -72,6 +77,7 @@ class Agent {
   bool note_problem(Json& event);
   void note_success(Folder& folder, Json event);
   void note_failure(Folder& folder, const Error& error);
+  void report_failure(const Folder& folder, const Error& error, Json again_in);
   void schedule_all_now();
   void schedule_others(const Folder& renewed);
   Json start_members() const;

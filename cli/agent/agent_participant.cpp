@@ -425,7 +425,7 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
     keep_renewals(self, task.renewals, event);
     return event;
   }
-  if (due > self.now()) {
+  if (due > self.now() || task.is_waiting) {
     auto event = not_renewed(self, due);
     if (task.is_dry_run) return event;
     keep_response({self.files, self.certificate, self.now(), task.responders}, event);

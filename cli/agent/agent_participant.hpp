@@ -32,6 +32,9 @@ struct AgentTask {
   std::string renewals = {};  ///< the CA's renewal list, to be put into the folder; empty: none
   bool fetches_documents = false;  ///< it is time to ask the second hook
   bool is_only_for_list = false;   ///< put only the renewal list into the folder
+  /// A renewal has failed and is not tried again yet. Lists and the OCSP response are kept
+  /// nevertheless.
+  bool is_waiting = false;
 };
 
 /// Asks the CA; the answer is not yet checked.

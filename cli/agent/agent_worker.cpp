@@ -105,7 +105,8 @@ Result<Order> receive_order() {
                      .responders = responders_from(json),
                      .renewals = text_in(json, "renewals"),
                      .fetches_documents = is_set(json, "documents"),
-                     .is_only_for_list = is_set(json, "only_list")}};
+                     .is_only_for_list = is_set(json, "only_list"),
+                     .is_waiting = is_set(json, "waiting")}};
   if (json.contains("now")) out.now = time_in(json, "now");
   if (json.contains("locked")) out.locked = locked_from(json["locked"]);
   return out;
@@ -193,7 +194,8 @@ std::string order_line(const AgentTask& task, const LockedFolder* locked,
               {"not_now", task.responders.silent_urls},
               {"renewals", task.renewals},
               {"documents", int(task.fetches_documents)},
-              {"only_list", int(task.is_only_for_list)}};
+              {"only_list", int(task.is_only_for_list)},
+              {"waiting", int(task.is_waiting)}};
   if (now) out["now"] = now->time_since_epoch().count();
   if (locked != nullptr)
     out["locked"] = {{"user", locked->owner.user},

@@ -8,7 +8,7 @@ import signal
 import time
 import unittest
 
-from agent_folders import AgentTest, Running
+from agent_folders import AgentTest, Running, ShortLived
 from transcript import main
 
 # Signs with `openssl smime`, as a CA elsewhere would.
@@ -218,6 +218,18 @@ class Documents(AgentTest):
         self.rights("listener", "listener")
         event = self.look(*words, "--trust", "trust.pem", exit=None)
         self.assertEqual(event["problem"]["code"], "key_mismatch")
+
+    def test_Daemon_RenewalThatFails_DoesNotDelayDocuments(self):
+        ShortLived(self.at, self.ca).put_into(self.talker, 65 * 86400, age=300 * 86400)  # due; tried again after a minute
+        self.short_permissions(6)
+        words = self.documents_hook(seconds=12)
+        self.hook("exit 1")
+        agent = Running(self.at, "demo/talker", *words)
+        self.addCleanup(agent.end, signal.SIGKILL)
+        agent.wait_for("documents_fetched", 3, seconds=40)
+        self.assertEqual([event["failures"] for event in agent.events("failed")], [1])
+        self.assertEqual([event for event in agent.events("documents_fetched") if "problem" in event], [])
+        self.assertEqual(agent.end(), 0)
 
     def test_Daemon_RenewsPermissionsOfSecondsAgainAndAgain(self):
         self.short_permissions(6)
