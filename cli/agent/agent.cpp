@@ -14,6 +14,7 @@
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/frame/file_transaction.hpp"
+#include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_file.hpp"
 #include "cli/inputs/times.hpp"
 
@@ -40,6 +41,10 @@ constexpr seconds kRetryEnd{3600};
 constexpr seconds kTimeForSlowOwner{3};
 constexpr seconds kSlowFor{3600};
 
+// The files that the agent has open: for each folder those of its lock; pipes, signals and others.
+constexpr rlim_t kFilesOfFolder = 2;
+constexpr rlim_t kOtherFiles = 64;
+
 // A process that does not keep to the protocol is treated like one that has ended.
 std::unexpected<Error> protocol_error() { return no_answer_error(End::closed); }
 
@@ -63,6 +68,7 @@ Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& contex
                                  .is_rekeying = arguments.has("--rekey"),
                                  .takes_permissions = arguments.has("--permissions"),
                                  .is_dry_run = writes_nothing()}});
+  allow_open_files(kFilesOfFolder * folders_.size() + kOtherFiles);
 }
 
 Json Agent::start_members() const {
