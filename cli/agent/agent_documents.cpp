@@ -31,8 +31,8 @@ constexpr seconds kMaxRetry{300};
 
 // The permissions that a CA of the folder has signed for this participant.
 struct Rights {
-  governance::Validity validity;
-  bool has_ended;
+  governance::Validity validity;  // up to the end of the last grant, which may be planned for later
+  bool are_in_force;
   std::optional<WallTime> signing_time;
   std::string text;
 };
@@ -44,13 +44,16 @@ Result<Rights> rights_in(const DocumentsTask& task, BytesView octets) {
   DDSSEC_ASSIGN_OR_RETURN(
       const auto document,
       with_default_document(verifier.verify(octets, task.clock.calendar_seconds()), file));
+  const auto now = task.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto own,
-      with_default_document(
-          own_permissions(document, task.certificate, task.clock.calendar_seconds()), file));
+      const auto own, with_default_document(permissions_of(document, task.certificate, now), file));
   std::string text(as_text(document.content()));
   std::erase(text, '\r');
-  return Rights{own.grant.validity, own.has_ended, document.signing_time(), std::move(text)};
+  const auto begin = own.grant.validity.not_before;
+  return Rights{.validity = {begin, own.last_end},
+                .are_in_force = begin <= now && !own.has_ended,
+                .signing_time = document.signing_time(),
+                .text = std::move(text)};
 }
 
 std::optional<Rights> rights_in_place(const DocumentsTask& task) {
@@ -90,7 +93,7 @@ std::unexpected<Error> older_permissions_error(const DocumentsTask& task, const 
 
 Status check_follows(const DocumentsTask& task, const Rights& next,
                      const std::optional<Rights>& former) {
-  if (next.has_ended || next.validity.not_before > task.clock.calendar_seconds())
+  if (!next.are_in_force)
     return fail(Code::grant_expired,
                 {.document = task.files.permissions,
                  .expected = "permissions that are valid now",

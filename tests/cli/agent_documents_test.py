@@ -112,6 +112,31 @@ class Documents(AgentTest):
         event = self.look(*words, "--now", later.strftime("%FT%TZ"), exit=1)
         self.assertEqual(event["problem"]["code"], "renewal_goes_back")
 
+    def signed_grants(self, name, *spans):
+        """A document with a grant for each span, in seconds from now."""
+        text = (self.at / "rights.xml").read_text()
+        begin, end = text.index("<grant"), text.index("</grant>") + len("</grant>")
+        now = datetime.datetime.now(datetime.timezone.utc)
+        grants = ""
+        for span in spans:
+            grants += text[begin:end].replace('name="', f'name="from {span[0]} ', 1)
+            for sign, seconds in zip(("@FROM@", "@TO@"), span):
+                grants = grants.replace(sign, (now + datetime.timedelta(seconds=seconds)).strftime("%FT%TZ"))
+        (self.at / "grants.xml").write_text(text[:begin] + grants + text[end:])
+        self.openssl("smime", "-sign", "-text", "-signer", self.permissions_ca / "ca.pem", "-inkey",
+                     self.permissions_ca / "ca.key.pem", "-in", "grants.xml", "-out", name)
+        return f"[ $DDSSEC_WANTED != permissions ] || cat {self.at / name}"
+
+    def test_PermissionsThatPlanOthers_AreNotReplacedByEarlierOnes(self):
+        """Such a document cannot be extended, but it counts like any other."""
+        hour = 3600
+        wide = self.documents_hook(text=self.signed_grants("wide.p7s", (-400, 40 * hour)))
+        self.signed_grants("demo/talker/permissions.p7s", (-400, 5 * hour), (5 * hour, 20 * hour))
+        event = self.look(*wide, "--now", "+16h", exit=1)
+        self.assertEqual(event["problem"]["code"], "renewal_goes_back")
+        follow = self.documents_hook(text=self.signed_grants("next.p7s", (5 * hour, 30 * hour), (30 * hour, 60 * hour)))
+        self.assertEqual(self.names(self.look(*follow, "--now", "+16h")), ["permissions.p7s"])
+
     def test_PermissionsWhoseBeginStays_AreDueByTheirSignature(self):
         self.short_permissions(20 * 86400)
         begin = (datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(days=60)).strftime("%FT%TZ")
