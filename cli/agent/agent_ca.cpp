@@ -112,85 +112,92 @@ Status check_current(const pki::SignedDocument& document, const fs::path& file, 
       {.document = file, .expected = "a document that " + ca.paths.signed_log.string() + " has"});
 }
 
-struct ExtensionByCa {
-  Bytes permissions = {};             // empty if those in place last as long as the certificate
-  std::optional<Error> problem = {};  // the reason why the renewal list was not written
+// Permissions that the CA may extend.
+struct ExtendablePermissions {
+  OpenCa ca;
+  SignedPermissions old;
+  fs::path file;
 };
 
-Result<ExtensionByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
-                                     const fs::path& file, CaOpener& opener,
-                                     const Context& context) {
-  const auto now = context.clock.calendar_seconds();
-  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
+Result<ExtendablePermissions> extendable_permissions(const Bytes& octets,
+                                                     const pki::Certificate& certificate,
+                                                     const fs::path& file, CaOpener& opener,
+                                                     WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto ca, opener.open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           pki::DocumentVerifier::make(std::move(certificates)));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          with_default_document(verifier.verify(old_octets, now), file));
+                          with_default_document(verifier.verify(octets, now), file));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, document.signer(), file));
-  DDSSEC_ASSIGN_OR_RETURN(const auto old,
-                          with_default_document(own_permissions(document, renewed, now), file));
+  DDSSEC_ASSIGN_OR_RETURN(auto old,
+                          with_default_document(own_permissions(document, certificate, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
-  if (old.grant.validity.not_after >= renewed.not_after()) return ExtensionByCa{};
-  if (old.has_ended)
-    return fail(
-        Code::grant_expired,
-        {.document = file,
-         .found = "an end on " + to_string(old.grant.validity.not_after),
-         .note = "rights that have ended are not given again unasked",
-         .hint = fmt::format("give them again: ddssec identity renew {} --ca CA --permissions "
-                             "--ended-permissions; then start the participant again",
-                             file.parent_path().string())});
-  const auto xml = to_xml(extended(old, renewed, renewed.not_after()));
+  if (!old.has_ended) return ExtendablePermissions{std::move(ca), std::move(old), file};
+  return fail(
+      Code::grant_expired,
+      {.document = file,
+       .found = "an end on " + to_string(old.grant.validity.not_after),
+       .note = "rights that have ended are not given again unasked",
+       .hint = fmt::format("give them again: ddssec identity renew {} --ca CA --permissions "
+                           "--ended-permissions; then start the participant again",
+                           file.parent_path().string())});
+}
+
+// Extends the permissions to the end of the certificate and puts them into the answer, with the
+// reason if the renewal list was not written. Those that last as long already stay.
+Status extend(const ExtendablePermissions& permissions, const pki::Certificate& certificate,
+              const Context& context, RenewalAnswer& answer) {
+  const auto& [ca, old, file] = permissions;
+  const auto now = context.clock.calendar_seconds();
+  if (old.grant.validity.not_after >= certificate.not_after()) return {};
+  const auto xml = to_xml(extended(old, certificate, certificate.not_after()));
   DDSSEC_ASSIGN_OR_RETURN(auto out, sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));
   RenewalListAdditions listed;
   listed.add(ca.paths, out, file);
-  const auto written = listed.write(now);
-  return ExtensionByCa{std::move(out), written ? std::nullopt : std::optional(written.error())};
+  if (const auto written = listed.write(now); !written) answer.problem = written.error();
+  answer.permissions = std::move(out);
+  return {};
 }
 
 }  // namespace
 
 Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path& folder,
                                   const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.calendar_seconds();
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   DDSSEC_ASSIGN_OR_RETURN(const auto home, check_renewable(request, old, folder, ca, arguments));
-  const auto extended_until_end_of = [&](const pki::Certificate& certificate) {
-    return extended_by_ca(request.permissions, certificate, home / "permissions.p7s", opener,
-                          context);
-  };
+  // Judged before a certificate is logged, which would be of no use if only they are due.
+  std::optional<Result<ExtendablePermissions>> permissions;
+  if (!request.permissions.empty())
+    permissions =
+        extendable_permissions(request.permissions, old, home / "permissions.p7s", opener, now);
+  if (permissions && !*permissions && request.is_only_for_permissions)
+    return std::unexpected(permissions->error());
   const auto renewed = issue(request, old, ca, arguments, context);
   if (!renewed) {
-    if (request.permissions.empty() || !has_no_later_end(renewed.error()))
-      return std::unexpected(renewed.error());
-    auto extended = extended_until_end_of(old);
-    if (!extended || extended->permissions.empty()) return std::unexpected(renewed.error());
-    return RenewalAnswer{.certificate = old.pem(),
-                         .permissions = std::move(extended->permissions),
-                         .problem = std::move(extended->problem)};
+    RenewalAnswer out{.certificate = old.pem()};
+    if (permissions && *permissions && has_no_later_end(renewed.error()))
+      DDSSEC_RETURN_IF_ERROR(extend(**permissions, old, context, out));
+    if (out.permissions.empty()) return std::unexpected(renewed.error());
+    return out;
   }
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-  DDSSEC_RETURN_IF_ERROR(log_issued(
-      ca.paths,
-      pki::IssueLog::issued_line(*renewed, home.string(), context.clock.calendar_seconds())));
+  DDSSEC_RETURN_IF_ERROR(
+      log_issued(ca.paths, pki::IssueLog::issued_line(*renewed, home.string(), now)));
   RenewalListAdditions listed;
   listed.add(ca.paths, *renewed);
   RenewalAnswer out{renewed->pem()};
   // The certificate is logged already, and a list that cannot be written does not undo that.
-  if (const auto written = listed.write(context.clock.calendar_seconds()); !written)
-    out.problem = written.error();
-  if (request.permissions.empty()) return out;
-  auto permissions = extended_until_end_of(*renewed);
-  if (permissions) {
-    out.permissions = std::move(permissions->permissions);
-    if (permissions->problem) out.problem = std::move(permissions->problem);
-  } else {
-    out.problem = std::move(permissions).error();
-  }
+  if (const auto written = listed.write(now); !written) out.problem = written.error();
+  if (!permissions) return out;
+  const auto status = *permissions ? extend(**permissions, *renewed, context, out)
+                                   : Status(std::unexpected(permissions->error()));
+  if (!status) out.problem = status.error();
   return out;
 }
 

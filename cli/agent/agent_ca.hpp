@@ -14,7 +14,8 @@ namespace ddssec::cli {
 /// renew`: the CA (--ca) issued the old one for this folder and did not revoke it. Subject and key
 /// stay; with --rekey the new key is that of the request. The certificate is valid for --days, or
 /// as long as the old one. With --permissions, permissions that end before it are extended, and the
-/// answer gives the reason if they cannot be. They must be the last that the CA signed for a file
+/// answer gives the reason if they cannot be. If only they are due and cannot be extended, no
+/// certificate is issued. They must be the last that the CA signed for a file
 /// (signed.jsonl). If the CA can issue no certificate with a later end, but can extend the
 /// permissions, the answer has the old certificate. Errors: those of CaOpener, check_issued_for,
 /// check_renewal_request, Authority::sign_request; renewal_goes_back, outlives_ca.

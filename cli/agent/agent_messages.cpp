@@ -58,13 +58,17 @@ Json to_json(const RenewalRequest& request) {
   return {{"request", request.request},
           {"certificate", request.certificate},
           {"permissions", to_hex(request.permissions)},
-          {"lifetime", request.lifetime.count()}};
+          {"lifetime", request.lifetime.count()},
+          {"only_permissions", int(request.is_only_for_permissions)}};
 }
 
 Result<RenewalRequest> request_from(const Json& json) {
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, octets_in(json, "permissions"));
-  return RenewalRequest{text_in(json, "request"), text_in(json, "certificate"),
-                        std::move(permissions), std::chrono::seconds(number_in(json, "lifetime"))};
+  return RenewalRequest{.request = text_in(json, "request"),
+                        .certificate = text_in(json, "certificate"),
+                        .permissions = std::move(permissions),
+                        .lifetime = std::chrono::seconds(number_in(json, "lifetime")),
+                        .is_only_for_permissions = number_in(json, "only_permissions") != 0};
 }
 
 Json to_json(const RenewalAnswer& answer) {

@@ -21,6 +21,8 @@ struct RenewalRequest {
   std::string certificate;           ///< the one in place, PEM
   Bytes permissions = {};            ///< those in place, to be extended; empty: they stay
   std::chrono::seconds lifetime{1};  ///< of the certificate
+  /// Only the permissions are due; the certificate is renewed with them if they can be extended.
+  bool is_only_for_permissions = false;
 };
 
 /// The CA's answer to a RenewalRequest.

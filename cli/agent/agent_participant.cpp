@@ -133,6 +133,10 @@ WallTime due_by_certificate(const Participant& self) {
                                                                    : renewal_time(self.certificate);
 }
 
+bool is_certificate_due(const Participant& self) {
+  return is_from_the_future(self.certificate, self.now()) || due_by_certificate(self) <= self.now();
+}
+
 // If the permissions end before the certificate, the renewal is due as if the certificate ended
 // with them. Permissions that have expired are not renewed: the operator must ask for that.
 WallTime due_time(const Participant& self) {
@@ -346,12 +350,15 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   // Checked before the CA issues anything, because a CA behind a hook may not know of the list.
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
-  const RenewalRequest request{std::move(pem), self.certificate.pem(), self.permissions,
-                               lifetime(self.certificate)};
+  const RenewalRequest request{.request = std::move(pem),
+                               .certificate = self.certificate.pem(),
+                               .permissions = self.permissions,
+                               .lifetime = lifetime(self.certificate),
+                               .is_only_for_permissions = !is_certificate_due(self)};
   DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask(request));
   // If only the permissions are due and cannot be extended, the certificate is not renewed alone:
   // that would be repeated on every visit.
-  if (answer.permissions.empty() && answer.problem && due_by_certificate(self) > self.now())
+  if (answer.permissions.empty() && answer.problem && request.is_only_for_permissions)
     return std::unexpected(*answer.problem);
   if (answer.certificate == request.certificate && !answer.permissions.empty())
     return extend_permissions(self, answer);

@@ -97,6 +97,8 @@ Result<RenewalAnswer> CaRequests::renew_by_own_ca(const std::filesystem::path& f
     return std::unexpected(refused->second);
   const auto permissions_refused = refusals_.find(kPermissions);
   const bool are_left_out = !request.permissions.empty() && permissions_refused != refusals_.end();
+  if (are_left_out && request.is_only_for_permissions)
+    return std::unexpected(permissions_refused->second);
   auto asked = request;
   if (are_left_out) asked.permissions.clear();
   const auto json = run_in_child_process([&]() -> Result<Json> {

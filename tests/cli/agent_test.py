@@ -87,6 +87,18 @@ class OwnCa(AgentTest):
         self.assertFalse(event["permissions_extended"])
         self.assertIn(event["problem"]["code"], ("document_superseded", "document_unlogged"))
 
+    def test_PermissionsThatAreDueAlone_AndCannotBeExtended_CostNoCertificate(self):
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "-o",
+                         "alone.xml")
+        ca = self.at / "demo/ca/permissions"
+        self.openssl("smime", "-sign", "-text", "-signer", ca / "ca.pem", "-inkey", ca / "ca.key.pem", "-in", "alone.xml",
+                     "-out", self.talker / "permissions.p7s")
+        before = (self.ca / "issued.jsonl").read_text()
+        self.refused("document_unlogged", "--ca", "demo", "--permissions", "--now", "+20d")
+        self.assertEqual((self.ca / "issued.jsonl").read_text(), before)
+        event, = self.renew("--permissions", exit=1)  # the certificate is due, too
+        self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "document_unlogged"))
+
     def test_rights_that_have_ended_are_not_given_again(self):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "--sign",
                          "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
