@@ -261,7 +261,22 @@ Status check_not_on_lists(const TrustedRequesters& trusted, const pki::Certifica
       with_default_document(
           pki::ChainVerifier::make(std::move(cas), std::move(lists), pki::CrlPolicy::soft_fail),
           trusted.trust));
-  return check_not_on(verifier, certificate, file);
+  DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, certificate, file));
+  if (trusted.last.empty()) return {};
+  // The owner of the folder may have put back an earlier certificate than the one that was revoked.
+  DDSSEC_ASSIGN_OR_RETURN(const auto last, pki::Certificate::from_pem(as_bytes(trusted.last)));
+  return check_not_on(verifier, last, file);
+}
+
+// A CA's lists need not name a revoked certificate any more once it has expired.
+Status check_not_expired(const TrustedRequesters& trusted, const pki::Certificate& certificate,
+                         WallTime now) {
+  if (trusted.may_have_expired || now < certificate.not_after()) return {};
+  return fail(Code::certificate_expired,
+              {.found = "an end on " + to_string(certificate.not_after()),
+               .note = "revocation lists may not name it any more",
+               .hint = "if it was not revoked, issue a new certificate by hand; if the hook itself "
+                       "refuses revoked ones, the option --expired lets the agent ask it"});
 }
 
 }  // namespace
@@ -283,7 +298,7 @@ Status check_owner(const FolderOwner& owner, const Arguments& arguments,
 }
 
 Status check_requester(const RenewalRequest& request, const TrustedRequesters& trusted,
-                       bool is_rekeying) {
+                       bool is_rekeying, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   const auto key = is_rekeying ? pki::RequestedKey::any : pki::RequestedKey::same;
@@ -292,12 +307,14 @@ Status check_requester(const RenewalRequest& request, const TrustedRequesters& t
   if (trust.empty()) return {};
   DDSSEC_RETURN_IF_ERROR(check_trust_file(trust));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(trust));
-  for (const auto& ca : certificates)
-    if (old.is_issued_by(ca)) return check_not_on_lists(trusted, old, std::move(certificates));
-  return fail(Code::issuer_unknown,
-              {.document = trust,
-               .expected = "the certificate in the folder to be of a CA in this file",
-               .found = "one of " + old.issuer()});
+  const auto is_issuer = [&](const auto& ca) { return old.is_issued_by(ca); };
+  if (std::ranges::none_of(certificates, is_issuer))
+    return fail(Code::issuer_unknown,
+                {.document = trust,
+                 .expected = "the certificate in the folder to be of a CA in this file",
+                 .found = "one of " + old.issuer()});
+  DDSSEC_RETURN_IF_ERROR(check_not_on_lists(trusted, old, std::move(certificates)));
+  return check_not_expired(trusted, old, now);
 }
 
 }  // namespace ddssec::cli

@@ -48,13 +48,17 @@ struct TrustedRequesters {
   std::filesystem::path trust;  ///< a file with CAs; empty: all CAs are trusted
   /// Revocation lists of these CAs; empty: crl.pem beside `trust`, if there is one.
   std::filesystem::path lists;
+  /// The last certificate that a hook gave for the subject, PEM; empty: not known.
+  std::string last = {};
+  bool may_have_expired = false;  ///< their certificates, which the lists may not name any more
 };
 /// Success if a request may be given to a hook: it has the subject of the certificate in the folder
-/// and, unless `is_rekeying`, its key. One of the trusted CAs must have issued the certificate, and
-/// none of the lists names it. Otherwise the owner of a folder could ask for any name, or continue
-/// after a revocation. Errors: those of check_renewal_request, check_trust_file, read_certificates
-/// and read_lists; issuer_unknown, certificate_revoked.
+/// and, unless `is_rekeying`, its key. One of the trusted CAs must have issued the certificate,
+/// which has not expired, and none of the lists names it or the last one of its subject. Otherwise
+/// the owner of a folder could ask for any name, or continue after a revocation. Errors: those of
+/// check_renewal_request, check_trust_file, read_certificates and read_lists; issuer_unknown,
+/// certificate_expired, certificate_revoked.
 Status check_requester(const RenewalRequest& request, const TrustedRequesters& trusted,
-                       bool is_rekeying);
+                       bool is_rekeying, WallTime now);
 
 }  // namespace ddssec::cli

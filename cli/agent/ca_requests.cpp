@@ -42,6 +42,9 @@ Result<RenewalAnswer> CaRequests::renew(const std::filesystem::path& folder,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   const HookRequest asked{absolute_path(folder), old.subject(), request.request};
   DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hooks_.certificates, asked, signals_));
+  if (const auto renewed = pki::Certificate::from_pem(as_bytes(pem));
+      renewed && renewed->subject_digest() == old.subject_digest())
+    last_.insert_or_assign(old.subject_digest(), renewed->pem());
   return RenewalAnswer{std::move(pem)};
 }
 
@@ -119,9 +122,16 @@ Result<RenewalAnswer> CaRequests::renew_by_own_ca(const std::filesystem::path& f
 }
 
 Status CaRequests::check_request(const RenewalRequest& request) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
+                          pki::Certificate::from_pem(as_bytes(request.certificate)));
+  const auto last = last_.find(certificate.subject_digest());
+  const TrustedRequesters trusted{.trust = arguments_.text("--trust"),
+                                  .lists = arguments_.text("--crl"),
+                                  .last = last == last_.end() ? std::string() : last->second,
+                                  .may_have_expired = arguments_.has("--expired")};
   return check_in_child_process([&] {
-    return check_requester(request, {arguments_.text("--trust"), arguments_.text("--crl")},
-                           arguments_.has("--rekey"));
+    return check_requester(request, trusted, arguments_.has("--rekey"),
+                           context_.clock.calendar_seconds());
   });
 }
 

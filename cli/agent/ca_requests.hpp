@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/hash.hpp"
 #include "cli/agent/agent_folder.hpp"
 #include "cli/agent/agent_hook.hpp"
 #include "cli/agent/agent_messages.hpp"
@@ -78,6 +79,9 @@ class CaRequests {
   const Context& context_;
   HeldSignals& signals_;
   std::map<std::string, Error, std::less<>> refusals_ = {};  ///< by the role of the CA
+  /// The last certificate (PEM) that the hook gave for each subject, by
+  /// Certificate::subject_digest.
+  std::map<Sha256Digest, std::string> last_ = {};
 };
 
 }  // namespace ddssec::cli

@@ -6,7 +6,7 @@ import os
 import signal
 import time
 
-from agent_folders import AgentTest, Running, ShortLived
+from agent_folders import SIGN, AgentTest, Running, ShortLived
 from transcript import main
 
 
@@ -94,6 +94,21 @@ class Daemon(AgentTest):
             self.assertEqual((self.at / "old/issued.jsonl").read_text().count(f'/{name}"'), 3, name)  # with its first one
         agent.process.send_signal(signal.SIGHUP)  # the operator has repaired it
         agent.wait_for("renewed", 6, seconds=20)
+        self.assertEqual(agent.end(), 0)
+
+    def test_EarlierCertificateOfARevokedOne_IsNotRenewedByAHook(self):
+        """The owner of the folder puts it back, and removes the list there."""
+        earlier, ca = self.due_folder("one"), self.at / "old"
+        hook = self.hook(f"echo >>{self.at}/asked\n{SIGN.format(ca=ca)} -days 400")
+        agent = self.start("one", "--hook", hook, "--trust", ca / "ca.pem")
+        agent.wait_for("renewed")
+        by_openssl = ("ca", "-config", ShortLived(self.at, ca).at / "openssl.cnf")
+        self.openssl(*by_openssl, "-revoke", "one/cert.pem")  # this one alone
+        self.openssl(*by_openssl, "-gencrl", "-crldays", "30", "-out", ca / "crl.pem")
+        (self.at / "one/cert.pem").write_bytes(earlier)
+        agent.process.send_signal(signal.SIGHUP)
+        self.assertEqual(agent.wait_for("failed")["code"], "certificate_revoked")
+        self.assertEqual(len((self.at / "asked").read_text()), 1)
         self.assertEqual(agent.end(), 0)
 
     def test_a_stop_does_not_wait_for_a_hook(self):
