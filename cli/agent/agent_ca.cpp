@@ -84,11 +84,17 @@ pki::RequestedKey key_of_request(const Arguments& arguments) {
   return arguments.has("--rekey") ? pki::RequestedKey::any : pki::RequestedKey::same;
 }
 
+// What the CA's log says for a renewal.
+struct LoggedPlace {
+  fs::path folder;     // to be recorded for the new certificate
+  WallTime last = {};  // when the CA issued or revoked something last
+};
+
 // The request comes from the participant, which must not get another name or, without --rekey,
-// another key. Returns the folder to record for the new certificate.
-Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certificate& old,
-                                 const fs::path& folder, const OpenCa& ca,
-                                 const Arguments& arguments) {
+// another key.
+Result<LoggedPlace> check_renewable(const RenewalRequest& request, const pki::Certificate& old,
+                                    const fs::path& folder, const OpenCa& ca,
+                                    const Arguments& arguments) {
   const auto file = folder / "cert.pem";
   DDSSEC_RETURN_IF_ERROR(
       check_renewal_request(as_bytes(request.request), old, key_of_request(arguments)));
@@ -97,7 +103,8 @@ Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certi
   const auto next = arguments.has("--rekey") ? NextKey::fresh : NextKey::same;
   DDSSEC_RETURN_IF_ERROR(check_not_revoked(old, file, ca.paths, log, next));
   DDSSEC_RETURN_IF_ERROR(check_own(old, folder, ca.paths, log, {}));
-  return recorded_folder(old, folder, ca.paths, log);
+  return LoggedPlace{recorded_folder(old, folder, ca.paths, log),
+                     log.latest_before(WallTime::max()).value_or(WallTime{})};
 }
 
 // Refuses a document that the CA has replaced since: it may give more rights, and each renewal
@@ -119,29 +126,47 @@ struct ExtendablePermissions {
   fs::path file;
 };
 
-Result<ExtendablePermissions> extendable_permissions(const Bytes& octets,
+// Rights that had ended when the CA's log was last written have ended, even if the clock was set
+// back since.
+Status check_not_ended(const SignedPermissions& old, const LoggedPlace& place, const fs::path& file,
+                       WallTime now) {
+  constexpr std::chrono::minutes kMaxLag{5};
+  const auto end = old.grant.validity.not_after;
+  const bool is_clock_back = place.last - kMaxLag > now;
+  if (!old.has_ended && (!is_clock_back || end > place.last)) return {};
+  return fail(
+      Code::grant_expired,
+      {.document = file,
+       .found =
+           "an end on " + to_string(end) +
+           (old.has_ended ? ""
+                          : ", before " + to_string(place.last) +
+                                ", the last time in the log of the CA, and a clock that says " +
+                                to_string(now)),
+       .note = "rights that have ended are not given again unasked",
+       .hint = fmt::format("{}give them again: ddssec identity renew {} --ca CA --permissions "
+                           "--ended-permissions; then start the participant again",
+                           old.has_ended ? "" : "set the clock; if the log is ahead, ",
+                           file.parent_path().string())});
+}
+
+Result<ExtendablePermissions> extendable_permissions(const RenewalRequest& request,
                                                      const pki::Certificate& certificate,
-                                                     const fs::path& file, CaOpener& opener,
+                                                     const LoggedPlace& place, CaOpener& opener,
                                                      WallTime now) {
+  const auto file = place.folder / "permissions.p7s";
   DDSSEC_ASSIGN_OR_RETURN(auto ca, opener.open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           pki::DocumentVerifier::make(std::move(certificates)));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          with_default_document(verifier.verify(octets, now), file));
+                          with_default_document(verifier.verify(request.permissions, now), file));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, document.signer(), file));
   DDSSEC_ASSIGN_OR_RETURN(auto old,
                           with_default_document(own_permissions(document, certificate, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
-  if (!old.has_ended) return ExtendablePermissions{std::move(ca), std::move(old), file};
-  return fail(
-      Code::grant_expired,
-      {.document = file,
-       .found = "an end on " + to_string(old.grant.validity.not_after),
-       .note = "rights that have ended are not given again unasked",
-       .hint = fmt::format("give them again: ddssec identity renew {} --ca CA --permissions "
-                           "--ended-permissions; then start the participant again",
-                           file.parent_path().string())});
+  DDSSEC_RETURN_IF_ERROR(check_not_ended(old, place, file, now));
+  return ExtendablePermissions{std::move(ca), std::move(old), file};
 }
 
 // Extends the permissions to the end of the certificate and puts them into the answer, with the
@@ -170,12 +195,11 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
-  DDSSEC_ASSIGN_OR_RETURN(const auto home, check_renewable(request, old, folder, ca, arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto place, check_renewable(request, old, folder, ca, arguments));
   // Judged before a certificate is logged, which would be of no use if only they are due.
   std::optional<Result<ExtendablePermissions>> permissions;
   if (!request.permissions.empty())
-    permissions =
-        extendable_permissions(request.permissions, old, home / "permissions.p7s", opener, now);
+    permissions = extendable_permissions(request, old, place, opener, now);
   if (permissions && !*permissions && request.is_only_for_permissions)
     return std::unexpected(permissions->error());
   const auto renewed = issue(request, old, ca, arguments, context);
@@ -188,7 +212,7 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   }
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
   DDSSEC_RETURN_IF_ERROR(
-      log_issued(ca.paths, pki::IssueLog::issued_line(*renewed, home.string(), now)));
+      log_issued(ca.paths, pki::IssueLog::issued_line(*renewed, place.folder.string(), now)));
   RenewalListAdditions listed;
   listed.add(ca.paths, *renewed);
   RenewalAnswer out{renewed->pem()};

@@ -108,6 +108,17 @@ class OwnCa(AgentTest):
         event, = self.once("--ca", "demo", "--permissions", "--now", "+301d", exit=1)
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "grant_expired"))
 
+    def test_RightsThatHaveEnded_AreNotGivenAgainByAClockThatWasSetBack(self):
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "--sign",
+                         "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
+        self.run_program("identity", "renew", "demo/listener", "--ca", "demo", "--now", "+101d")  # a line of the log
+        event = self.refused("grant_expired", "--ca", "demo", "--permissions", "--now", "+99d")
+        self.assertIn("the last time in the log of the CA", event["message"])
+        self.assertIn("set the clock", event["hint"])
+        self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--permissions", "--ended-permissions", "--now",
+                         "+99d")
+        self.assertEqual(self.once("--ca", "demo", "--permissions", "--now", "+99d")[0]["event"], "current")
+
     def test_Current_WithPermissionsThatHaveEnded_HasAProblem(self):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "2", "--sign",
                          "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
