@@ -29,9 +29,6 @@ using std::chrono::steady_clock;
 // The longest pause between two visits. If a folder was changed by hand, or a clock was set, the
 // agent notices it after this time at the latest.
 constexpr seconds kMaxRest{600};
-// How long a worker may take. It may have to wait for a token, or for another command that has
-// locked the folder.
-constexpr seconds kTimeForFiles{60};
 constexpr seconds kMinRestOfOthers{60};
 // The longest time between two looks for overlaps, which other commands may begin at any time.
 constexpr seconds kMaxLook{60};
@@ -39,11 +36,6 @@ constexpr seconds kRetryEnd{3600};
 // How long a process that uses the CA's key may take. It may wait for the CA's lock for up to 20 s,
 // because other commands may use the CA.
 constexpr seconds kTimeForOwnCa{120};
-
-// How long the agent waits for a worker if its owner counts as slow, which lasts for kSlowFor.
-// Otherwise one user could keep the agent from the other folders.
-constexpr seconds kTimeForSlowOwner{3};
-constexpr seconds kSlowFor{3600};
 
 std::unexpected<Error> no_answer_error(End end) {
   if (end == End::stopped) return fail(Code::interrupted);
@@ -72,7 +64,8 @@ Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& contex
       context_(context),
       events_(arguments.text("--format") == "json" ? AgentEvents::To::report
                                                    : AgentEvents::To::standard_output,
-              context.clock) {
+              context.clock),
+      slow_owners_(::geteuid()) {
   ::signal(SIGPIPE, SIG_IGN);
   for (const auto& folder : arguments.all("FOLDERS"))
     folders_.push_back({.task = {.folder = folder,
@@ -240,16 +233,14 @@ Result<Json> Agent::run_worker(Folder& folder) {
 }
 
 steady_clock::time_point Agent::deadline_for(const Folder& folder) const {
-  const auto slow = folder.lock ? slow_owners_.find(folder.lock->owner().user) : slow_owners_.end();
-  const bool is_slow = slow != slow_owners_.end() && context_.clock.since_boot() < slow->second;
-  return steady_clock::now() + (is_slow ? kTimeForSlowOwner : kTimeForFiles);
+  if (!folder.lock) return steady_clock::now() + SlowOwners::kTime;
+  return steady_clock::now() +
+         slow_owners_.time_for(folder.lock->owner().user, context_.clock.since_boot());
 }
 
-// Remembers the owner of a folder whose worker took too long, because an owner can stop the worker.
 std::unexpected<Error> Agent::worker_ended_error(const Folder& folder, End end) {
   if (end == End::too_slow && folder.lock)
-    slow_owners_.insert_or_assign(folder.lock->owner().user,
-                                  context_.clock.since_boot() + kSlowFor);
+    slow_owners_.note(folder.lock->owner().user, context_.clock.since_boot());
   return no_answer_error(end);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -16,6 +15,7 @@
 #include "cli/agent/agent_participant.hpp"
 #include "cli/agent/agent_process.hpp"
 #include "cli/agent/silent_responders.hpp"
+#include "cli/agent/slow_owners.hpp"
 #include "cli/frame/command.hpp"
 
 namespace ddssec::cli {
@@ -63,6 +63,7 @@ class Agent {
   AskedResponders responders_for(const Folder& folder) const;
   /// Returns the time by which the process for a folder must have answered.
   std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;
+  /// Notes the owner of a folder whose worker took too long.
   std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
   std::string renewal_list_text() const;
   void note_documents(Folder& folder, const Json& outcome);
@@ -95,8 +96,7 @@ class Agent {
   /// The error if the CA's key refused its PIN or passphrase.
   std::optional<Error> ca_refusal_ = {};
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< owners of a folder whose token refused the PIN
-  /// Owners whose workers took too long, and until when that counts.
-  std::map<uid_t, Moment> slow_owners_ = {};
+  SlowOwners slow_owners_;
   SilentResponders silent_responders_ = {};
   Moment next_end_{0};  ///< when the agent looks for overlaps to end
   unsigned failed_ends_ = 0;
