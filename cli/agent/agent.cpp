@@ -12,8 +12,6 @@
 #include "cli/agent/agent_schedule.hpp"
 #include "cli/agent/agent_worker.hpp"
 #include "cli/ca/ca_folder.hpp"
-#include "cli/ca/renewal_list.hpp"
-#include "cli/ca/revocation_lists.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_file.hpp"
@@ -49,6 +47,13 @@ std::unexpected<Error> protocol_error() { return no_answer_error(End::closed); }
 // True for errors after which another attempt with the same PIN or passphrase may lock the token.
 bool must_not_be_tried_again(Code code) {
   return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
+}
+
+// Otherwise one more process would stay at each visit.
+std::unexpected<Error> unended_error(const std::filesystem::path& folder,
+                                     const ChildProcess& worker) {
+  return fail(tool_code::process_unended,
+              {.document = folder, .found = fmt::format("process {}", worker.number())});
 }
 
 Result<Json> event_from(const Json& json) {
@@ -204,6 +209,8 @@ void Agent::note_outcome(Folder& folder, Result<Json> event) {
 
 Result<Json> Agent::run_worker(Folder& folder) {
   const auto& path = folder.task.folder;
+  if (folder.unended && !folder.unended->reap()) return unended_error(path, *folder.unended);
+  folder.unended.reset();
   if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
   if (!folder.lock && !folder.task.is_dry_run) {
     DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::acquire(path));
@@ -228,8 +235,15 @@ Result<Json> Agent::run_worker(Folder& folder) {
       folder.task, folder.lock ? &folder.lock->folder() : nullptr,
       arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt);
   const auto sent = worker.write(order, deadline_for(folder));
-  if (sent != End::done) return worker_ended_error(folder, sent);
-  return serve_worker(folder, worker);
+  auto event = sent == End::done ? serve_worker(folder, worker) : worker_ended_error(folder, sent);
+  end_worker(folder, worker);
+  return event;
+}
+
+void Agent::end_worker(Folder& folder, ChildProcess& worker) {
+  if (worker.stop()) return;
+  if (folder.lock) slow_owners_.note(folder.lock->owner().user, context_.clock.since_boot());
+  folder.unended.emplace(std::move(worker));
 }
 
 steady_clock::time_point Agent::deadline_for(const Folder& folder) const {
@@ -263,16 +277,8 @@ AskedResponders Agent::responders_for(const Folder& folder) const {
   return out;
 }
 
-// The CA's renewal list as text. Empty if the CA is behind a hook, or if the list does not fit into
-// a line to a worker; `crl distribute` then writes it.
 std::string Agent::renewal_list_text() const {
-  if (hooks_.certificates) return {};
-  const std::filesystem::path given = arguments_.text("--ca");
-  const auto crl = present_crl(ca_paths(given, "identity"));
-  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
-  if (list.is_empty()) return {};
-  const auto text = list.text();
-  return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
+  return hooks_.certificates ? std::string() : renewal_list_of_ca(arguments_);
 }
 
 // Lets the other folders get the list with the new certificate soon, unless there are too many.

@@ -50,6 +50,7 @@ class Agent {
     /// another user it is therefore known only after the CA has accepted the certificate.
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string last_reported_serial = {};
+    std::optional<ChildProcess> unended = {};  ///< its last worker, if that could not be ended
     bool is_paused = false;
     bool has_problem = false;  ///< true if the last event had a "problem"
   };
@@ -60,6 +61,8 @@ class Agent {
   void end_overlaps();
   void end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
+  /// Keeps a worker that cannot be ended: until then, the folder gets no other one.
+  void end_worker(Folder& folder, ChildProcess& worker);
   AskedResponders responders_for(const Folder& folder) const;
   /// Returns the time by which the process for a folder must have answered.
   std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;

@@ -11,6 +11,7 @@
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/renewal_list.hpp"
+#include "cli/ca/revocation_lists.hpp"
 #include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/documents/signed_permissions.hpp"
@@ -192,6 +193,15 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
     out.problem = std::move(permissions).error();
   }
   return out;
+}
+
+std::string renewal_list_of_ca(const Arguments& arguments) {
+  const fs::path given = arguments.text("--ca");
+  const auto crl = present_crl(ca_paths(given, "identity"));
+  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
+  if (list.is_empty()) return {};
+  const auto text = list.text();
+  return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
 }
 
 namespace {

@@ -22,6 +22,10 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const std::filesystem::path& folder, const Arguments& arguments,
                                   const Context& context);
 
+/// Returns the renewal list of the CAs at --ca as text. Empty if there is none, or if it does not
+/// fit into a line to a worker; `crl distribute` then writes it.
+std::string renewal_list_of_ca(const Arguments& arguments);
+
 /// Success if the passphrase of the options opens the keys of --ca (with --permissions both), as
 /// far as that can be tried. A key in a token is not tried, because a wrong PIN may lock the token,
 /// nor is a passphrase that is typed or comes from a pipe. Errors: those of passphrase() and

@@ -46,6 +46,8 @@ class HeldSignals {
 };
 
 /// A child process. It is killed with its process group if it still runs when this is destroyed.
+/// SIGKILL does not end a process while it waits for a file system that does not answer. So no
+/// function waits for the end without a limit.
 class ChildProcess {
  public:
   /// The work of a child; its process ends with the exit code. `in` and `out` are the child's ends
@@ -69,8 +71,12 @@ class ChildProcess {
   /// Waits until the process has ended of its own accord, then kills what it left running in its
   /// group.
   End wait(Deadline deadline);
-  /// Ends the process with SIGTERM and, after two seconds, its whole group with SIGKILL.
-  void stop();
+  /// Ends the process with SIGTERM and, after two seconds, its whole group with SIGKILL. Returns
+  /// false if the process has not ended two seconds after that.
+  bool stop();
+  /// Returns true if the process has ended.
+  bool reap();
+  pid_t number() const { return pid_; }
   /// Returns "exit code 3" or "signal 9". Empty for exit code 0, or if the process has not ended.
   std::string failure() const;
 
@@ -83,11 +89,12 @@ class ChildProcess {
       : signals_(signals), pid_(pid), in_(in), out_(out) {}
   End fill(std::size_t max_octets, Deadline deadline);
   void signal_group(int signal) const;
-  void end_group();
+  void kill_group();
   HeldSignals& signals_;
   pid_t pid_;
   int in_, out_;
   std::string buffer_ = {};  ///< read from the child, but not yet returned
+  bool is_killed_ = false;
   std::optional<int> status_ = {};
 };
 
