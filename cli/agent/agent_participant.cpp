@@ -11,6 +11,7 @@
 #include "cli/agent/agent_ca.hpp"
 #include "cli/agent/agent_response.hpp"
 #include "cli/agent/agent_schedule.hpp"
+#include "cli/agent/files_in_place.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/documents/documents.hpp"
@@ -57,6 +58,7 @@ struct Participant {
   const AgentTask& task;
   const Context& context;
   pki::ParticipantFolder files;
+  FilesInPlace in_place;  // the files that decide what the CA is asked for
   pki::Certificate certificate;
   // Signed by the folder's permissions CA. Empty: they are not to be extended.
   Bytes permissions = {};
@@ -122,8 +124,11 @@ Result<Participant> read_participant(const AgentTask& task, const LockedFolder* 
   if (files.certificate.extension() == ".p11")
     return fail(Code::key_in_token, {.document = files.certificate,
                                      .note = "the certificate is in a token, not in a file"});
+  std::vector<fs::path> judged = {files.certificate, files.key};
+  if (task.takes_permissions) judged.push_back(files.permissions);
+  const FilesInPlace in_place(judged);
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, certificate_to_renew(files.certificate));
-  Participant out{task, context, std::move(files), std::move(certificate)};
+  Participant out{task, context, std::move(files), in_place, std::move(certificate)};
   read_permissions_of(out);
   return out;
 }
@@ -327,12 +332,17 @@ Json renewed_event(const Participant& self, const pki::Certificate& certificate,
   return event;
 }
 
+Result<std::vector<WrittenFile>> commit(const Participant& self, FileTransaction& out) {
+  DDSSEC_RETURN_IF_ERROR(self.in_place.check_unchanged());
+  return out.commit();
+}
+
 // The CA has no certificate with a later end, for example because the CA itself ends then. Without
 // this, the permissions would end before the certificate although the CA can extend them.
 Result<Json> extend_permissions(const Participant& self, const RenewalAnswer& answer) {
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
-  DDSSEC_ASSIGN_OR_RETURN(const auto files, out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(const auto files, commit(self, out));
   auto event = renewed_event(self, self.certificate, due_by_certificate(self), answer, files);
   keep_response({self.files, self.certificate, self.now(), self.task.responders}, event);
   keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
@@ -360,7 +370,7 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   DDSSEC_RETURN_IF_ERROR(put_certificate(self, renewed, key, out));
   if (!answer.permissions.empty())
     DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
-  DDSSEC_ASSIGN_OR_RETURN(const auto files, out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(const auto files, commit(self, out));
   auto event = renewed_event(self, renewed, renewal_from(renewed, self.now()), answer, files);
   event["rekeyed"] = self.task.is_rekeying;
   keep_response({self.files, renewed, self.now(), self.task.responders}, event);

@@ -50,15 +50,15 @@ struct AgentServices {
 /// The answer must have the participant's subject, octet for octet, and the requested key. It must
 /// chain to the folder's identity CA, be valid now, not be revoked by the folder's crl.pem, not
 /// begin earlier than the certificate in place, and end later. Only after that the files are
-/// replaced, all or none, with their former owner and mode. If the certificate names an OCSP
-/// responder, its response is kept too (agent_response.hpp). The renewal list is put into the
-/// folder if it differs. With a locked folder, the folder of the task must be that one. The result
-/// is an event:
+/// replaced, all or none, with their former owner and mode, unless another program replaced one
+/// meanwhile. If the certificate names an OCSP responder, its response is kept too
+/// (agent_response.hpp). The renewal list is put into the folder if it differs. With a locked
+/// folder, the folder of the task must be that one. The result is an event:
 ///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
 /// The event's "problem" tells why the participant does not start, or why the next renewal will
 /// fail: because of the key, the identity CA, the list or (with takes_permissions) the permissions
 /// in the folder. Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit,
-/// renewal_goes_back, those of `ask`, of ChainVerifier::verify and of FileTransaction.
+/// renewal_goes_back, files_changed, those of `ask`, of ChainVerifier::verify and of FileTransaction.
 Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
                              const AgentServices& agent, const Context& context);
 
