@@ -35,12 +35,6 @@ constexpr seconds kRetryEnd{3600};
 // because other commands may use the CA.
 constexpr seconds kTimeForOwnCa{120};
 
-std::unexpected<Error> no_answer_error(End end) {
-  if (end == End::stopped) return fail(Code::interrupted);
-  return fail(Code::internal, {.field = "a process of the agent",
-                               .note = end == End::too_slow ? "it took too long" : "it has ended"});
-}
-
 // A process that does not keep to the protocol is treated like one that has ended.
 std::unexpected<Error> protocol_error() { return no_answer_error(End::closed); }
 
@@ -221,41 +215,28 @@ Result<Json> Agent::run_worker(Folder& folder) {
   folder.task.renewals = renewal_list_text();
   folder.task.fetches_documents =
       hooks_.documents && folder.lock && folder.next_documents <= context_.clock.since_boot();
-  const int lock = folder.lock ? folder.lock->descriptor() : -1;
-  const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
-  DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
-                                           signals_,
-                                           [&](int in, int out) {
-                                             return become_worker(
-                                                 worker_variables(is_own, secret_variables()), in,
-                                                 out, lock);
-                                           },
-                                           lock));
-  const auto order = order_line(
+  DDSSEC_ASSIGN_OR_RETURN(auto worker, start_worker(folder));
+  const auto sent = worker.write(order_line(
       folder.task, folder.lock ? &folder.lock->folder() : nullptr,
-      arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt);
-  const auto sent = worker.write(order, deadline_for(folder));
-  auto event = sent == End::done ? serve_worker(folder, worker) : worker_ended_error(folder, sent);
-  end_worker(folder, worker);
+      arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt));
+  auto event = sent ? serve_worker(folder, worker) : Result<Json>(std::unexpected(sent.error()));
+  if (auto unended = worker.end()) folder.unended.emplace(*std::move(unended));
   return event;
 }
 
-void Agent::end_worker(Folder& folder, ChildProcess& worker) {
-  if (worker.stop()) return;
-  if (folder.lock) slow_owners_.note(folder.lock->owner().user, context_.clock.since_boot());
-  folder.unended.emplace(std::move(worker));
-}
-
-steady_clock::time_point Agent::deadline_for(const Folder& folder) const {
-  if (!folder.lock) return steady_clock::now() + SlowOwners::kTime;
-  return steady_clock::now() +
-         slow_owners_.time_for(folder.lock->owner().user, context_.clock.since_boot());
-}
-
-std::unexpected<Error> Agent::worker_ended_error(const Folder& folder, End end) {
-  if (end == End::too_slow && folder.lock)
-    slow_owners_.note(folder.lock->owner().user, context_.clock.since_boot());
-  return no_answer_error(end);
+Result<WorkerProcess> Agent::start_worker(const Folder& folder) {
+  const int lock = folder.lock ? folder.lock->descriptor() : -1;
+  const auto owner = folder.lock ? std::optional(folder.lock->owner().user) : std::nullopt;
+  const bool is_own = owner == ::geteuid();
+  DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(
+                                            signals_,
+                                            [&](int in, int out) {
+                                              return become_worker(
+                                                  worker_variables(is_own, secret_variables()), in,
+                                                  out, lock);
+                                            },
+                                            lock));
+  return WorkerProcess(std::move(process), owner, slow_owners_, context_.clock);
 }
 
 // The folders of the agent's own user are not restricted without --trust: that user could ask any
@@ -299,15 +280,11 @@ std::vector<std::string> Agent::secret_variables() const {
 
 // Answers the worker's questions about documents, which come first. Returns the first line that is
 // about something else. The error of a document is sent as the answer and does not end the worker.
-Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
+Result<Json> Agent::answer_documents(Folder& folder, WorkerProcess& worker) {
   // The worker asks at most once for each of three kinds of document, and then reports the outcome.
   constexpr int kMaxLines = 4;
   for (int lines = 0;; ++lines) {
-    std::string line;
-    if (const auto end = worker.read_line(line, kMaxAgentLine, deadline_for(folder));
-        end != End::done)
-      return worker_ended_error(folder, end);
-    DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+    DDSSEC_ASSIGN_OR_RETURN(auto json, worker.read());
     const bool is_outcome = json.contains("documents");
     if (!is_outcome && !json.contains("wanted")) return json;
     if (lines == kMaxLines || !folder.task.fetches_documents) return protocol_error();
@@ -318,8 +295,7 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
     const auto document = ask_document(folder, document_request_from(json));
     if (!document && signals_.is_stopped()) return std::unexpected(document.error());
     const auto answer = document ? document_line(*document) : error_line(document.error());
-    const auto sent = worker.write(to_line(answer) + '\n', deadline_for(folder));
-    if (sent != End::done) return worker_ended_error(folder, sent);
+    DDSSEC_RETURN_IF_ERROR(worker.write(to_line(answer) + '\n'));
   }
 }
 
@@ -360,9 +336,7 @@ void Agent::note_documents(Folder& folder, const Json& outcome) {
 
 // The worker asks the CA at most once. If the answer is an error, the worker ends without a reply,
 // because it has written nothing yet.
-Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
-  std::string line;
-  const auto read = [&] { return worker.read_line(line, kMaxAgentLine, deadline_for(folder)); };
+Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
   if (!json.contains("request")) return event_from(json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
@@ -372,11 +346,9 @@ Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
   folder.lifetime = asked_lifetime;       // the CA has accepted the certificate
   answer.renewals = renewal_list_text();  // includes the new certificate
-  const auto sent = worker.write(answer_line(answer), deadline_for(folder));
-  if (sent != End::done) return worker_ended_error(folder, sent);
-  if (const auto end = read(); end != End::done) return worker_ended_error(folder, end);
-  DDSSEC_ASSIGN_OR_RETURN(const auto json_value, json_from(line));
-  DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
+  DDSSEC_RETURN_IF_ERROR(worker.write(answer_line(answer)));
+  DDSSEC_ASSIGN_OR_RETURN(const auto last, worker.read());
+  DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(last));
   if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
   return event;
 }

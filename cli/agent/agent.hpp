@@ -16,6 +16,7 @@
 #include "cli/agent/agent_process.hpp"
 #include "cli/agent/silent_responders.hpp"
 #include "cli/agent/slow_owners.hpp"
+#include "cli/agent/worker_process.hpp"
 #include "cli/frame/command.hpp"
 
 namespace ddssec::cli {
@@ -61,19 +62,14 @@ class Agent {
   void end_overlaps();
   void end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
-  /// Keeps a worker that cannot be ended: until then, the folder gets no other one.
-  void end_worker(Folder& folder, ChildProcess& worker);
+  Result<WorkerProcess> start_worker(const Folder& folder);
   AskedResponders responders_for(const Folder& folder) const;
-  /// Returns the time by which the process for a folder must have answered.
-  std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;
-  /// Notes the owner of a folder whose worker took too long.
-  std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
   std::string renewal_list_text() const;
   void note_documents(Folder& folder, const Json& outcome);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
-  Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
+  Result<Json> serve_worker(Folder& folder, WorkerProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
-  Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
+  Result<Json> answer_documents(Folder& folder, WorkerProcess& worker);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
   Status check_request(const RenewalRequest& request);
   Status check_ca_opens();
