@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <tuple>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -48,11 +49,6 @@ std::unexpected<Error> unended_error(const std::filesystem::path& folder,
                                      const ChildProcess& worker) {
   return fail(tool_code::process_unended,
               {.document = folder, .found = fmt::format("process {}", worker.number())});
-}
-
-Result<Json> event_from(const Json& json) {
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
-  return known_members(json);
 }
 
 }  // namespace
@@ -334,23 +330,55 @@ void Agent::note_documents(Folder& folder, const Json& outcome) {
   events_.report("documents_fetched", folder.task.folder, std::move(members));
 }
 
-// The worker asks the CA at most once. If the answer is an error, the worker ends without a reply,
-// because it has written nothing yet.
+// The worker asks the CA at most once. After an error it gets its code, because it still keeps the
+// list and the response for the peers. The details may not be for the folder's owner.
 Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
-  if (!json.contains("request")) return event_from(json);
+  if (!json.contains("request")) return outcome_from(folder, json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   const auto asked_lifetime = std::max(seconds(1), request.lifetime);
   if (is_own) folder.lifetime = asked_lifetime;
-  DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
-  folder.lifetime = asked_lifetime;       // the CA has accepted the certificate
-  answer.renewals = renewal_list_text();  // includes the new certificate
-  DDSSEC_RETURN_IF_ERROR(worker.write(answer_line(answer)));
-  DDSSEC_ASSIGN_OR_RETURN(const auto last, worker.read());
-  DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(last));
-  if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
+  auto answer = ask_ca(folder, request);
+  if (!answer) {
+    const auto line = to_line(error_line(Error(answer.error().code()))) + '\n';
+    if (!signals_.is_stopped()) std::ignore = finish_worker(folder, worker, line);
+    return std::unexpected(answer.error());
+  }
+  folder.lifetime = asked_lifetime;        // the CA has accepted the certificate
+  answer->renewals = renewal_list_text();  // includes the new certificate
+  DDSSEC_ASSIGN_OR_RETURN(auto event, finish_worker(folder, worker, answer_line(*answer)));
+  if (!answer->renewals.empty()) folder.task.renewals = std::move(answer->renewals);
   return event;
+}
+
+// The worker reports a renewal when the files are in place, and again at its end. If it is killed
+// in between, the certificate is renewed.
+Result<Json> Agent::finish_worker(const Folder& folder, WorkerProcess& worker,
+                                  std::string_view answer) {
+  DDSSEC_RETURN_IF_ERROR(worker.write(answer));
+  auto last = worker.read();
+  Json renewed;
+  if (last && last->contains("renewed")) {
+    renewed = known_members((*last)["renewed"]);
+    last = worker.read();
+  }
+  if (last) return outcome_from(folder, *last);
+  if (renewed.is_null()) return std::unexpected(last.error());
+  if (!signals_.is_stopped() && !renewed.contains("problem"))
+    renewed["problem"] = error_to_json(last.error());
+  return renewed;
+}
+
+Result<Json> Agent::outcome_from(const Folder& folder, const Json& line) {
+  auto members = known_members(line);
+  if (folder.lock)
+    silent_responders_.note(folder.lock->owner().user, text_in(members, "ocsp_silent"),
+                            context_.clock.since_boot());
+  members.erase("ocsp_silent");
+  if (!line.contains("error")) return members;
+  for (auto& file : files_from(members)) written_.push_back(std::move(file));
+  return std::unexpected(error_from(line["error"]));
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
@@ -440,10 +468,6 @@ void Agent::note_success(Folder& folder, Json event) {
                        folder.last_reported_serial != text_in(event, "serial");
   folder.last_reported_serial = text_in(event, "serial");
   folder.has_problem = note_problem(event);
-  if (folder.lock)
-    silent_responders_.note(folder.lock->owner().user, text_in(event, "ocsp_silent"),
-                            context_.clock.since_boot());
-  event.erase("ocsp_silent");
   event.erase("event");
   if (is_news) events_.report(name, folder.task.folder, std::move(event));
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/agent/agent_events.hpp"
@@ -68,6 +69,9 @@ class Agent {
   void note_documents(Folder& folder, const Json& outcome);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
   Result<Json> serve_worker(Folder& folder, WorkerProcess& worker);
+  Result<Json> finish_worker(const Folder& folder, WorkerProcess& worker, std::string_view answer);
+  /// Returns the event or the error in a worker's last line.
+  Result<Json> outcome_from(const Folder& folder, const Json& line);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   Result<Json> answer_documents(Folder& folder, WorkerProcess& worker);
   Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);

@@ -82,6 +82,7 @@ std::string answer_line(RenewalAnswer& answer) {
 }
 
 Result<RenewalAnswer> answer_from(const Json& json) {
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, octets_in(json, "permissions"));
   RenewalAnswer out{.certificate = text_in(json, "certificate"),
                     .permissions = std::move(permissions),

@@ -60,8 +60,8 @@ Json to_json(const RenewalAnswer& answer);
 /// Returns the answer as one line with its line break. If it is too long, removes the renewal list
 /// from the answer.
 std::string answer_line(RenewalAnswer& answer);
-/// Reads an answer. A text that is absent is empty. Error: internal (the permissions are not
-/// hexadecimal).
+/// Reads an answer. A text that is absent is empty. Errors: internal (the permissions are not
+/// hexadecimal), the error that the line reports.
 Result<RenewalAnswer> answer_from(const Json& json);
 
 /// Writes the request as a line that document_request_from reads.

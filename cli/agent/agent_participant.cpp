@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -320,6 +319,14 @@ void keep_renewals(const Participant& self, const std::string& renewals, Json& e
   if (!status && !event.contains("problem")) event["problem"] = error_to_json(status.error());
 }
 
+// Keeps what peers want to see beside the certificate in the folder: the OCSP response, and the
+// renewal list (`renewals`; if it is empty, that of the task).
+void keep_for_peers(const Participant& self, const pki::Certificate& certificate,
+                    const std::string& renewals, Json& event) {
+  keep_response({self.files, certificate, self.now(), self.task.responders}, event);
+  keep_renewals(self, renewals.empty() ? self.task.renewals : renewals, event);
+}
+
 Json renewed_event(const Participant& self, const pki::Certificate& certificate, WallTime next,
                    const RenewalAnswer& answer, const std::vector<WrittenFile>& files) {
   auto event = event_of("renewed", certificate, next);
@@ -339,17 +346,18 @@ Result<std::vector<WrittenFile>> commit(const Participant& self, FileTransaction
 
 // The CA has no certificate with a later end, for example because the CA itself ends then. Without
 // this, the permissions would end before the certificate although the CA can extend them.
-Result<Json> extend_permissions(const Participant& self, const RenewalAnswer& answer) {
+Result<Json> extend_permissions(const Participant& self, const AgentServices& agent,
+                                const RenewalAnswer& answer) {
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
   DDSSEC_ASSIGN_OR_RETURN(const auto files, commit(self, out));
   auto event = renewed_event(self, self.certificate, due_by_certificate(self), answer, files);
-  keep_response({self.files, self.certificate, self.now(), self.task.responders}, event);
-  keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
+  agent.report_renewed(event);
+  keep_for_peers(self, self.certificate, answer.renewals, event);
   return event;
 }
 
-Result<Json> renew(const Participant& self, const AskCa& ask) {
+Result<Json> renew(const Participant& self, const AgentServices& agent) {
   DDSSEC_RETURN_IF_ERROR(mode_of(self.files.certificate, 0));  // before the CA is asked
   DDSSEC_ASSIGN_OR_RETURN(const auto key, key_for_request(self));
   DDSSEC_ASSIGN_OR_RETURN(auto pem, pki::make_request(key, self.certificate));
@@ -358,13 +366,13 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
   const RenewalRequest request{std::move(pem), self.certificate.pem(), self.permissions,
                                lifetime(self.certificate)};
-  DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask(request));
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, agent.ask(request));
   // If only the permissions are due and cannot be extended, the certificate is not renewed alone:
   // that would be repeated on every visit.
   if (answer.permissions.empty() && answer.problem && due_by_certificate(self) > self.now())
     return std::unexpected(*answer.problem);
   if (answer.certificate == request.certificate && !answer.permissions.empty())
-    return extend_permissions(self, answer);
+    return extend_permissions(self, agent, answer);
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, checked(self, answer.certificate, key));
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_certificate(self, renewed, key, out));
@@ -373,8 +381,8 @@ Result<Json> renew(const Participant& self, const AskCa& ask) {
   DDSSEC_ASSIGN_OR_RETURN(const auto files, commit(self, out));
   auto event = renewed_event(self, renewed, renewal_from(renewed, self.now()), answer, files);
   event["rekeyed"] = self.task.is_rekeying;
-  keep_response({self.files, renewed, self.now(), self.task.responders}, event);
-  keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
+  agent.report_renewed(event);
+  keep_for_peers(self, renewed, answer.renewals, event);
   return event;
 }
 
@@ -417,6 +425,19 @@ Json not_renewed(const Participant& self, WallTime due) {
   return event;
 }
 
+// Without the renewal list, sessions with participants that were renewed would end. Without the
+// OCSP response, peers would refuse the participant, although its certificate is still valid. An
+// error of these is ignored, because the one of the renewal is more important.
+Result<Json> after_failure(const Participant& self, const Error& error) {
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  auto kept = event_of("current", self.certificate, self.now());
+  keep_for_peers(self, self.certificate, {}, kept);
+  Json out = error_line(error);
+  for (const auto* name : {"files", "ocsp_silent"})
+    if (kept.contains(name)) out[name] = kept[name];
+  return out;
+}
+
 }  // namespace
 
 Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
@@ -437,17 +458,12 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
   }
   if (due > self.now()) {
     auto event = not_renewed(self, due);
-    if (task.is_dry_run) return event;
-    keep_response({self.files, self.certificate, self.now(), task.responders}, event);
-    keep_renewals(self, task.renewals, event);
+    if (!task.is_dry_run) keep_for_peers(self, self.certificate, {}, event);
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);
-  auto event = renew(self, agent.ask);
-  // Without the list, sessions with participants that were renewed would end. An error of the list
-  // is ignored, because the one of the renewal is more important.
-  if (!event && !task.renewals.empty()) std::ignore = put_list_of_ca(self, task.renewals);
-  return event;
+  auto event = renew(self, agent);
+  return event ? event : after_failure(self, event.error());
 }
 
 }  // namespace ddssec::cli

@@ -42,6 +42,8 @@ struct AgentServices {
   AskCa ask;
   FetchDocument fetch;
   std::function<void(const Json&)> report_documents;  ///< reports the outcome of the documents
+  /// Reports the event as soon as the renewed files are in place: what follows may take long.
+  std::function<void(const Json&)> report_renewed;
 };
 
 /// Renews the certificate in the folder if it is due. Gives up the rights of root first
@@ -57,8 +59,10 @@ struct AgentServices {
 ///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
 /// The event's "problem" tells why the participant does not start, or why the next renewal will
 /// fail: because of the key, the identity CA, the list or (with takes_permissions) the permissions
-/// in the folder. Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit,
-/// renewal_goes_back, files_changed, those of `ask`, of ChainVerifier::verify and of FileTransaction.
+/// in the folder. After a renewal that failed, the OCSP response and the renewal list are kept,
+/// too; the result is then {"error", "files", "ocsp_silent"}. Errors: folder_untrusted,
+/// key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, files_changed, those of `ask`, of
+/// ChainVerifier::verify and of FileTransaction.
 Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
                              const AgentServices& agent, const Context& context);
 

@@ -130,6 +130,10 @@ AgentServices services() {
           .report_documents =
               [](const Json& documents) {
                 send_line(kOut, {{"documents", documents}});
+              },
+          .report_renewed =
+              [](const Json& event) {
+                send_line(kOut, {{"renewed", event}});
               }};
 }
 

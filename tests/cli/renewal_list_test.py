@@ -439,6 +439,12 @@ class RenewalList(Transcript):
         self.assertEqual([event["event"] for event in checked_events(out)], ["failed"])
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE, PERMISSIONS])
 
+    def test_TheAgent_PutsTheListIntoAFolderWhoseRenewalTheCaRefuses(self):
+        self.renew("talker", "--permissions")
+        out = self.run_program("agent", "demo/listener", "--ca", "demo", "--once", "--days", "5", "--now", "+300d", exit=1).stdout
+        self.assertEqual([(event["event"], event["code"]) for event in checked_events(out)], [("failed", "renewal_goes_back")])
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE, PERMISSIONS])
+
 
 if __name__ == "__main__":
     main()
