@@ -207,7 +207,7 @@ Status check_dates(const Participant& self, const pki::Certificate& renewed) {
 
 // An expired list of the folder may lack later revocations, but what it revokes stays revoked.
 // verify() does not look for that in an expired list, so the callers use check_not_on() as well.
-Result<pki::ChainVerifier> verifier_of(const Participant& self) {
+Result<pki::ChainVerifier> verifier_of(const Participant& self, pki::CrlPolicy policy) {
   const auto& files = self.files;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
   std::vector<pki::Crl> lists;
@@ -215,8 +215,7 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self) {
     DDSSEC_ASSIGN_OR_RETURN(lists, read_lists(files.crl));
   }
   return with_default_document(
-      pki::ChainVerifier::make(std::move(anchors), std::move(lists), pki::CrlPolicy::soft_fail),
-      files.identity_ca);
+      pki::ChainVerifier::make(std::move(anchors), std::move(lists), policy), files.identity_ca);
 }
 
 // Says that the error is about the certificate that the CA or the hook answered, not about the file
@@ -236,7 +235,7 @@ Result<T> about_answer(Result<T> result, const fs::path& file) {
 }
 
 Status check_chain(const Participant& self, const pki::Certificate& renewed) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::soft_fail));
   DDSSEC_RETURN_IF_ERROR(
       about_answer(verifier.verify(renewed, self.now()), self.files.certificate));
   // The certificate in place must not be revoked either: the issuer of the new one may not know of
@@ -362,7 +361,7 @@ Result<Json> renew(const Participant& self, const AgentServices& agent) {
   DDSSEC_ASSIGN_OR_RETURN(const auto key, key_for_request(self));
   DDSSEC_ASSIGN_OR_RETURN(auto pem, pki::make_request(key, self.certificate));
   // Checked before the CA issues anything, because a CA behind a hook may not know of the list.
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::soft_fail));
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
   const RenewalRequest request{std::move(pem), self.certificate.pem(), self.permissions,
                                lifetime(self.certificate)};
@@ -411,11 +410,39 @@ Status check_permissions(const Participant& self) {
                            self.files.folder.string())});
 }
 
+// A participant with lists demands a valid one of each peer's issuer, and says so when a sixth of
+// the time of a list is left.
+Status check_lists_last(const Participant& self) {
+  if (!path_exists(self.files.crl)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_lists(self.files.crl));
+  for (const auto& list : lists) {
+    const auto end = list.next_update();
+    if (end && self.now() > *end - (*end - list.this_update()) / 6)
+      return fail(Code::crl_ends_soon,
+                  {.document = self.files.crl, .field = "nextUpdate", .found = to_string(*end)});
+  }
+  return {};
+}
+
+// Judges the certificate as the participant does when it starts.
+Status check_certificate(const Participant& self) {
+  const auto& files = self.files;
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::hard_fail));
+  if (const auto chain = verifier.verify(self.certificate, self.now()); !chain) {
+    const auto code = chain.error().code();
+    const bool is_about_list = code >= Code::crl_missing && code <= Code::crl_signature_invalid;
+    return std::unexpected(
+        chain.error().with_default_document(is_about_list ? files.crl : files.certificate));
+  }
+  DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, files.crl));
+  return check_lists_last(self);
+}
+
 // Checks the files beside the certificate even if it is not due: with faulty ones the participant
 // does not start, and the next renewal fails.
 Status check_fit(const Participant& self) {
   DDSSEC_RETURN_IF_ERROR(check_key(self));
-  DDSSEC_RETURN_IF_ERROR(check_chain(self, self.certificate));
+  DDSSEC_RETURN_IF_ERROR(check_certificate(self));
   return check_permissions(self);
 }
 

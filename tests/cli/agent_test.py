@@ -116,6 +116,18 @@ class OwnCa(AgentTest):
         (self.talker / "identity_ca.pem").write_bytes((self.talker / "permissions_ca.pem").read_bytes())
         event, = self.once("--ca", "demo", exit=1)
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "issuer_unknown"))
+        self.assertNotIn("answered", event["problem"]["message"])
+
+    def test_Current_WithAListThatEnds_HasAProblem(self):
+        """A participant with an expired list authenticates no peer."""
+        self.run_program("identity", "revoke", "demo/listener", "--ca", "demo")
+        (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())
+        self.assertNotIn("problem", self.once("--ca", "demo", "--now", "+100d")[0])
+        for now, code in (("+160d", "crl_ends_soon"), ("+200d", "crl_expired")):
+            event, = self.once("--ca", "demo", "--now", now, exit=(1, 3))
+            self.assertEqual((event["event"], event["problem"]["code"]), ("current", code))
+            self.assertEqual(event["problem"]["file"], "demo/talker/crl.pem")
+        self.assertEqual(self.once("--ca", "demo", *self.LATER)[0]["event"], "renewed")
 
     def test_a_new_key_on_request(self):
         key = self.public_key()

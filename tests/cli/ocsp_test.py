@@ -226,6 +226,7 @@ class Ocsp(Transcript):
         self.run_program("init", "other", "--participant", "x")
         stranger = self.at / "other/ca/identity"
         shutil.copy(stranger / "ca.pem", self.at / "demo/talker/identity_ca.pem")
+        (self.at / "demo/talker/crl.pem").unlink()  # it is of the former CA
         with socket.create_server(("127.0.0.1", 0)) as listener:
             self.name_responder(f"http://127.0.0.1:{listener.getsockname()[1]}/", ca=stranger)
             answer, event = self.agent(exit=1)
