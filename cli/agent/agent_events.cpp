@@ -1,7 +1,5 @@
 #include "cli/agent/agent_events.hpp"
 
-#include <cstdio>
-
 #include "base/text.hpp"
 #include "cli/agent/agent_messages.hpp"
 
@@ -9,9 +7,7 @@ namespace ddssec::cli {
 
 void AgentEvents::put(Json event) {
   if (to_ == To::report) return kept_.push_back({std::move(event)});
-  const auto line = to_line(event) + '\n';
-  std::fwrite(line.data(), 1, line.size(), stdout);
-  std::fflush(stdout);
+  output_.put(to_line(event) + '\n');
 }
 
 void AgentEvents::report(std::string_view event, Json members) {

@@ -2,14 +2,16 @@
 """ddssec agent as a daemon: repetitions, signals, its end."""
 
 import ctypes
+import fcntl
 import json
 import os
 import pathlib
 import signal
+import subprocess
 import time
 
 from agent_folders import AgentTest, Running, ShortLived
-from transcript import main
+from transcript import PROGRAM, library_path, main
 
 
 PTRACE_SEIZE = 0x4206
@@ -140,6 +142,20 @@ class Daemon(AgentTest):
         agent.process.send_signal(signal.SIGHUP)
         self.wait_until_hook_begins()
         self.assertEqual(agent.end(), 0)
+
+    def test_Stop_WithAReaderThatStopped_IsObeyed(self):
+        end, output = os.pipe()
+        fcntl.fcntl(output, fcntl.F_SETPIPE_SZ, 4096)
+        os.write(output, bytes(4096))
+        agent = subprocess.Popen([PROGRAM, "agent", "demo/talker", "--ca", "demo"], cwd=self.at, stdout=output,
+                                 stderr=subprocess.PIPE, text=True, env={**os.environ, "LD_LIBRARY_PATH": library_path()})
+        self.addCleanup(agent.kill)
+        self.assertIn("events_lost", agent.stderr.readline())
+        agent.terminate()
+        self.assertEqual(agent.wait(timeout=30), 0)
+        for file in (end, output):
+            os.close(file)
+        agent.stderr.close()
 
     def test_a_wrong_passphrase_is_tried_once(self):
         self.run_program("ca", "create", "locked", "--role", "identity", "--passphrase-env", "PASS",
