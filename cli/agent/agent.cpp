@@ -135,42 +135,44 @@ void Agent::schedule_all_now() {
 void Agent::end_overlaps() {
   const auto now = context_.clock.calendar_seconds();
   auto rest = kMaxLook;
+  bool are_ended = true;
   for (const auto& overlap : overlaps_to_end(arguments_)) {
     if (signals_.is_stopped()) return;
     if (overlap.until > now) {
       rest = std::clamp(std::chrono::ceil<seconds>(overlap.until - now), seconds(1), rest);
       continue;
     }
-    end_overlap_and_report(overlap);
-    if (failed_ends_ > 0) break;
+    if (!end_overlap_and_report(overlap)) are_ended = false;
+    if (ca_refusal_) break;
   }
-  const bool is_paused = failed_ends_ > 0 && ca_refusal_;
-  next_end_ = is_paused ? Moment::max()
-                        : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
+  failed_ends_ = are_ended ? 0 : failed_ends_ + 1;
+  const bool is_paused = !are_ended && ca_refusal_;
+  next_end_ =
+      is_paused ? Moment::max() : context_.clock.since_boot() + (are_ended ? rest : kRetryEnd);
 }
 
 // Runs in a process of its own, like each use of the CA's key.
-void Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
+bool Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
   auto json = ca_refusal_ ? Result<Json>(std::unexpected(*ca_refusal_)) : run_in_child_process([&] {
     return end_overlap(overlap, arguments_, context_);
   });
   if (!json) {
-    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
+    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return false;
     if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
     auto members = event_members(json.error());
-    members["failures"] = ++failed_ends_;
+    members["failures"] = failed_ends_ + 1;
     members["again_in"] = ca_refusal_ ? Json() : Json(kRetryEnd.count());
     events_.report("failed", arguments_.text("--ca"), std::move(members));
     errors_.push_back(json.error());
-    return;
+    return false;
   }
-  failed_ends_ = 0;
   if (!writes_nothing())
     for (auto& file : files_from(*json)) written_.push_back(std::move(file));
   note_problem(*json);
   events_.report(writes_nothing() ? "overlap_due" : "overlap_ended", arguments_.text("--ca"),
                  *std::move(json));
   for (auto& folder : folders_) folder.next = {};  // each has new files
+  return true;
 }
 
 // Gives each folder the entries for participants that were renewed after it. The error of a folder

@@ -61,7 +61,8 @@ class Agent {
   void note_outcome(Folder& folder, Result<Json> event);
   void complete_lists();
   void end_overlaps();
-  void end_overlap_and_report(const OverlapToEnd& overlap);
+  /// Returns false if the overlap could not be ended.
+  bool end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
   Result<WorkerProcess> start_worker(const Folder& folder);
   AskedResponders responders_for(const Folder& folder) const;
@@ -101,8 +102,8 @@ class Agent {
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< owners of a folder whose token refused the PIN
   SlowOwners slow_owners_;
   SilentResponders silent_responders_ = {};
-  Moment next_end_{0};  ///< when the agent looks for overlaps to end
-  unsigned failed_ends_ = 0;
+  Moment next_end_{0};        ///< when the agent looks for overlaps to end
+  unsigned failed_ends_ = 0;  ///< looks in a row in which an overlap could not be ended
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };
