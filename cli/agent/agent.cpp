@@ -12,7 +12,6 @@
 #include "cli/agent/agent_ca.hpp"
 #include "cli/agent/agent_schedule.hpp"
 #include "cli/agent/agent_worker.hpp"
-#include "cli/ca/ca_folder.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_file.hpp"
@@ -207,9 +206,13 @@ Result<Json> Agent::run_worker(Folder& folder) {
   if (!folder.lock && !folder.task.is_dry_run) {
     DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::acquire(path));
   }
-  if (folder.lock)
-    folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
-  folder.task.responders = responders_for(folder);
+  if (folder.lock) {  // with --dry-run no responder is asked
+    const auto owner = folder.lock->owner().user;
+    folder.task.uses_no_token = owners_with_wrong_pin_.contains(owner);
+    folder.task.responders = asked_responders(arguments_, owner == ::geteuid());
+    folder.task.responders.silent_urls =
+        silent_responders_.silent_for(owner, context_.clock.since_boot());
+  }
   folder.task.renewals = renewal_list_text();
   folder.task.fetches_documents =
       hooks_.documents && folder.lock && folder.next_documents <= context_.clock.since_boot();
@@ -226,34 +229,14 @@ Result<WorkerProcess> Agent::start_worker(const Folder& folder) {
   const int lock = folder.lock ? folder.lock->descriptor() : -1;
   const auto owner = folder.lock ? std::optional(folder.lock->owner().user) : std::nullopt;
   const bool is_own = owner == ::geteuid();
-  DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(
-                                            signals_,
-                                            [&](int in, int out) {
-                                              return become_worker(
-                                                  worker_variables(is_own, secret_variables()), in,
-                                                  out, lock);
-                                            },
-                                            lock));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto process, ChildProcess::start(
+                        signals_,
+                        [&](int in, int out) {
+                          return become_worker(worker_variables(is_own, arguments_), in, out, lock);
+                        },
+                        lock));
   return WorkerProcess(std::move(process), owner, slow_owners_, context_.clock);
-}
-
-// The folders of the agent's own user are not restricted without --trust: that user could ask any
-// responder anyway.
-AskedResponders Agent::responders_for(const Folder& folder) const {
-  AskedResponders out{.cas_source = hooks_.certificates ? "--trust" : "--ca"};
-  if (!folder.lock) return out;  // with --dry-run no responder is asked
-  const auto owner = folder.lock->owner().user;
-  out.silent_urls = silent_responders_.silent_for(owner, context_.clock.since_boot());
-  if (hooks_.certificates && !arguments_.has("--trust")) {
-    out.asks_none = owner != ::geteuid();
-    return out;
-  }
-  const auto cas = read_certificates(
-      hooks_.certificates ? std::filesystem::path(arguments_.text("--trust"))
-                          : ca_paths(arguments_.text("--ca"), "identity").certificate);
-  if (cas) out.cas_pem = to_pem(*cas);
-  out.asks_none = !cas;
-  return out;
 }
 
 std::string Agent::renewal_list_text() const {
@@ -267,13 +250,6 @@ void Agent::schedule_others(const Folder& renewed) {
   const auto soon = context_.clock.since_boot() + seconds(1);
   for (auto& other : folders_)
     if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
-}
-
-// The variables with secrets. Only the process that asks the CA, and the hook, need them.
-std::vector<std::string> Agent::secret_variables() const {
-  auto out = arguments_.all("--hook-env");
-  if (arguments_.has("--passphrase-env")) out.push_back(arguments_.text("--passphrase-env"));
-  return out;
 }
 
 // Answers the worker's questions about documents, which come first. Returns the first line that is

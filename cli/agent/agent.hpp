@@ -65,7 +65,6 @@ class Agent {
   bool end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
   Result<WorkerProcess> start_worker(const Folder& folder);
-  AskedResponders responders_for(const Folder& folder) const;
   std::string renewal_list_text() const;
   void note_documents(Folder& folder, const Json& outcome);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
@@ -89,7 +88,6 @@ class Agent {
   void schedule_all_now();
   void schedule_others(const Folder& renewed);
   Json start_members() const;
-  std::vector<std::string> secret_variables() const;
 
   const Arguments& arguments_;
   AgentHooks hooks_;

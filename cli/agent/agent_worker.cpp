@@ -157,7 +157,10 @@ bool is_one_of(std::string_view variable, const auto& names) {
 
 }  // namespace
 
-std::vector<std::string> worker_variables(bool is_own, const std::vector<std::string>& secret) {
+std::vector<std::string> worker_variables(bool is_own, const Arguments& arguments) {
+  // Only the process that asks the CA, and the hook, need these.
+  auto secret = arguments.all("--hook-env");
+  if (arguments.has("--passphrase-env")) secret.push_back(arguments.text("--passphrase-env"));
   std::vector<std::string> out;
   if (!is_own) {
     out.emplace_back("PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin");
