@@ -5,6 +5,7 @@
 #include <csignal>
 #include <tuple>
 #include <unistd.h>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -127,6 +128,7 @@ void Agent::schedule_all_now() {
   owners_with_wrong_pin_.clear();
   slow_owners_.clear();
   silent_responders_.clear();
+  reported_list_problem_.reset();
 }
 
 // Call this before the folders are checked: once an overlap has ended, the former CA renews no
@@ -190,7 +192,10 @@ void Agent::complete_lists() {
   }
 }
 
-void Agent::visit(Folder& folder) { note_outcome(folder, run_worker(folder)); }
+void Agent::visit(Folder& folder) {
+  note_outcome(folder, run_worker(folder));
+  report_list_problem();
+}
 
 void Agent::note_outcome(Folder& folder, Result<Json> event) {
   if (event) return note_success(folder, *std::move(event));
@@ -239,8 +244,23 @@ Result<WorkerProcess> Agent::start_worker(const Folder& folder) {
   return WorkerProcess(std::move(process), owner, slow_owners_, context_.clock);
 }
 
-std::string Agent::renewal_list_text() const {
-  return hooks_.certificates ? std::string() : renewal_list_of_ca(arguments_);
+std::string Agent::renewal_list_text() {
+  if (hooks_.certificates) return {};
+  auto list = renewal_list_of_ca(arguments_);
+  list_problem_ = std::move(list.problem);
+  return std::move(list.text);
+}
+
+// Called after a visit, because a renewal begins a new list in place of one that cannot be read,
+// and says so itself.
+void Agent::report_list_problem() {
+  const auto code = list_problem_ ? std::optional(list_problem_->code()) : std::nullopt;
+  if (code == std::exchange(reported_list_problem_, code) || !list_problem_) return;
+  auto members = event_members(*list_problem_);
+  members["failures"] = 1;
+  members["again_in"] = kMaxRest.count();
+  events_.report("failed", arguments_.text("--ca"), std::move(members));
+  errors_.push_back(*list_problem_);
 }
 
 // Lets the other folders get the list with the new certificate soon, unless there are too many.
@@ -326,6 +346,8 @@ Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   folder.lifetime = asked_lifetime;        // the CA has accepted the certificate
   answer->renewals = renewal_list_text();  // includes the new certificate
   DDSSEC_ASSIGN_OR_RETURN(auto event, finish_worker(folder, worker, answer_line(*answer)));
+  if (answer->notice && !event.contains("problem"))
+    event["problem"] = error_to_json(*answer->notice);
   if (!answer->renewals.empty()) folder.task.renewals = std::move(answer->renewals);
   return event;
 }
@@ -405,7 +427,9 @@ Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalReque
     DDSSEC_RETURN_IF_ERROR(folder.lock->folder().check_same(folder_descriptor(path), path));
     const auto answer = renew_by_ca(request, path, arguments_, context_);
     if (!answer) return std::unexpected(answer.error());
-    return to_json(*answer);
+    auto line = to_json(*answer);
+    add_notice_to(line, "notice");
+    return line;
   });
   if (json) return answer_from(*json);
   if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();

@@ -65,7 +65,10 @@ class Agent {
   bool end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
   Result<WorkerProcess> start_worker(const Folder& folder);
-  std::string renewal_list_text() const;
+  /// Returns the CA's renewal list as text, and notes its problem.
+  std::string renewal_list_text();
+  /// Reports that problem, unless it is the one that was reported last.
+  void report_list_problem();
   void note_documents(Folder& folder, const Json& outcome);
   Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
   Result<Json> serve_worker(Folder& folder, WorkerProcess& worker);
@@ -100,7 +103,9 @@ class Agent {
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< owners of a folder whose token refused the PIN
   SlowOwners slow_owners_;
   SilentResponders silent_responders_ = {};
-  Moment next_end_{0};        ///< when the agent looks for overlaps to end
+  Moment next_end_{0};                      ///< when the agent looks for overlaps to end
+  std::optional<Error> list_problem_ = {};  ///< of the CA's renewal list, when it was last read
+  std::optional<Code> reported_list_problem_ = {};
   unsigned failed_ends_ = 0;  ///< looks in a row in which an overlap could not be ended
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};

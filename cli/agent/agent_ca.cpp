@@ -195,13 +195,30 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   return out;
 }
 
-std::string renewal_list_of_ca(const Arguments& arguments) {
+RenewalListOfCa renewal_list_of_ca(const Arguments& arguments) {
+  constexpr auto kMax = kMaxAgentLine / 2;
   const fs::path given = arguments.text("--ca");
-  const auto crl = present_crl(ca_paths(given, "identity"));
-  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
-  if (list.is_empty()) return {};
-  const auto text = list.text();
-  return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
+  const auto identity = ca_paths(given, "identity");
+  const auto crl = present_crl(identity);
+  const auto renewals = renewals_of(given, crl && *crl ? &**crl : nullptr);
+  RenewalListOfCa out;
+  if (!renewals.problems.empty()) out.problem = renewals.problems.front();
+  if (renewals.list.is_empty()) return out;
+  auto text = renewals.list.text();
+  if (!text) {
+    out.problem = text.error();
+  } else if (text->size() < kMax) {
+    out.text = *std::move(text);
+  } else {
+    out.problem = Error(
+        Code::file_too_large,
+        {.document = identity.renewals,
+         .expected = fmt::format("at most {} octets for the lists of both CAs together", kMax),
+         .found = std::to_string(text->size()),
+         .note = "the agent puts the list into no folder",
+         .hint = "put it there after each renewal: ddssec crl distribute --ca " + given.string()});
+  }
+  return out;
 }
 
 namespace {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "cli/agent/agent_folder.hpp"
 #include "cli/agent/agent_messages.hpp"
@@ -22,9 +24,14 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const std::filesystem::path& folder, const Arguments& arguments,
                                   const Context& context);
 
-/// Returns the renewal list of the CAs at --ca as text. Empty if there is none, or if it does not
-/// fit into a line to a worker; `crl distribute` then writes it.
-std::string renewal_list_of_ca(const Arguments& arguments);
+/// The renewal list of the CAs at --ca.
+struct RenewalListOfCa {
+  std::string text = {};              ///< empty if there is no list that a worker can get
+  std::optional<Error> problem = {};  ///< why folders do not get the list, or a part of it
+};
+/// Reads that list. A list that does not fit into a line to a worker is a problem: file_too_large.
+/// The other problems are those of renewals_of.
+RenewalListOfCa renewal_list_of_ca(const Arguments& arguments);
 
 /// Success if the passphrase of the options opens the keys of --ca (with --permissions both), as
 /// far as that can be tried. A key in a token is not tried, because a wrong PIN may lock the token,

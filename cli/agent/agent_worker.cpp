@@ -215,7 +215,9 @@ void run_agent_worker() {
   note_interruptions();
   pki::stop_at_first_wrong_pin();
   const auto event = work();
-  ::_exit(send_line(kOut, event ? *event : error_line(event.error())));
+  auto line = event ? *event : error_line(event.error());
+  if (event && !line.contains("error")) add_notice_to(line, "problem");
+  ::_exit(send_line(kOut, line));
 }
 
 }  // namespace ddssec::cli

@@ -57,8 +57,10 @@ class Interrupted(AgentTest):
 
     def check_recovered(self, former, words, owner, where):
         """The next run of the agent does the work, whatever the killed one left."""
-        again = self.once(*words, *self.LATER)
+        again = self.once(*words, *self.LATER, exit=None)
         self.assertIn(again[0]["event"], ("renewed", "current"), where)
+        cut = again[0].get("problem", {"code": "log_line_unreadable"})  # the last line of the CA's log
+        self.assertEqual(cut["code"], "log_line_unreadable", where)
         self.is_well("--now", "+301d")
         self.assertEqual(self.check_lists(former), "--ca" in words, f"a CA of a hook has no list here: {where}")
         if "--ca" in words:

@@ -35,6 +35,12 @@ class OwnCa(AgentTest):
         self.assertEqual(self.once("--ca", "demo", "--now", "+301d")[0]["event"], "current")
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--now", "+302d")  # the log knows it
 
+    def test_Renewed_WithAWarningOfTheCasFiles_HasItAsProblem(self):
+        log = self.ca / "issued.jsonl"
+        log.write_text("no line\n" + log.read_text())
+        event, = self.renew(exit=1)
+        self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "log_line_unreadable"))
+
     def test_days_of_the_command_line(self):
         self.renew("--days", "500")
         self.assertAlmostEqual((self.dates()[1] - datetime.datetime.now()).days, 800, delta=2)
