@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -77,6 +78,9 @@ void close_all_but(std::array<int, 3> kept) {
 
 [[noreturn]] void run_child(const HeldSignals& signals, const ChildProcess::Body& body, int in,
                             int out, int kept) {
+  // A core file could have a key or a passphrase.
+  constexpr rlimit kNoCore = {.rlim_cur = 0, .rlim_max = 0};
+  ::setrlimit(RLIMIT_CORE, &kNoCore);
   ::setsid();  // with the agent's terminal, code in the child could type commands there
   // The child gets SIGTERM when the agent ends. If the agent has ended already, a worker reads the
   // end of its pipe instead.

@@ -53,8 +53,8 @@ class ChildProcess {
   /// The work of a child; its process ends with the exit code. `in` and `out` are the child's ends
   /// of two pipes.
   using Body = std::function<int(int in, int out)>;
-  /// Starts a child in a session of its own, which has no terminal, with /dev/null as standard
-  /// input. Of the open files it inherits only the pipes, standard output, standard error and
+  /// Starts a child in a session of its own, which has no terminal and leaves no core file, with
+  /// /dev/null as standard input. Of the open files it inherits only the pipes, standard output, standard error and
   /// `kept` (-1: none). Error: internal.
   static Result<ChildProcess> start(HeldSignals& signals, const Body& body, int kept = -1);
 
