@@ -70,9 +70,13 @@ Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& contex
 }
 
 Json Agent::start_members() const {
-  return {{"folders", folders_.size()},
-          {"by", hooks_.certificates ? "hook" : "ca"},
-          {"pid", ::getpid()}};
+  Json out = {{"folders", folders_.size()},
+              {"by", hooks_.certificates ? "hook" : "ca"},
+              {"pid", ::getpid()}};
+  if (!hooks_.certificates) return out;
+  const auto lists = lists_file({arguments_.text("--trust"), arguments_.text("--crl")});
+  out["crl"] = lists.empty() ? Json() : Json(lists.string());
+  return out;
 }
 
 // Runs in a process of its own, like each use of the CA's key. Without this check, a wrong

@@ -269,11 +269,8 @@ namespace {
 // Runs in the agent's own process, with a list that the owner of the folder cannot remove.
 Status check_not_on_lists(const TrustedRequesters& trusted, const pki::Certificate& certificate,
                           std::vector<pki::Certificate> cas) {
-  auto file = trusted.lists;
-  if (file.empty()) {
-    file = fs::path(trusted.trust).replace_filename("crl.pem");
-    if (!path_exists(file)) return {};
-  }
+  const auto file = lists_file(trusted);
+  if (file.empty()) return {};
   DDSSEC_RETURN_IF_ERROR(check_trust_file(file));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, read_lists(file));
   DDSSEC_ASSIGN_OR_RETURN(
@@ -300,6 +297,12 @@ Status check_owner(const FolderOwner& owner, const Arguments& arguments,
     return {};
   }
   return fail(tool_code::folder_untrusted, std::move(details));
+}
+
+fs::path lists_file(const TrustedRequesters& trusted) {
+  if (!trusted.lists.empty() || trusted.trust.empty()) return trusted.lists;
+  const auto beside = fs::path(trusted.trust).replace_filename("crl.pem");
+  return path_exists(beside) ? beside : fs::path();
 }
 
 Status check_requester(const RenewalRequest& request, const TrustedRequesters& trusted,

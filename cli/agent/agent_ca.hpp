@@ -59,6 +59,10 @@ struct TrustedRequesters {
   /// Revocation lists of these CAs; empty: crl.pem beside `trust`, if there is one.
   std::filesystem::path lists;
 };
+/// Returns the file with the lists that check_requester looks into. Empty if there is none: then it
+/// checks no revocation.
+std::filesystem::path lists_file(const TrustedRequesters& trusted);
+
 /// Success if a request may be given to a hook: it has the subject of the certificate in the folder
 /// and, unless `is_rekeying`, its key. One of the trusted CAs must have issued the certificate, and
 /// none of the lists names it. Otherwise the owner of a folder could ask for any name, or continue

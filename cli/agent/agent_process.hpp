@@ -54,8 +54,8 @@ class ChildProcess {
   /// of two pipes.
   using Body = std::function<int(int in, int out)>;
   /// Starts a child in a session of its own, which has no terminal and leaves no core file, with
-  /// /dev/null as standard input. Of the open files it inherits only the pipes, standard output, standard error and
-  /// `kept` (-1: none). Error: internal.
+  /// /dev/null as standard input. Of the open files it inherits only the pipes, standard output,
+  /// standard error and `kept` (-1: none). Error: internal.
   static Result<ChildProcess> start(HeldSignals& signals, const Body& body, int kept = -1);
 
   /// The outcome of an exchange with a child.

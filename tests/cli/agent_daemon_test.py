@@ -143,6 +143,17 @@ class Daemon(AgentTest):
         self.wait_until_hook_begins()
         self.assertEqual(agent.end(), 0)
 
+    def test_Started_WithAHook_SaysWhetherRevocationIsChecked(self):
+        _, hook = self.short_lived(3600)
+        trust = self.at / "trust.pem"
+        trust.write_bytes((self.ca / "ca.pem").read_bytes())
+        lists = self.ca / "crl.pem"
+        for words, expected in (((), None), (("--trust", trust), None), (("--trust", trust, "--crl", lists), str(lists)),
+                                (("--trust", self.ca / "ca.pem"), str(lists))):
+            agent = self.start("demo/talker", "--hook", hook, *words)
+            self.assertEqual(agent.wait_for("started")["crl"], expected)
+            self.assertEqual(agent.end(), 0)
+
     def test_Stop_WithAReaderThatStopped_IsObeyed(self):
         end, output = os.pipe()
         fcntl.fcntl(output, fcntl.F_SETPIPE_SZ, 4096)
