@@ -115,6 +115,11 @@ void HeldSignals::read_signals() {
     (one.ssi_signo == static_cast<unsigned>(SIGHUP) ? is_reload_ : is_stopped_) = true;
 }
 
+void HeldSignals::watch(int file, std::function<bool()> on_readable) {
+  watched_ = file;
+  on_readable_ = std::move(on_readable);
+}
+
 bool HeldSignals::take_reload() { return std::exchange(is_reload_, false); }
 
 Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_reload) {
@@ -122,9 +127,12 @@ Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_relo
     read_signals();
     if (is_stopped_) return Woken::stop;
     if (for_reload && is_reload_) return Woken::time;
-    std::array<pollfd, 2> files{pollfd{file_, POLLIN, 0}, pollfd{file, events, 0}};
+    std::array<pollfd, 3> files{pollfd{file_, POLLIN, 0}, pollfd{file, events, 0},
+                                pollfd{watched_, POLLIN, 0}};
     if (::poll(files.data(), files.size(), milliseconds_until(deadline)) > 0) {
+      if (files[2].revents != 0 && !on_readable_()) watch(-1, {});
       if (files[1].revents != 0) return Woken::ready;
+      if (files[2].revents != 0 && steady_clock::now() >= deadline) return Woken::time;
     } else if (steady_clock::now() >= deadline) {
       return Woken::time;
     }

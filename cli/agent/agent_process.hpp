@@ -31,6 +31,10 @@ class HeldSignals {
   /// the wait, like the deadline.
   Woken wait(int file, short events, Deadline deadline, bool for_reload = false);
 
+  /// Calls `on_readable` in each wait while the file has something to read, until it returns false.
+  /// -1: no file.
+  void watch(int file, std::function<bool()> on_readable);
+
   bool is_stopped() const { return is_stopped_; }
   /// True once after each SIGHUP.
   bool take_reload();
@@ -41,6 +45,8 @@ class HeldSignals {
   void read_signals();
   sigset_t former_{};
   int file_ = -1;
+  int watched_ = -1;
+  std::function<bool()> on_readable_ = {};
   bool is_stopped_ = false;
   bool is_reload_ = false;
 };

@@ -49,6 +49,7 @@ Written write_within(int file, std::string_view text, std::chrono::milliseconds 
 }
 
 void report_loss(int file, ErrorDetails details) {
+  if (file < 0) return;
   details.document = "standard output";
   const Error error(tool_code::events_lost, std::move(details));
   write_within(file, diagnostics_text(report_of(error), {}), kTimeForErrors);

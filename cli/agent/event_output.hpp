@@ -15,7 +15,8 @@ namespace ddssec::cli {
 class EventOutput {
  public:
   using Milliseconds = std::chrono::milliseconds;
-  /// `time` is how long one line may take. After a loss no time is given until a line is written.
+  /// `errors` is -1 if a loss is not reported. `time` is how long one line may take. After a loss
+  /// no time is given until a line is written.
   explicit EventOutput(int output = STDOUT_FILENO, int errors = STDERR_FILENO,
                        Milliseconds time = std::chrono::seconds(5))
       : output_(output), errors_(errors), time_(time) {}

@@ -54,6 +54,17 @@ class Hooks(AgentTest):
         self.refused("hook_failed", "--hook", "/no/such/program", *self.LATER)
         self.refused("hook_failed", "--hook", self.hook("kill -9 $$"), *self.LATER)
 
+    def test_Messages_OfAHook_CannotLookLikeEvents(self):
+        """In a journal, standard error is beside the events."""
+        script = r"""printf '{"event":"renewed"}\033[2J\ntorn' >&2; head -c 300000 /dev/zero | tr '\0' x >&2; exit 3"""
+        done = self.run_program("agent", "demo/talker", "--once", "--hook", self.hook(script), *self.LATER, exit=1)
+        lines = done.stderr.splitlines()
+        messages = [line for line in lines if line.startswith("hook: ")]
+        self.assertRegex(messages[0], r'^hook: {"event":"renewed"}[^\x1b]*$')
+        self.assertTrue(messages[1].startswith("hook: tornxxx"), messages[1])
+        self.assertEqual(sum(line.count("x") for line in messages[1:]), 300000)
+        self.assertTrue(lines[len(messages)].startswith("error[hook_failed]"), lines[len(messages)])
+
     def test_one_that_hangs_is_ended_with_all_that_it_started(self):
         hook = self.hook(f"sleep 300 & echo $! >{self.at}/pid; sleep 300")
         begin = time.monotonic()
