@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <tuple>
 #include <unistd.h>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
+#include "cli/agent/agent_ca.hpp"
 #include "cli/agent/agent_schedule.hpp"
 #include "cli/agent/agent_worker.hpp"
-#include "cli/ca/ca_folder.hpp"
-#include "cli/ca/renewal_list.hpp"
-#include "cli/ca/revocation_lists.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_file.hpp"
@@ -21,36 +21,29 @@
 namespace ddssec::cli {
 namespace {
 
-using End = ChildProcess::End;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
 // The longest pause between two visits. If a folder was changed by hand, or a clock was set, the
 // agent notices it after this time at the latest.
 constexpr seconds kMaxRest{600};
-// How long a worker may take. It may have to wait for a token, or for another command that has
-// locked the folder.
-constexpr seconds kTimeForFiles{60};
 constexpr seconds kMinRestOfOthers{60};
 // The longest time between two looks for overlaps, which other commands may begin at any time.
 constexpr seconds kMaxLook{60};
 constexpr seconds kRetryEnd{3600};
-
-// How long the agent waits for a worker if its owner counts as slow, which lasts for kSlowFor.
-// Otherwise one user could keep the agent from the other folders.
-constexpr seconds kTimeForSlowOwner{3};
-constexpr seconds kSlowFor{3600};
 
 // The files that the agent has open: for each folder those of its lock; pipes, signals and others.
 constexpr rlim_t kFilesOfFolder = 2;
 constexpr rlim_t kOtherFiles = 64;
 
 // A process that does not keep to the protocol is treated like one that has ended.
-std::unexpected<Error> protocol_error() { return no_answer_error(End::closed); }
+std::unexpected<Error> protocol_error() { return no_answer_error(ChildProcess::End::closed); }
 
-Result<Json> event_from(const Json& json) {
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
-  return known_members(json);
+// Otherwise one more process would stay at each visit.
+std::unexpected<Error> unended_error(const std::filesystem::path& folder,
+                                     const ChildProcess& worker) {
+  return fail(tool_code::process_unended,
+              {.document = folder, .found = fmt::format("process {}", worker.number())});
 }
 
 }  // namespace
@@ -61,7 +54,8 @@ Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& contex
       ca_(arguments, std::move(hooks), context, signals_),
       events_(arguments.text("--format") == "json" ? AgentEvents::To::report
                                                    : AgentEvents::To::standard_output,
-              context.clock) {
+              context.clock),
+      slow_owners_(::geteuid()) {
   ::signal(SIGPIPE, SIG_IGN);
   for (const auto& folder : arguments.all("FOLDERS"))
     folders_.push_back({.task = {.folder = folder,
@@ -72,9 +66,14 @@ Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& contex
 }
 
 Json Agent::start_members() const {
-  return {{"folders", folders_.size()},
-          {"by", ca_.has_certificate_hook() ? "hook" : "ca"},
-          {"pid", ::getpid()}};
+  Json out = {{"folders", folders_.size()},
+              {"by", ca_.has_certificate_hook() ? "hook" : "ca"},
+              {"pid", ::getpid()}};
+  if (!ca_.has_certificate_hook()) return out;
+  const auto lists =
+      lists_file({.trust = arguments_.text("--trust"), .lists = arguments_.text("--crl")});
+  out["crl"] = lists.empty() ? Json() : Json(lists.string());
+  return out;
 }
 
 Answer<AgentRun> Agent::run_once() {
@@ -126,6 +125,7 @@ void Agent::schedule_all_now() {
   owners_with_wrong_pin_.clear();
   slow_owners_.clear();
   silent_responders_.clear();
+  reported_list_problem_.reset();
 }
 
 // Call this before the folders are checked: once an overlap has ended, the former CA renews no
@@ -133,39 +133,41 @@ void Agent::schedule_all_now() {
 void Agent::end_overlaps() {
   const auto now = context_.clock.calendar_seconds();
   auto rest = kMaxLook;
+  bool are_ended = true;
+  is_end_refused_ = false;
   for (const auto& overlap : overlaps_to_end(arguments_)) {
     if (signals_.is_stopped()) return;
     if (overlap.until > now) {
       rest = std::clamp(std::chrono::ceil<seconds>(overlap.until - now), seconds(1), rest);
       continue;
     }
-    end_overlap_and_report(overlap);
-    if (failed_ends_ > 0) break;
+    if (!end_overlap_and_report(overlap)) are_ended = false;
   }
-  const bool is_paused = failed_ends_ > 0 && is_end_refused_;
-  next_end_ = is_paused ? Moment::max()
-                        : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
+  failed_ends_ = are_ended ? 0 : failed_ends_ + 1;
+  next_end_ = is_end_refused_ ? Moment::max()
+                              : context_.clock.since_boot() + (are_ended ? rest : kRetryEnd);
 }
 
-void Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
+bool Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
   auto json = ca_.end_overlap(overlap);
   if (!json) {
-    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
-    is_end_refused_ = must_not_be_tried_again(json.error().code());
+    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return false;
+    const bool is_refused = must_not_be_tried_again(json.error().code());
+    if (is_refused) is_end_refused_ = true;
     auto members = event_members(json.error());
-    members["failures"] = ++failed_ends_;
-    members["again_in"] = is_end_refused_ ? Json() : Json(kRetryEnd.count());
+    members["failures"] = failed_ends_ + 1;
+    members["again_in"] = is_refused ? Json() : Json(kRetryEnd.count());
     events_.report("failed", arguments_.text("--ca"), std::move(members));
     errors_.push_back(json.error());
-    return;
+    return false;
   }
-  failed_ends_ = 0;
   if (!writes_nothing())
     for (auto& file : files_from(*json)) written_.push_back(std::move(file));
   note_problem(*json);
   events_.report(writes_nothing() ? "overlap_due" : "overlap_ended", arguments_.text("--ca"),
                  *std::move(json));
   for (auto& folder : folders_) folder.next = {};  // each has new files
+  return true;
 }
 
 // Gives each folder the entries for participants that were renewed after it. The error of a folder
@@ -191,6 +193,7 @@ void Agent::visit(Folder& folder) {
     note_waiting_visit(folder, std::move(event));
   else
     note_outcome(folder, std::move(event));
+  report_list_problem();
 }
 
 void Agent::note_outcome(Folder& folder, Result<Json> event) {
@@ -201,66 +204,62 @@ void Agent::note_outcome(Folder& folder, Result<Json> event) {
 
 Result<Json> Agent::run_worker(Folder& folder) {
   const auto& path = folder.task.folder;
+  if (folder.unended && !folder.unended->reap()) return unended_error(path, *folder.unended);
+  folder.unended.reset();
   if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
   if (!folder.lock && !folder.task.is_dry_run) {
     DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::acquire(path));
   }
-  if (folder.lock)
-    folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
-  folder.task.responders = responders_for(folder);
+  if (folder.lock) {  // with --dry-run no responder is asked
+    const auto owner = folder.lock->owner().user;
+    folder.task.uses_no_token = owners_with_wrong_pin_.contains(owner);
+    folder.task.responders = asked_responders(arguments_, owner == ::geteuid());
+    folder.task.responders.silent_urls =
+        silent_responders_.silent_for(owner, context_.clock.since_boot());
+  }
   folder.task.renewals = renewal_list_text();
   folder.task.fetches_documents = ca_.has_document_hook() && folder.lock &&
                                   folder.next_documents <= context_.clock.since_boot();
-  const int lock = folder.lock ? folder.lock->descriptor() : -1;
-  const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
-  DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
-                                           signals_,
-                                           [&](int in, int out) {
-                                             return become_worker(
-                                                 worker_variables(is_own, secret_variables()), in,
-                                                 out, lock);
-                                           },
-                                           lock));
-  const auto order = order_line(
+  DDSSEC_ASSIGN_OR_RETURN(auto worker, start_worker(folder));
+  const auto sent = worker.write(order_line(
       folder.task, folder.lock ? &folder.lock->folder() : nullptr,
-      arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt);
-  const auto sent = worker.write(order, deadline_for(folder));
-  if (sent != End::done) return worker_ended_error(folder, sent);
-  return serve_worker(folder, worker);
+      arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt));
+  auto event = sent ? serve_worker(folder, worker) : Result<Json>(std::unexpected(sent.error()));
+  if (auto unended = worker.end()) folder.unended.emplace(*std::move(unended));
+  return event;
 }
 
-steady_clock::time_point Agent::deadline_for(const Folder& folder) const {
-  const auto slow = folder.lock ? slow_owners_.find(folder.lock->owner().user) : slow_owners_.end();
-  const bool is_slow = slow != slow_owners_.end() && context_.clock.since_boot() < slow->second;
-  return steady_clock::now() + (is_slow ? kTimeForSlowOwner : kTimeForFiles);
+Result<WorkerProcess> Agent::start_worker(const Folder& folder) {
+  const int lock = folder.lock ? folder.lock->descriptor() : -1;
+  const auto owner = folder.lock ? std::optional(folder.lock->owner().user) : std::nullopt;
+  const bool is_own = owner == ::geteuid();
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto process, ChildProcess::start(
+                        signals_,
+                        [&](int in, int out) {
+                          return become_worker(worker_variables(is_own, arguments_), in, out, lock);
+                        },
+                        lock));
+  return WorkerProcess(std::move(process), owner, slow_owners_, context_.clock);
 }
 
-// Remembers the owner of a folder whose worker took too long, because an owner can stop the worker.
-std::unexpected<Error> Agent::worker_ended_error(const Folder& folder, End end) {
-  if (end == End::too_slow && folder.lock)
-    slow_owners_.insert_or_assign(folder.lock->owner().user,
-                                  context_.clock.since_boot() + kSlowFor);
-  return no_answer_error(end);
-}
-
-AskedResponders Agent::responders_for(const Folder& folder) const {
-  if (!folder.lock) return {};  // with --dry-run no responder is asked
-  const auto owner = folder.lock->owner().user;
-  auto out = asked_responders(arguments_, owner);
-  out.silent_urls = silent_responders_.silent_for(owner, context_.clock.since_boot());
-  return out;
-}
-
-// The CA's renewal list as text. Empty if the CA is behind a hook, or if the list does not fit into
-// a line to a worker; `crl distribute` then writes it.
-std::string Agent::renewal_list_text() const {
+std::string Agent::renewal_list_text() {
   if (ca_.has_certificate_hook()) return {};
-  const std::filesystem::path given = arguments_.text("--ca");
-  const auto crl = present_crl(ca_paths(given, "identity"));
-  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
-  if (list.is_empty()) return {};
-  const auto text = list.text();
-  return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
+  auto list = renewal_list_of_ca(arguments_);
+  list_problem_ = std::move(list.problem);
+  return std::move(list.text);
+}
+
+// Called after a visit, because a renewal begins a new list in place of one that cannot be read,
+// and says so itself.
+void Agent::report_list_problem() {
+  const auto code = list_problem_ ? std::optional(list_problem_->code()) : std::nullopt;
+  if (code == std::exchange(reported_list_problem_, code) || !list_problem_) return;
+  auto members = event_members(*list_problem_);
+  members["failures"] = 1;
+  members["again_in"] = kMaxRest.count();
+  events_.report("failed", arguments_.text("--ca"), std::move(members));
+  errors_.push_back(*list_problem_);
 }
 
 // Lets the other folders get the list with the new certificate soon, unless there are too many.
@@ -272,24 +271,13 @@ void Agent::schedule_others(const Folder& renewed) {
     if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
 }
 
-// The variables with secrets. Only the process that asks the CA, and the hook, need them.
-std::vector<std::string> Agent::secret_variables() const {
-  auto out = arguments_.all("--hook-env");
-  if (arguments_.has("--passphrase-env")) out.push_back(arguments_.text("--passphrase-env"));
-  return out;
-}
-
 // Answers the worker's questions about documents, which come first. Returns the first line that is
 // about something else. The error of a document is sent as the answer and does not end the worker.
-Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
+Result<Json> Agent::answer_documents(Folder& folder, WorkerProcess& worker) {
   // The worker asks at most once for each of three kinds of document, and then reports the outcome.
   constexpr int kMaxLines = 4;
   for (int lines = 0;; ++lines) {
-    std::string line;
-    if (const auto end = worker.read_line(line, kMaxAgentLine, deadline_for(folder));
-        end != End::done)
-      return worker_ended_error(folder, end);
-    DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+    DDSSEC_ASSIGN_OR_RETURN(auto json, worker.read());
     const bool is_outcome = json.contains("documents");
     if (!is_outcome && !json.contains("wanted")) return json;
     if (lines == kMaxLines || !folder.task.fetches_documents) return protocol_error();
@@ -301,8 +289,7 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
         ca_.document(folder.task.folder, folder.lock->folder(), document_request_from(json));
     if (!document && signals_.is_stopped()) return std::unexpected(document.error());
     const auto answer = document ? document_line(*document) : error_line(document.error());
-    const auto sent = worker.write(to_line(answer) + '\n', deadline_for(folder));
-    if (sent != End::done) return worker_ended_error(folder, sent);
+    DDSSEC_RETURN_IF_ERROR(worker.write(to_line(answer) + '\n'));
   }
 }
 
@@ -335,30 +322,63 @@ void Agent::note_lasting_problem(Folder& folder, Json& members) {
   if (!folder.lasting_problem.note(code, context_.clock.since_boot())) members.erase("problem");
 }
 
-// The worker asks the CA at most once. If the answer is an error, the worker ends without a reply,
-// because it has written nothing yet.
-Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
-  std::string line;
-  const auto read = [&] { return worker.read_line(line, kMaxAgentLine, deadline_for(folder)); };
+// The worker asks the CA at most once. After an error it gets its code, because it still keeps the
+// list and the response for the peers. The details may not be for the folder's owner.
+Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
-  if (!json.contains("request")) return event_from(json);
+  if (!json.contains("request")) return outcome_from(folder, json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   if (is_own) folder.lifetime = std::max(seconds(1), request.lifetime);
+  auto answer = ask_ca(folder, request);
+  if (!answer) {
+    const auto line = to_line(error_line(Error(answer.error().code()))) + '\n';
+    if (!signals_.is_stopped()) std::ignore = finish_worker(folder, worker, line);
+    return std::unexpected(answer.error());
+  }
+  note_answer(folder, *answer);
+  answer->renewals = renewal_list_text();  // includes the new certificate
+  DDSSEC_ASSIGN_OR_RETURN(auto event, finish_worker(folder, worker, answer_line(*answer)));
+  if (answer->notice && !event.contains("problem"))
+    event["problem"] = error_to_json(*answer->notice);
+  if (!answer->renewals.empty()) folder.task.renewals = std::move(answer->renewals);
+  return event;
+}
+
+// The worker reports a renewal when the files are in place, and again at its end. If it is killed
+// in between, the certificate is renewed.
+Result<Json> Agent::finish_worker(const Folder& folder, WorkerProcess& worker,
+                                  std::string_view answer) {
+  DDSSEC_RETURN_IF_ERROR(worker.write(answer));
+  auto last = worker.read();
+  Json renewed;
+  if (last && last->contains("renewed")) {
+    renewed = known_members((*last)["renewed"]);
+    last = worker.read();
+  }
+  if (last) return outcome_from(folder, *last);
+  if (renewed.is_null()) return std::unexpected(last.error());
+  if (!signals_.is_stopped() && !renewed.contains("problem"))
+    renewed["problem"] = error_to_json(last.error());
+  return renewed;
+}
+
+Result<Json> Agent::outcome_from(const Folder& folder, const Json& line) {
+  auto members = known_members(line);
+  if (folder.lock)
+    silent_responders_.note(folder.lock->owner().user, text_in(members, "ocsp_silent"),
+                            context_.clock.since_boot());
+  members.erase("ocsp_silent");
+  if (!line.contains("error")) return members;
+  for (auto& file : files_from(members)) written_.push_back(std::move(file));
+  return std::unexpected(error_from(line["error"]));
+}
+
+Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
   if (!folder.lock) return protocol_error();  // with --dry-run the CA is not asked
   if (!folder.limit.allows(context_.clock.since_boot()))
     return fail(tool_code::renewed_too_often, {.document = folder.task.folder});
-  DDSSEC_ASSIGN_OR_RETURN(auto answer,
-                          ca_.renew(folder.task.folder, folder.lock->folder(), request));
-  note_answer(folder, answer);
-  answer.renewals = renewal_list_text();  // includes the new certificate
-  const auto sent = worker.write(answer_line(answer), deadline_for(folder));
-  if (sent != End::done) return worker_ended_error(folder, sent);
-  if (const auto end = read(); end != End::done) return worker_ended_error(folder, end);
-  DDSSEC_ASSIGN_OR_RETURN(const auto json_value, json_from(line));
-  DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
-  if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
-  return event;
+  return ca_.renew(folder.task.folder, folder.lock->folder(), request);
 }
 
 // The lifetime is read from what the CA signed: a worker may run code of the folder's owner.
@@ -397,10 +417,6 @@ void Agent::note_success(Folder& folder, Json event) {
                        folder.last_reported_serial != text_in(event, "serial");
   folder.last_reported_serial = text_in(event, "serial");
   folder.has_problem = note_problem(event);
-  if (folder.lock)
-    silent_responders_.note(folder.lock->owner().user, text_in(event, "ocsp_silent"),
-                            context_.clock.since_boot());
-  event.erase("ocsp_silent");
   event.erase("event");
   if (is_news) events_.report(name, folder.task.folder, std::move(event));
 }
@@ -446,8 +462,6 @@ void Agent::note_waiting_visit(Folder& folder, Result<Json> event) {
     return note_success(folder, *std::move(event));
   schedule_waiting(folder);
   const auto now = context_.clock.since_boot();
-  if (event && folder.lock)
-    silent_responders_.note(folder.lock->owner().user, text_in(*event, "ocsp_silent"), now);
   if (folder.refusal && folder.reported_refusal.note(folder.refusal->code(), now))
     report_failure(folder, *folder.refusal, Json());
 }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/agent/agent_events.hpp"
@@ -17,6 +17,8 @@
 #include "cli/agent/renewal_limit.hpp"
 #include "cli/agent/repeated_problem.hpp"
 #include "cli/agent/silent_responders.hpp"
+#include "cli/agent/slow_owners.hpp"
+#include "cli/agent/worker_process.hpp"
 #include "cli/frame/command.hpp"
 
 namespace ddssec::cli {
@@ -46,6 +48,7 @@ class Agent {
     /// another user it is therefore that of the last certificate that the CA answered.
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string last_reported_serial = {};
+    std::optional<ChildProcess> unended = {};  ///< its last worker, if that could not be ended
     bool has_problem = false;  ///< true if the last event had a "problem"
     RenewalLimit limit = {};
     /// Why nothing is renewed before SIGHUP; empty if it is.
@@ -60,18 +63,24 @@ class Agent {
   void schedule_waiting(Folder& folder);
   void complete_lists();
   void end_overlaps();
-  void end_overlap_and_report(const OverlapToEnd& overlap);
+  /// Returns false if the overlap could not be ended.
+  bool end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
-  AskedResponders responders_for(const Folder& folder) const;
-  /// Returns the time by which the process for a folder must have answered.
-  std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;
-  std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
-  std::string renewal_list_text() const;
+  Result<WorkerProcess> start_worker(const Folder& folder);
+  /// Returns the CA's renewal list as text, and notes its problem.
+  std::string renewal_list_text();
+  /// Reports that problem, unless it is the one that was reported last.
+  void report_list_problem();
   void note_documents(Folder& folder, const Json& outcome);
+  /// Reports a problem that stays once a day, and removes it from the members otherwise.
   void note_lasting_problem(Folder& folder, Json& members);
-  Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
+  Result<Json> serve_worker(Folder& folder, WorkerProcess& worker);
+  Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   void note_answer(Folder& folder, const RenewalAnswer& answer);
-  Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
+  Result<Json> finish_worker(const Folder& folder, WorkerProcess& worker, std::string_view answer);
+  /// Returns the event or the error in a worker's last line.
+  Result<Json> outcome_from(const Folder& folder, const Json& line);
+  Result<Json> answer_documents(Folder& folder, WorkerProcess& worker);
   /// Keeps the error of the member "problem" for the report, and makes the member one of an event.
   /// Returns false if there is no such member.
   bool note_problem(Json& event);
@@ -81,7 +90,6 @@ class Agent {
   void schedule_all_now();
   void schedule_others(const Folder& renewed);
   Json start_members() const;
-  std::vector<std::string> secret_variables() const;
 
   const Arguments& arguments_;
   const Context& context_;
@@ -90,12 +98,13 @@ class Agent {
   AgentEvents events_;
   std::vector<Folder> folders_;
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< owners of a folder whose token refused the PIN
-  /// Owners whose workers took too long, and until when that counts.
-  std::map<uid_t, Moment> slow_owners_ = {};
+  SlowOwners slow_owners_;
   SilentResponders silent_responders_ = {};
-  Moment next_end_{0};  ///< when the agent looks for overlaps to end
-  unsigned failed_ends_ = 0;
-  bool is_end_refused_ = false;  ///< true if the last one failed because a key refused its PIN
+  Moment next_end_{0};                      ///< when the agent looks for overlaps to end
+  std::optional<Error> list_problem_ = {};  ///< of the CA's renewal list, when it was last read
+  std::optional<Code> reported_list_problem_ = {};
+  unsigned failed_ends_ = 0;     ///< looks in a row in which an overlap could not be ended
+  bool is_end_refused_ = false;  ///< true if in the last one a key refused its PIN
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };

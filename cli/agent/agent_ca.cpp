@@ -11,6 +11,7 @@
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/renewal_list.hpp"
+#include "cli/ca/revocation_lists.hpp"
 #include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/documents/signed_permissions.hpp"
@@ -225,6 +226,32 @@ Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path&
   return out;
 }
 
+RenewalListOfCa renewal_list_of_ca(const Arguments& arguments) {
+  constexpr auto kMax = kMaxAgentLine / 2;
+  const fs::path given = arguments.text("--ca");
+  const auto identity = ca_paths(given, "identity");
+  const auto crl = present_crl(identity);
+  const auto renewals = renewals_of(given, crl && *crl ? &**crl : nullptr);
+  RenewalListOfCa out;
+  if (!renewals.problems.empty()) out.problem = renewals.problems.front();
+  if (renewals.list.is_empty()) return out;
+  auto text = renewals.list.text();
+  if (!text) {
+    out.problem = text.error();
+  } else if (text->size() < kMax) {
+    out.text = *std::move(text);
+  } else {
+    out.problem = Error(
+        Code::file_too_large,
+        {.document = identity.renewals,
+         .expected = fmt::format("at most {} octets for the lists of both CAs together", kMax),
+         .found = std::to_string(text->size()),
+         .note = "the agent puts the list into no folder",
+         .hint = "put it there after each renewal: ddssec crl distribute --ca " + given.string()});
+  }
+  return out;
+}
+
 namespace {
 
 // False if the passphrase must be typed or can be read only once: it is then kept for the renewal.
@@ -273,11 +300,8 @@ namespace {
 // Runs in the agent's own process, with a list that the owner of the folder cannot remove.
 Status check_not_on_lists(const TrustedRequesters& trusted, const pki::Certificate& certificate,
                           std::vector<pki::Certificate> cas) {
-  auto file = trusted.lists;
-  if (file.empty()) {
-    file = fs::path(trusted.trust).replace_filename("crl.pem");
-    if (!path_exists(file)) return {};
-  }
+  const auto file = lists_file(trusted);
+  if (file.empty()) return {};
   DDSSEC_RETURN_IF_ERROR(check_trust_file(file));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, read_lists(file));
   DDSSEC_ASSIGN_OR_RETURN(
@@ -319,6 +343,12 @@ Status check_owner(const FolderOwner& owner, const Arguments& arguments,
     return {};
   }
   return fail(tool_code::folder_untrusted, std::move(details));
+}
+
+fs::path lists_file(const TrustedRequesters& trusted) {
+  if (!trusted.lists.empty() || trusted.trust.empty()) return trusted.lists;
+  const auto beside = fs::path(trusted.trust).replace_filename("crl.pem");
+  return path_exists(beside) ? beside : fs::path();
 }
 
 Status check_requester(const RenewalRequest& request, const TrustedRequesters& trusted,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "cli/agent/agent_folder.hpp"
 #include "cli/agent/agent_messages.hpp"
@@ -22,6 +24,15 @@ namespace ddssec::cli {
 Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const std::filesystem::path& folder, const Arguments& arguments,
                                   const Context& context);
+
+/// The renewal list of the CAs at --ca.
+struct RenewalListOfCa {
+  std::string text = {};              ///< empty if there is no list that a worker can get
+  std::optional<Error> problem = {};  ///< why folders do not get the list, or a part of it
+};
+/// Reads that list. A list that does not fit into a line to a worker is a problem: file_too_large.
+/// The other problems are those of renewals_of.
+RenewalListOfCa renewal_list_of_ca(const Arguments& arguments);
 
 /// Success if the passphrase of the options opens the keys of --ca (with --permissions both), as
 /// far as that can be tried. A key in a token is not tried, because a wrong PIN may lock the token,
@@ -52,6 +63,10 @@ struct TrustedRequesters {
   std::string last = {};
   bool may_have_expired = false;  ///< their certificates, which the lists may not name any more
 };
+/// Returns the file with the lists that check_requester looks into. Empty if there is none: then it
+/// checks no revocation.
+std::filesystem::path lists_file(const TrustedRequesters& trusted);
+
 /// Success if a request may be given to a hook: it has the subject of the certificate in the folder
 /// and, unless `is_rekeying`, its key. One of the trusted CAs must have issued the certificate,
 /// which has not expired, and none of the lists names it or the last one of its subject. Otherwise

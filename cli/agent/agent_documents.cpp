@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
+#include "cli/agent/files_in_place.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/documents/documents.hpp"
@@ -142,9 +143,10 @@ class DocumentFetcher {
   Json run() {
     note(fetch_lists());
     note(fetch_renewals());
+    const FilesInPlace in_place({task_.files.permissions});
     auto rights = rights_in_place(task_);
     if (is_due(rights)) {
-      note(fetch_permissions(rights));
+      note(fetch_permissions(rights, in_place));
       rights = rights_in_place(task_);
     }
     const auto now = task_.clock.calendar_seconds();
@@ -183,7 +185,7 @@ class DocumentFetcher {
     return {};
   }
 
-  Status fetch_permissions(const std::optional<Rights>& former) {
+  Status fetch_permissions(const std::optional<Rights>& former, const FilesInPlace& in_place) {
     DDSSEC_ASSIGN_OR_RETURN(auto request, task_.request());
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("permissions", std::move(request)));
     const auto& file = task_.files.permissions;
@@ -197,6 +199,7 @@ class DocumentFetcher {
     if (const auto plain = fs::path(file).replace_extension("xml"); path_exists(plain))
       DDSSEC_RETURN_IF_ERROR(put(out, plain, as_bytes(next.text)));
     DDSSEC_RETURN_IF_ERROR(put(out, file, octets));
+    DDSSEC_RETURN_IF_ERROR(in_place.check_unchanged());
     return note_files(out.commit());
   }
 

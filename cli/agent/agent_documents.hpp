@@ -32,7 +32,8 @@ struct DocumentsTask {
 /// begin. Each document is checked as a running participant would check it. Only after that it is
 /// put into the folder, atomically and with its former mode:
 /// - permissions are signed by a CA of the folder, have a grant for the participant that is valid
-///   now, begin and were signed no earlier than those in place, and end later;
+///   now, begin and were signed no earlier than those in place, and end later. If another program
+///   replaced those in place meanwhile, nothing is put;
 /// - each revocation list is signed by a CA of the folder and valid now. It is no older than the
 ///   list of that CA in place and names every certificate that this list names;
 /// - of the renewal list, only entries of CAs in the folder count.

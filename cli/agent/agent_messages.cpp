@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/code.hpp"
+#include "cli/frame/notices.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -40,6 +41,11 @@ int send_line(int out, const Json& value) {
     if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
   }
   return 0;
+}
+
+void add_notice_to(Json& line, const std::string& member) {
+  const auto notices = take_notices();
+  if (!notices.empty() && !line.contains(member)) line[member] = error_to_json(notices.front());
 }
 
 Json error_line(const Error& error) { return {{"error", error_to_json(error)}}; }
@@ -86,11 +92,13 @@ std::string answer_line(RenewalAnswer& answer) {
 }
 
 Result<RenewalAnswer> answer_from(const Json& json) {
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, octets_in(json, "permissions"));
   RenewalAnswer out{.certificate = text_in(json, "certificate"),
                     .permissions = std::move(permissions),
                     .renewals = text_in(json, "renewals")};
   if (json.contains("problem")) out.problem = error_from(json["problem"]);
+  if (json.contains("notice")) out.notice = error_from(json["notice"]);
   return out;
 }
 

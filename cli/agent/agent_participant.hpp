@@ -45,6 +45,8 @@ struct AgentServices {
   AskCa ask;
   FetchDocument fetch;
   std::function<void(const Json&)> report_documents;  ///< reports the outcome of the documents
+  /// Reports the event as soon as the renewed files are in place: what follows may take long.
+  std::function<void(const Json&)> report_renewed;
 };
 
 /// Renews the certificate in the folder if it is due. Gives up the rights of root first
@@ -53,15 +55,17 @@ struct AgentServices {
 /// The answer must have the participant's subject, octet for octet, and the requested key. It must
 /// chain to the folder's identity CA, be valid now, not be revoked by the folder's crl.pem, not
 /// begin earlier than the certificate in place, and end later. Only after that the files are
-/// replaced, all or none, with their former owner and mode. If the certificate names an OCSP
-/// responder, its response is kept too (agent_response.hpp). The renewal list is put into the
-/// folder if it differs. With a locked folder, the folder of the task must be that one. The result
-/// is an event:
+/// replaced, all or none, with their former owner and mode, unless another program replaced one
+/// meanwhile. If the certificate names an OCSP responder, its response is kept too
+/// (agent_response.hpp). The renewal list is put into the folder if it differs. With a locked
+/// folder, the folder of the task must be that one. The result is an event:
 ///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
 /// The event's "problem" tells why the participant does not start, or why the next renewal will
 /// fail: because of the key, the identity CA, the list or (with takes_permissions) the permissions
-/// in the folder. Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit,
-/// renewal_goes_back, those of `ask`, of ChainVerifier::verify and of FileTransaction.
+/// in the folder. After a renewal that failed, the OCSP response and the renewal list are kept,
+/// too; the result is then {"error", "files", "ocsp_silent"}. Errors: folder_untrusted,
+/// key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, files_changed, those of `ask`, of
+/// ChainVerifier::verify and of FileTransaction.
 Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
                              const AgentServices& agent, const Context& context);
 

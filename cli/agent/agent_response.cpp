@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <unistd.h>
 
 #include "base/tool_code.hpp"
 #include "cli/agent/agent_messages.hpp"
@@ -87,16 +86,16 @@ void look_again_at(WallTime time, Json& event) {
 
 }  // namespace
 
-AskedResponders asked_responders(const Arguments& arguments, uid_t owner) {
-  const bool is_by_hook = arguments.has("--hook");
-  AskedResponders out{.cas_source = is_by_hook ? "--trust" : "--ca"};
-  if (is_by_hook && !arguments.has("--trust")) {
-    out.asks_none = owner != ::geteuid();
+AskedResponders asked_responders(const Arguments& arguments, bool is_own) {
+  const bool is_by_ca = arguments.has("--ca");
+  AskedResponders out{.cas_source = is_by_ca ? "--ca" : "--trust"};
+  if (!is_by_ca && !arguments.has("--trust")) {
+    out.asks_none = !is_own;
     return out;
   }
   const auto cas =
-      read_certificates(is_by_hook ? std::filesystem::path(arguments.text("--trust"))
-                                   : ca_paths(arguments.text("--ca"), "identity").certificate);
+      read_certificates(is_by_ca ? ca_paths(arguments.text("--ca"), "identity").certificate
+                                 : std::filesystem::path(arguments.text("--trust")));
   if (cas) out.cas_pem = to_pem(*cas);
   out.asks_none = !cas;
   return out;

@@ -24,11 +24,10 @@ struct AskedResponders {
   std::vector<std::string> silent_urls = {};  ///< URLs that did not answer another folder's request
 };
 
-/// Returns the responders that the agent's options allow for the folders of an owner, without
-/// silent_urls: those of certificates that --ca or --trust issued. With a hook and without --trust,
-/// the folders of the agent's own user are not restricted: that user could ask any responder
-/// anyway.
-AskedResponders asked_responders(const Arguments& arguments, uid_t owner);
+/// Returns the responders that an agent with these options asks for a folder. `is_own`: the folder
+/// belongs to the agent's own user. Such a folder is not restricted without --trust, because that
+/// user could ask any responder anyway.
+AskedResponders asked_responders(const Arguments& arguments, bool is_own);
 
 /// What it takes to decide whether a certificate needs a new OCSP response. Borrows everything.
 struct ResponseTask {

@@ -131,6 +131,10 @@ AgentServices services() {
           .report_documents =
               [](const Json& documents) {
                 send_line(kOut, {{"documents", documents}});
+              },
+          .report_renewed =
+              [](const Json& event) {
+                send_line(kOut, {{"renewed", event}});
               }};
 }
 
@@ -154,7 +158,10 @@ bool is_one_of(std::string_view variable, const auto& names) {
 
 }  // namespace
 
-std::vector<std::string> worker_variables(bool is_own, const std::vector<std::string>& secret) {
+std::vector<std::string> worker_variables(bool is_own, const Arguments& arguments) {
+  // Only the process that asks the CA, and the hook, need these.
+  auto secret = arguments.all("--hook-env");
+  if (arguments.has("--passphrase-env")) secret.push_back(arguments.text("--passphrase-env"));
   std::vector<std::string> out;
   if (!is_own) {
     out.emplace_back("PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin");
@@ -210,7 +217,9 @@ void run_agent_worker() {
   note_interruptions();
   pki::stop_at_first_wrong_pin();
   const auto event = work();
-  ::_exit(send_line(kOut, event ? *event : error_line(event.error())));
+  auto line = event ? *event : error_line(event.error());
+  if (event && !line.contains("error")) add_notice_to(line, "problem");
+  ::_exit(send_line(kOut, line));
 }
 
 }  // namespace ddssec::cli

@@ -109,7 +109,9 @@ Result<RenewalAnswer> CaRequests::renew_by_own_ca(const std::filesystem::path& f
     DDSSEC_RETURN_IF_ERROR(locked.check_same(folder_descriptor(folder), folder));
     const auto answer = renew_by_ca(asked, folder, arguments_, context_);
     if (!answer) return std::unexpected(answer.error());
-    return to_json(*answer);
+    auto line = to_json(*answer);
+    add_notice_to(line, "notice");
+    return line;
   });
   if (!json) {
     note_refusal(json.error(), kIdentity);

@@ -176,6 +176,18 @@ class Documents(AgentTest):
         self.assertEqual(agent.end(), 0)
         self.assertEqual(len(agent.events("documents_fetched")), 1)
 
+    def test_PermissionsThatAreReplacedWhileTheHookRuns_Stay(self):
+        """They may give less."""
+        self.short_permissions(100)
+        narrow = self.at / "narrow.p7s"
+        shutil.copy(self.talker / "permissions.p7s", narrow)
+        self.short_permissions(200)
+        script = SIGN.format(at=self.at, ca=self.permissions_ca, seconds=9000, begin="$(date -u +%FT%TZ)")
+        event = self.look(*self.documents_hook(text=f"cp {narrow} {self.talker}/permissions.p7s\n{script}"), exit=1)
+        self.assertEqual((event["files"], event["problem"]["code"]), ([], "files_changed"))
+        self.assertEqual((self.talker / "permissions.p7s").read_bytes(), narrow.read_bytes())
+        self.assertEqual(self.names(self.look(*self.documents_hook())), ["permissions.p7s", "permissions.xml"])
+
     def test_HookThatOthersCanChange_IsNotRun(self):
         words = self.documents_hook()
         (self.at / "documents").chmod(0o777)

@@ -76,6 +76,17 @@ class Overlap(AgentTest):
         self.assertEqual((first["event"], first["folder"], first["again_in"]), ("failed", "ca", 3600))
         self.assertEqual(self.certificates("ca/identity/ca.pem"), 2)
 
+    def test_RecordThatCannotBeRead_IsReportedAndTheOtherOverlapEnds(self):
+        """Otherwise the former CA would be trusted for ever, and nothing would say so."""
+        self.begin()
+        (self.at / "demo/ca/identity/ca.overlap.json").write_text("{}")
+        one, other, folder = self.look("--permissions", *DAY, exit=1)
+        self.assertEqual((one["event"], one["code"], one["again_in"]), ("failed", "overlap_unreadable", 3600))
+        self.assertEqual(one["file"], "demo/ca/identity/ca.overlap.json")
+        self.assertEqual((other["event"], other["role"]), ("overlap_ended", "permissions"))
+        self.assertEqual(folder["event"], "current")
+        self.assertEqual([self.certificates(f"demo/ca/{role}/ca.pem") for role in ROLES], [2, 1])
+
     @unittest.skipUnless(os.geteuid() == 0, "only root has folders of other users")
     def test_FolderOfAnotherUser_KeepsTheOverlapAndNamesTheCommand(self):
         self.begin()

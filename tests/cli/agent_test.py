@@ -35,6 +35,12 @@ class OwnCa(AgentTest):
         self.assertEqual(self.once("--ca", "demo", "--now", "+301d")[0]["event"], "current")
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--now", "+302d")  # the log knows it
 
+    def test_Renewed_WithAWarningOfTheCasFiles_HasItAsProblem(self):
+        log = self.ca / "issued.jsonl"
+        log.write_text("no line\n" + log.read_text())
+        event, = self.renew(exit=1)
+        self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "log_line_unreadable"))
+
     def test_days_of_the_command_line(self):
         self.renew("--days", "500")
         self.assertAlmostEqual((self.dates()[1] - datetime.datetime.now()).days, 800, delta=2)
@@ -112,7 +118,8 @@ class OwnCa(AgentTest):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "--sign",
                          "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
         self.run_program("identity", "renew", "demo/listener", "--ca", "demo", "--now", "+101d")  # a line of the log
-        event = self.refused("grant_expired", "--ca", "demo", "--permissions", "--now", "+99d")
+        event, = self.once("--ca", "demo", "--permissions", "--now", "+99d", exit=1)
+        self.assertEqual((event["event"], event["code"]), ("failed", "grant_expired"))
         self.assertIn("the last time in the log of the CA", event["message"])
         self.assertIn("set the clock", event["hint"])
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--permissions", "--ended-permissions", "--now",
@@ -139,6 +146,18 @@ class OwnCa(AgentTest):
         (self.talker / "identity_ca.pem").write_bytes((self.talker / "permissions_ca.pem").read_bytes())
         event, = self.once("--ca", "demo", exit=1)
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "issuer_unknown"))
+        self.assertNotIn("answered", event["problem"]["message"])
+
+    def test_Current_WithAListThatEnds_HasAProblem(self):
+        """A participant with an expired list authenticates no peer."""
+        self.run_program("identity", "revoke", "demo/listener", "--ca", "demo")
+        (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())
+        self.assertNotIn("problem", self.once("--ca", "demo", "--now", "+100d")[0])
+        for now, code in (("+160d", "crl_ends_soon"), ("+200d", "crl_expired")):
+            event, = self.once("--ca", "demo", "--now", now, exit=(1, 3))
+            self.assertEqual((event["event"], event["problem"]["code"]), ("current", code))
+            self.assertEqual(event["problem"]["file"], "demo/talker/crl.pem")
+        self.assertEqual(self.once("--ca", "demo", *self.LATER)[0]["event"], "renewed")
 
     def test_a_new_key_on_request(self):
         key = self.public_key()
