@@ -123,13 +123,22 @@ Result<RenewalAnswer> CaRequests::renew_by_own_ca(const std::filesystem::path& f
   return answer;
 }
 
+// A later certificate was put there by hand, perhaps because the last one was revoked: it must
+// count by itself. The last one is still remembered, because a request that is not checked yet may
+// have any certificate.
+std::string CaRequests::last_before(const pki::Certificate& present) const {
+  const auto found = last_.find(present.subject_digest());
+  if (found == last_.end()) return {};
+  const auto last = pki::Certificate::from_pem(as_bytes(found->second));
+  return last && present.not_before() > last->not_before() ? std::string() : found->second;
+}
+
 Status CaRequests::check_request(const RenewalRequest& request) {
   DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
-  const auto last = last_.find(certificate.subject_digest());
   const TrustedRequesters trusted{.trust = arguments_.text("--trust"),
                                   .lists = arguments_.text("--crl"),
-                                  .last = last == last_.end() ? std::string() : last->second,
+                                  .last = last_before(certificate),
                                   .may_have_expired = arguments_.has("--expired")};
   return check_in_child_process([&] {
     return check_requester(request, trusted, arguments_.has("--rekey"),

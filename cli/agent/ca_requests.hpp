@@ -70,6 +70,9 @@ class CaRequests {
                                         const LockedFolder& locked, const RenewalRequest& request);
   /// Remembers the error if a key has refused: that of the file that it names, or else of `role`.
   void note_refusal(const Error& error, std::string_view role);
+  /// Returns the last certificate (PEM) that the hook gave for the subject of the present one.
+  /// Empty if there is none, or if the present one begins later.
+  std::string last_before(const pki::Certificate& present) const;
   Status check_request(const RenewalRequest& request);
   Result<Json> run_in_child_process(const std::function<Result<Json>()>& work);
   Status check_in_child_process(const std::function<Status()>& check);

@@ -125,13 +125,18 @@ class Daemon(AgentTest):
         hook = self.hook(f"echo >>{self.at}/asked\n{SIGN.format(ca=ca)} -days 400")
         agent = self.start("one", "--hook", hook, "--trust", ca / "ca.pem")
         agent.wait_for("renewed")
-        by_openssl = ("ca", "-config", ShortLived(self.at, ca).at / "openssl.cnf")
+        short_lived = ShortLived(self.at, ca)
+        by_openssl = ("ca", "-config", short_lived.at / "openssl.cnf")
         self.openssl(*by_openssl, "-revoke", "one/cert.pem")  # this one alone
         self.openssl(*by_openssl, "-gencrl", "-crldays", "30", "-out", ca / "crl.pem")
         (self.at / "one/cert.pem").write_bytes(earlier)
         agent.process.send_signal(signal.SIGHUP)
         self.assertEqual(agent.wait_for("failed")["code"], "certificate_revoked")
         self.assertEqual(len((self.at / "asked").read_text()), 1)
+        time.sleep(1)  # dates have whole seconds
+        short_lived.put_into(self.at / "one", 4)  # by the operator, in place of the revoked one
+        agent.process.send_signal(signal.SIGHUP)
+        agent.wait_for("renewed", 2, seconds=20)
         self.assertEqual(agent.end(), 0)
 
     def test_a_stop_does_not_wait_for_a_hook(self):
