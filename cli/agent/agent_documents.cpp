@@ -146,7 +146,9 @@ class DocumentFetcher {
     const FilesInPlace in_place({task_.files.permissions});
     auto rights = rights_in_place(task_);
     if (is_due(rights)) {
-      note(fetch_permissions(rights, in_place));
+      // Comes before a problem of the lists: it may be one after which nothing must be tried again.
+      const auto status = fetch_permissions(rights, in_place);
+      if (!status) members_["problem"] = error_to_json(status.error());
       rights = rights_in_place(task_);
     }
     const auto now = task_.clock.calendar_seconds();

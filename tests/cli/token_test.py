@@ -231,7 +231,7 @@ class Token(Transcript):
         self.openssl("smime", "-sign", "-text", "-noattr", "-signer", "demo/ca/permissions/ca.pem", "-inkey",
                      "demo/ca/permissions/ca.key.pem", "-in", "short.xml", "-out", folder / "permissions.p7s")
         hook, log, asked = self.at / "documents", self.at / "spy.log", self.at / "asked-crl"
-        hook.write_text(f"#!/bin/sh\necho >>{self.at}/asked-$DDSSEC_WANTED\n")
+        hook.write_text(f"#!/bin/sh\necho >>{self.at}/asked-$DDSSEC_WANTED\n[ $DDSSEC_WANTED != crl ]\n")
         hook.chmod(0o755)
         agent = Running(self.at, "demo/talker", "--hook", hook, "--documents-hook", hook, **self.spied(log))
         self.addCleanup(agent.end, signal.SIGKILL)
