@@ -326,7 +326,7 @@ void Agent::note_lasting_problem(Folder& folder, Json& members) {
 // list and the response for the peers. The details may not be for the folder's owner.
 Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
-  if (!json.contains("request")) return outcome_from(folder, json);
+  if (!json.contains("request")) return outcome_after(folder, worker, json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
   if (is_own) folder.lifetime = std::max(seconds(1), request.lifetime);
@@ -345,19 +345,23 @@ Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   return event;
 }
 
-// The worker reports a renewal when the files are in place, and again at its end. If it is killed
-// in between, the certificate is renewed.
 Result<Json> Agent::finish_worker(const Folder& folder, WorkerProcess& worker,
                                   std::string_view answer) {
   DDSSEC_RETURN_IF_ERROR(worker.write(answer));
-  auto last = worker.read();
-  Json renewed;
-  if (last && last->contains("renewed")) {
-    renewed = known_members((*last)["renewed"]);
-    last = worker.read();
-  }
-  if (last) return outcome_from(folder, *last);
-  if (renewed.is_null()) return std::unexpected(last.error());
+  DDSSEC_ASSIGN_OR_RETURN(const auto line, worker.read());
+  return outcome_after(folder, worker, line);
+}
+
+// A worker reports a renewal when the files are in place, or else the error. It reports the outcome
+// again at its end. If it is killed in between, the first report counts.
+Result<Json> Agent::outcome_after(const Folder& folder, WorkerProcess& worker, const Json& line) {
+  const bool is_renewed = line.contains("renewed");
+  if (!is_renewed && !line.contains("failed")) return outcome_from(folder, line);
+  const auto last = worker.read();
+  auto outcome = last ? outcome_from(folder, *last) : Result<Json>(std::unexpected(last.error()));
+  if (!is_renewed) return std::unexpected(error_from(line["failed"]));
+  if (last) return outcome;
+  auto renewed = known_members(line["renewed"]);
   if (!signals_.is_stopped() && !renewed.contains("problem"))
     renewed["problem"] = error_to_json(last.error());
   return renewed;

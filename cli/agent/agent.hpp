@@ -49,7 +49,7 @@ class Agent {
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string last_reported_serial = {};
     std::optional<ChildProcess> unended = {};  ///< its last worker, if that could not be ended
-    bool has_problem = false;  ///< true if the last event had a "problem"
+    bool has_problem = false;                  ///< true if the last event had a "problem"
     RenewalLimit limit = {};
     /// Why nothing is renewed before SIGHUP; empty if it is.
     std::optional<Error> refusal = {};
@@ -78,6 +78,8 @@ class Agent {
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
   void note_answer(Folder& folder, const RenewalAnswer& answer);
   Result<Json> finish_worker(const Folder& folder, WorkerProcess& worker, std::string_view answer);
+  /// Returns the outcome. `line` is what the worker sent first after its requests.
+  Result<Json> outcome_after(const Folder& folder, WorkerProcess& worker, const Json& line);
   /// Returns the event or the error in a worker's last line.
   Result<Json> outcome_from(const Folder& folder, const Json& line);
   Result<Json> answer_documents(Folder& folder, WorkerProcess& worker);

@@ -40,8 +40,7 @@ pki::ParticipantFolder files_in(const fs::path& folder) {
   return out;
 }
 
-// Returns the mode for the file that replaces `file`: its present mode without rights that no
-// document needs.
+// Returns the mode for the successor of a file: its own without rights that no document needs.
 Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   struct stat status {};
   const int folder = folder_descriptor(file.parent_path());
@@ -88,7 +87,7 @@ Result<Permissions> verified_permissions(const Participant& self, BytesView octe
   return Permissions{std::move(own.grant), std::move(text)};
 }
 
-// Permissions that cannot be read are not extended; `doctor` says what is wrong with them.
+// Permissions that cannot be read are not extended; `doctor` says why they cannot.
 void read_permissions_of(Participant& self) {
   if (!self.task.takes_permissions || !path_exists(self.files.permissions)) return;
   auto octets = read_file(self.files.permissions, pki::kMaxSentPermissionsOctets);
@@ -242,8 +241,7 @@ Status check_chain(const Participant& self, const pki::Certificate& renewed) {
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::soft_fail));
   DDSSEC_RETURN_IF_ERROR(
       about_answer(verifier.verify(renewed, self.now()), self.files.certificate));
-  // The certificate in place must not be revoked either: the issuer of the new one may not know of
-  // the list.
+  // Nor may the one in place be revoked: the issuer of the new one may not know of the list.
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
   return check_not_on(verifier, renewed, self.files.crl);
 }
@@ -266,7 +264,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
   return renewed;
 }
 
-// Puts the key before its certificate, as `identity renew` does.
+// Puts the key first, as `identity renew` does.
 Status put_certificate(const Participant& self, const pki::Certificate& renewed,
                        const pki::PrivateKey& key, FileTransaction& out) {
   const auto& files = self.files;
@@ -459,8 +457,10 @@ Json not_renewed(const Participant& self, WallTime due) {
 
 // Without the renewal list, sessions with renewed participants would end. Without the OCSP
 // response, peers would refuse this one. Their errors matter less than that of the renewal.
-Result<Json> after_failure(const Participant& self, const Error& error) {
+Result<Json> after_failure(const Participant& self, const AgentServices& agent,
+                           const Error& error) {
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  agent.report_failed(error);
   auto kept = event_of("current", self.certificate, self.now());
   keep_for_peers(self, self.certificate, {}, kept);
   Json out = error_line(error);
@@ -494,7 +494,7 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
   }
   if (task.is_dry_run) return not_renewed(self, due);
   auto event = renew(self, agent);
-  return event ? event : after_failure(self, event.error());
+  return event ? event : after_failure(self, agent, event.error());
 }
 
 }  // namespace ddssec::cli

@@ -47,6 +47,8 @@ struct AgentServices {
   std::function<void(const Json&)> report_documents;  ///< reports the outcome of the documents
   /// Reports the event as soon as the renewed files are in place: what follows may take long.
   std::function<void(const Json&)> report_renewed;
+  /// Reports an error of the renewal before what follows it, for the same reason.
+  std::function<void(const Error&)> report_failed;
 };
 
 /// Renews the certificate in the folder if it is due. Gives up the rights of root first

@@ -135,6 +135,10 @@ AgentServices services() {
           .report_renewed =
               [](const Json& event) {
                 send_line(kOut, {{"renewed", event}});
+              },
+          .report_failed =
+              [](const Error& error) {
+                send_line(kOut, {{"failed", error_to_json(error)}});
               }};
 }
 

@@ -206,21 +206,31 @@ class Ocsp(Transcript):
         self.assertEqual((event["event"], event["code"]), ("failed", "certificate_unlogged"))
         self.assertEqual([file["path"] for file in answer["files_written"]], ["demo/talker/ocsp.der"])
 
-    def test_TheAgent_ReportsARenewalWhoseProcessIsKilledAfterIt(self):
+    def events_if_killed_at_the_look_up(self, prepare):
+        """The events of an agent whose process for the folder is killed while it asks the responder."""
         with socket.create_server(("127.0.0.1", 0)) as listener:
             self.run_program("identity", "issue", "third", "--ca", "demo", "-o", "demo/third", "--ocsp-responder",
                              f"http://127.0.0.1:{listener.getsockname()[1]}/")
+            prepare(self.at / "demo/third")
             agent = subprocess.Popen([PROGRAM, "agent", "demo/third", "--ca", "demo", "--once", "--now", "+300d"], cwd=self.at,
                                      env={**os.environ, "LD_LIBRARY_PATH": library_path()}, text=True, stdout=subprocess.PIPE,
                                      stderr=subprocess.DEVNULL)
             self.addCleanup(agent.kill)
             listener.settimeout(30)
-            with listener.accept()[0]:  # for the response, when the certificate is in its place
+            with listener.accept()[0]:
                 worker, = workers_of(agent)
                 os.kill(worker, signal.SIGKILL)
-                event, = checked_events(agent.communicate(timeout=30)[0])
+                return checked_events(agent.communicate(timeout=30)[0])
+
+    def test_TheAgent_ReportsARenewalWhoseProcessIsKilledAfterIt(self):
+        event, = self.events_if_killed_at_the_look_up(lambda folder: None)
         self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "internal"))
         self.assertIn("it has ended", event["problem"]["message"])
+
+    def test_TheAgent_ReportsTheErrorOfARenewalThoughItsProcessIsKilledAfterIt(self):
+        key = self.at / "demo/talker/key.pem"
+        event, = self.events_if_killed_at_the_look_up(lambda folder: shutil.copy(key, folder / "key.pem"))
+        self.assertEqual((event["event"], event["code"]), ("failed", "key_mismatch"))
 
     def test_the_agent_asks_no_responder_for_a_certificate_of_another_ca(self):
         self.run_program("init", "other", "--participant", "x")
