@@ -121,6 +121,8 @@ void Agent::schedule_all_now() {
     folder.lasting_problem.clear();
   }
   next_end_ = {};
+  failed_ends_ = 0;
+  refused_ends_.clear();
   ca_.forget_refusals();
   owners_with_wrong_pin_.clear();
   slow_owners_.clear();
@@ -134,18 +136,21 @@ void Agent::end_overlaps() {
   const auto now = context_.clock.calendar_seconds();
   auto rest = kMaxLook;
   bool are_ended = true;
-  is_end_refused_ = false;
-  for (const auto& overlap : overlaps_to_end(arguments_)) {
+  const auto overlaps = overlaps_to_end(arguments_);
+  std::erase_if(refused_ends_, [&](const auto& role) {
+    return std::ranges::find(overlaps, role, &OverlapToEnd::role) == overlaps.end();
+  });
+  for (const auto& overlap : overlaps) {
     if (signals_.is_stopped()) return;
     if (overlap.until > now) {
       rest = std::clamp(std::chrono::ceil<seconds>(overlap.until - now), seconds(1), rest);
       continue;
     }
+    if (refused_ends_.contains(overlap.role)) continue;
     if (!end_overlap_and_report(overlap)) are_ended = false;
   }
   failed_ends_ = are_ended ? 0 : failed_ends_ + 1;
-  next_end_ = is_end_refused_ ? Moment::max()
-                              : context_.clock.since_boot() + (are_ended ? rest : kRetryEnd);
+  next_end_ = context_.clock.since_boot() + (are_ended ? rest : kRetryEnd);
 }
 
 bool Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
@@ -153,13 +158,13 @@ bool Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
   if (!json) {
     if (json.error().code() == Code::interrupted && signals_.is_stopped()) return false;
     const bool is_refused = must_not_be_tried_again(json.error().code());
-    if (is_refused) is_end_refused_ = true;
+    if (is_refused) refused_ends_.insert(overlap.role);
     auto members = event_members(json.error());
     members["failures"] = failed_ends_ + 1;
     members["again_in"] = is_refused ? Json() : Json(kRetryEnd.count());
     events_.report("failed", arguments_.text("--ca"), std::move(members));
     errors_.push_back(json.error());
-    return false;
+    return is_refused;
   }
   if (!writes_nothing())
     for (auto& file : files_from(*json)) written_.push_back(std::move(file));

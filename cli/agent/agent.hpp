@@ -63,7 +63,7 @@ class Agent {
   void schedule_waiting(Folder& folder);
   void complete_lists();
   void end_overlaps();
-  /// Returns false if the overlap could not be ended.
+  /// Returns false if the overlap could not be ended and is to be tried again.
   bool end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
   Result<WorkerProcess> start_worker(const Folder& folder);
@@ -105,8 +105,10 @@ class Agent {
   Moment next_end_{0};                      ///< when the agent looks for overlaps to end
   std::optional<Error> list_problem_ = {};  ///< of the CA's renewal list, when it was last read
   std::optional<Code> reported_list_problem_ = {};
-  unsigned failed_ends_ = 0;     ///< looks in a row in which an overlap could not be ended
-  bool is_end_refused_ = false;  ///< true if in the last one a key refused its PIN
+  unsigned failed_ends_ = 0;  ///< looks in a row in which an overlap could not be ended
+  /// Roles of CAs whose overlap was not ended because a key refused its PIN. Nothing is tried
+  /// before SIGHUP.
+  std::set<std::string> refused_ends_ = {};
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };
