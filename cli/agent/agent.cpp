@@ -344,6 +344,7 @@ Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   note_answer(folder, *answer);
   answer->renewals = renewal_list_text();  // includes the new certificate
   DDSSEC_ASSIGN_OR_RETURN(auto event, finish_worker(folder, worker, answer_line(*answer)));
+  if (ca_.has_certificate_hook()) folder.limit.note(folder.lifetime, context_.clock.since_boot());
   if (answer->notice && !event.contains("problem"))
     event["problem"] = error_to_json(*answer->notice);
   if (!answer->renewals.empty()) folder.task.renewals = std::move(answer->renewals);
@@ -390,11 +391,12 @@ Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& 
   return ca_.renew(folder.task.folder, folder.lock->folder(), request);
 }
 
-// The lifetime is read from what the CA signed: a worker may run code of the folder's owner.
+// The lifetime is read from what the CA signed: a worker may run code of the folder's owner. The
+// answer of a CA of this machine is in its log, even if the worker does not accept it.
 void Agent::note_answer(Folder& folder, const RenewalAnswer& answer) {
   const auto certificate = pki::Certificate::from_pem(as_bytes(answer.certificate));
   if (certificate) folder.lifetime = lifetime(*certificate);
-  folder.limit.note(folder.lifetime, context_.clock.since_boot());
+  if (!ca_.has_certificate_hook()) folder.limit.note(folder.lifetime, context_.clock.since_boot());
 }
 
 bool Agent::note_problem(Json& event) {

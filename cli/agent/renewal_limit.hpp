@@ -7,7 +7,9 @@ namespace ddssec::cli {
 
 /// How often the CA has answered for one folder. The owner of a folder can put a former certificate
 /// back, which is due again, or throw each new one away. Each answer of a CA on this machine adds
-/// lines to its log, which all commands read and which may not grow without limit.
+/// lines to its log, which all commands read and which may not grow without limit. Answers of a
+/// hook count only if the participant accepts them: after others there is a pause anyway, and the
+/// reason for which they are refused must be seen.
 class RenewalLimit {
  public:
   using Moment = std::chrono::nanoseconds;  ///< of Clock::since_boot

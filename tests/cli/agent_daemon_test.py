@@ -119,6 +119,14 @@ class Daemon(AgentTest):
         agent.wait_for("renewed", 6, seconds=20)
         self.assertEqual(agent.end(), 0)
 
+    def test_AnswersOfAHookThatDoNotFit_AreRefusedForTheSameReasonEachTime(self):
+        ShortLived(self.at, self.ca).put_into(self.talker, 15, age=45)  # due; tried again after 1, 2 and 4 s
+        hook = self.hook(f"cat >/dev/null; cat {self.talker}/cert.pem")
+        agent = self.start("demo/talker", "--hook", hook)
+        agent.wait_for("failed", 4)
+        self.assertEqual({event["code"] for event in agent.events("failed")}, {"renewal_goes_back"})
+        self.assertEqual(agent.end(), 0)
+
     def test_EarlierCertificateOfARevokedOne_IsNotRenewedByAHook(self):
         """The owner of the folder puts it back, and removes the list there."""
         earlier, ca = self.due_folder("one"), self.at / "old"
