@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -194,13 +195,33 @@ class Token(Transcript):
     def spied(self, log):
         return {"PKCS11_MODULE_PATH": str(SPY), "PKCS11SPY": str(SOFTHSM), "PKCS11SPY_OUTPUT": str(log)}
 
+    def make_permissions_ca(self):
+        """Its key is in the token, that of the identity CA in a file."""
+        self.make_cas()
+        shutil.rmtree(self.at / "ca/identity")
+        self.json("ca", "create", "ca/identity", "--role", "identity", "--no-passphrase", *NOW)
+
+    def test_Agent_WrongPinOfThePermissionsCa_LeavesTheTokensOfParticipantsInUse(self):
+        """Only the permissions of one are due; the other has a token with a PIN of its own."""
+        self.make_permissions_ca()
+        self.json("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
+        self.json("identity", "issue", "one", "--ca", "ca", "-o", "one", "--governance", "governance.p7s", "--publish", "x", *NOW)
+        self.json("permissions", "new", "--cert", "one/cert.pem", "--publish", "x", "--days", "180", "--sign", "--ca", "ca", "-o",
+                  "one/permissions.xml", "--replace", *NOW)
+        self.json("identity", "issue", "two", "--ca", "ca", "-o", "two", "--days", "150", *NOW)
+        self.softhsm("--import", str(self.at / "two/key.pem"), "--token", "robot", "--label", "two", "--id", "0002")
+        (self.at / "two/key.pem").unlink()
+        (self.at / "two/key.p11").write_text(f"pkcs11:token=robot;object=two?pin-value={PIN}\n")
+        (self.at / "two/key.p11").chmod(0o600)
+        (self.at / "pin").write_text("9999\n")
+        done = self.run_program("agent", "one", "two", "--ca", "ca", "--permissions", "--once", "--now", "2027-03-25", exit=1)
+        events = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual([(event["event"], event.get("code")) for event in events],
+                         [("failed", "pkcs11_pin_wrong"), ("renewed", None)])
+
     @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
     def test_Agent_WrongPinOfThePermissionsCa_IsTriedOnceAndCertificatesAreRenewed(self):
-        self.make_cas()
-        for path in (self.at / "ca/identity").iterdir():
-            path.unlink()
-        (self.at / "ca/identity").rmdir()
-        self.json("ca", "create", "ca/identity", "--role", "identity", "--no-passphrase", *NOW)
+        self.make_permissions_ca()
         folders = [f"p{number}" for number in range(3)]
         self.json("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
         for folder in folders:
