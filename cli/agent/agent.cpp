@@ -119,6 +119,7 @@ void Agent::schedule_all_now() {
     folder.reported_refusal.clear();
     folder.limit.clear();
     folder.lasting_problem.clear();
+    folder.list_warning.clear();
   }
   next_end_ = {};
   failed_ends_ = 0;
@@ -402,9 +403,19 @@ void Agent::note_answer(Folder& folder, const RenewalAnswer& answer) {
 bool Agent::note_problem(Json& event) {
   if (!event.contains("problem")) return false;
   const auto problem = error_from(event["problem"]);
-  errors_.push_back(problem);
   event["problem"] = event_members(problem);
+  if (problem.code() == Code::crl_ends_soon)
+    return false;  // a warning is no failure of the command
+  errors_.push_back(problem);
   return true;
+}
+
+// A list that ends soon needs no other visit. Without this, the warning would be repeated at each
+// visit for a sixth of the list's time.
+void Agent::leave_out_repeated_warning(Folder& folder, Json& event) {
+  const auto code = event.contains("problem") ? error_from(event["problem"]).code() : Code{};
+  if (code != Code::crl_ends_soon) return folder.list_warning.clear();
+  if (!folder.list_warning.note(code, context_.clock.since_boot())) event.erase("problem");
 }
 
 void Agent::note_success(Folder& folder, Json event) {
@@ -424,6 +435,7 @@ void Agent::note_success(Folder& folder, Json event) {
     schedule_others(folder);
   }
   for (auto& file : files_from(event)) written_.push_back(std::move(file));
+  leave_out_repeated_warning(folder, event);
   const bool is_news = name != "current" || event.contains("problem") ||
                        folder.last_reported_serial != text_in(event, "serial");
   folder.last_reported_serial = text_in(event, "serial");

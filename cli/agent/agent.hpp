@@ -55,6 +55,7 @@ class Agent {
     std::optional<Error> refusal = {};
     RepeatedProblem reported_refusal = {};
     RepeatedProblem lasting_problem = {};  ///< of the documents that the second hook brings
+    RepeatedProblem list_warning = {};
   };
 
   void visit(Folder& folder);
@@ -84,8 +85,9 @@ class Agent {
   Result<Json> outcome_from(const Folder& folder, const Json& line);
   Result<Json> answer_documents(Folder& folder, WorkerProcess& worker);
   /// Keeps the error of the member "problem" for the report, and makes the member one of an event.
-  /// Returns false if there is no such member.
+  /// Returns false if there is no such member, or if it is only a warning.
   bool note_problem(Json& event);
+  void leave_out_repeated_warning(Folder& folder, Json& event);
   void note_success(Folder& folder, Json event);
   void note_failure(Folder& folder, const Error& error);
   void report_failure(const Folder& folder, const Error& error, Json again_in);

@@ -221,8 +221,7 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self, pki::CrlPolicy p
       pki::ChainVerifier::make(std::move(anchors), std::move(lists), policy), files.identity_ca);
 }
 
-// Says that the error is about the certificate that the CA or the hook answered, not about the file
-// that it was for.
+// Says that the error is about the certificate that the CA or the hook answered, not the file.
 template <class T>
 Result<T> about_answer(Result<T> result, const fs::path& file) {
   if (result) return result;
@@ -415,19 +414,6 @@ Status check_permissions(const Participant& self) {
                            self.files.folder.string())});
 }
 
-// A participant with lists demands one of each peer's issuer; it warns for the last sixth, too.
-Status check_lists_last(const Participant& self) {
-  if (!path_exists(self.files.crl)) return {};
-  DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_lists(self.files.crl));
-  for (const auto& list : lists) {
-    const auto end = list.next_update();
-    if (end && self.now() > *end - (*end - list.this_update()) / 6)
-      return fail(Code::crl_ends_soon,
-                  {.document = self.files.crl, .field = "nextUpdate", .found = to_string(*end)});
-  }
-  return {};
-}
-
 // Judges the certificate as the participant does when it starts.
 Status check_certificate(const Participant& self) {
   const auto& files = self.files;
@@ -438,8 +424,20 @@ Status check_certificate(const Participant& self) {
     return std::unexpected(
         chain.error().with_default_document(is_about_list ? files.crl : files.certificate));
   }
-  DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, files.crl));
-  return check_lists_last(self);
+  return check_not_on(verifier, self.certificate, files.crl);
+}
+
+// Warns in the last sixth of a list's time, as a participant does. Comes last, to hide no problem.
+Status check_lists_last(const Participant& self) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::hard_fail));
+  DDSSEC_ASSIGN_OR_RETURN(const auto chain, verifier.verify(self.certificate, self.now()));
+  const auto end = chain.crl_next_update();
+  if (!end || *end <= self.now()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_lists(self.files.crl));
+  const auto list = std::ranges::find(lists, end, &pki::Crl::next_update);
+  if (list == lists.end() || self.now() <= *end - (*end - list->this_update()) / 6) return {};
+  return fail(Code::crl_ends_soon,
+              {.document = self.files.crl, .field = "nextUpdate", .found = to_string(*end)});
 }
 
 // With faulty files the participant does not start, and the next renewal fails.
@@ -490,6 +488,8 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
   if (due > self.now() || task.is_waiting) {
     auto event = not_renewed(self, due);
     if (!task.is_dry_run) keep_for_peers(self, self.certificate, {}, event);
+    if (const auto lists = check_lists_last(self); !lists && !event.contains("problem"))
+      event["problem"] = error_to_json(lists.error());
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);

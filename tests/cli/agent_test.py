@@ -154,9 +154,13 @@ class OwnCa(AgentTest):
         (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())
         self.assertNotIn("problem", self.once("--ca", "demo", "--now", "+100d")[0])
         for now, code in (("+160d", "crl_ends_soon"), ("+200d", "crl_expired")):
-            event, = self.once("--ca", "demo", "--now", now, exit=(1, 3))
+            event, = self.once("--ca", "demo", "--now", now, exit=0 if code == "crl_ends_soon" else (1, 3))
             self.assertEqual((event["event"], event["problem"]["code"]), ("current", code))
             self.assertEqual(event["problem"]["file"], "demo/talker/crl.pem")
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "2", "--sign",
+                         "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
+        event, = self.once("--ca", "demo", "--permissions", "--now", "+160d", exit=1)
+        self.assertEqual(event["problem"]["code"], "grant_expired")  # the warning does not hide it
         self.assertEqual(self.once("--ca", "demo", *self.LATER)[0]["event"], "renewed")
 
     def test_a_new_key_on_request(self):
