@@ -89,6 +89,7 @@ pki::RequestedKey key_of_request(const Arguments& arguments) {
 struct LoggedPlace {
   fs::path folder;     // to be recorded for the new certificate
   WallTime last = {};  // when the CA issued or revoked something last
+  fs::path log = {};
 };
 
 // The request comes from the participant, which must not get another name or, without --rekey,
@@ -105,7 +106,7 @@ Result<LoggedPlace> check_renewable(const RenewalRequest& request, const pki::Ce
   DDSSEC_RETURN_IF_ERROR(check_not_revoked(old, file, ca.paths, log, next));
   DDSSEC_RETURN_IF_ERROR(check_own(old, folder, ca.paths, log, {}));
   return LoggedPlace{recorded_folder(old, folder, ca.paths, log),
-                     log.latest_before(WallTime::max()).value_or(WallTime{})};
+                     log.latest_before(WallTime::max()).value_or(WallTime{}), ca.paths.log};
 }
 
 // Refuses a document that the CA has replaced since: it may give more rights, and each renewal
@@ -138,17 +139,20 @@ Status check_not_ended(const SignedPermissions& old, const LoggedPlace& place, c
   return fail(
       Code::grant_expired,
       {.document = file,
-       .found =
-           "an end on " + to_string(end) +
-           (old.has_ended ? ""
-                          : ", before " + to_string(place.last) +
-                                ", the last time in the log of the CA, and a clock that says " +
-                                to_string(now)),
+       .found = "an end on " + to_string(end) +
+                (old.has_ended
+                     ? ""
+                     : fmt::format(", before {}, the latest time in the CA's log {}, and a clock "
+                                   "that says {}",
+                                   to_string(place.last), place.log.string(), to_string(now))),
        .note = "rights that have ended are not given again unasked",
-       .hint = fmt::format("{}give them again: ddssec identity renew {} --ca CA --permissions "
-                           "--ended-permissions; then start the participant again",
-                           old.has_ended ? "" : "set the clock; if the log is ahead, ",
-                           file.parent_path().string())});
+       .hint = fmt::format(
+           "{}give them again: ddssec identity renew {} --ca CA --permissions "
+           "--ended-permissions; then start the participant again",
+           old.has_ended ? ""
+                         : "set the clock; if it is right, that line was written while the clock "
+                           "was ahead: ",
+           file.parent_path().string())});
 }
 
 Result<ExtendablePermissions> extendable_permissions(const RenewalRequest& request,
