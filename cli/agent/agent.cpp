@@ -32,8 +32,9 @@ constexpr seconds kMinRestOfOthers{60};
 constexpr seconds kMaxLook{60};
 constexpr seconds kRetryEnd{3600};
 
-// The files that the agent has open: for each folder those of its lock; pipes, signals and others.
-constexpr rlim_t kFilesOfFolder = 2;
+// The files that the agent has open: for each folder those of its lock and the pipes of a process
+// that cannot be ended; pipes, signals and others.
+constexpr rlim_t kFilesOfFolder = 4;
 constexpr rlim_t kOtherFiles = 64;
 
 // A process that does not keep to the protocol is treated like one that has ended.
