@@ -173,7 +173,10 @@ bool Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
   note_problem(*json);
   events_.report(writes_nothing() ? "overlap_due" : "overlap_ended", arguments_.text("--ca"),
                  *std::move(json));
-  for (auto& folder : folders_) folder.next = {};  // each has new files
+  for (auto& folder : folders_) {  // each has new files
+    folder.next = {};
+    if (!folder.refusal) folder.next_attempt = {};
+  }
   return true;
 }
 
