@@ -30,10 +30,14 @@ bool AuthorityWatch::continues_cut_file(BytesView file, std::chrono::nanoseconds
          file.size() > cut_->octets && sha256(file.first(cut_->octets)) == cut_->content;
 }
 
+// Only a CA that the longer file has was cut off. One that it still lacks may have been withdrawn,
+// but it may also come later.
 Status AuthorityWatch::judge(const FileOfNext& file, const Authorities& in_force,
                              const Adopt& adopt) {
   auto withdrawn = withdrawn_;
-  if (continues_cut_file(file.octets, file.now)) withdrawn.forget(cut_->left);
+  const bool continues = continues_cut_file(file.octets, file.now);
+  const auto still_left = continues ? leaving(cut_->left, file.next) : Authorities();
+  if (continues) withdrawn.forget(leaving(cut_->left, still_left));
   DDSSEC_RETURN_IF_ERROR(withdrawn.check(in_force, file.next));
   auto left = leaving(in_force, file.next);
   if (!left.empty() && !file_.is_as_at_last_poll()) {
@@ -43,9 +47,11 @@ Status AuthorityWatch::judge(const FileOfNext& file, const Authorities& in_force
   DDSSEC_RETURN_IF_ERROR(adopt(file.next));
   withdrawn.note(in_force, file.next);
   withdrawn_ = std::move(withdrawn);
+  const auto begin = continues ? cut_->at : file.now;
+  left.insert(left.end(), still_left.begin(), still_left.end());
   cut_.reset();
   if (!left.empty() && file_in_force_ && file_.file_id() == file_in_force_)
-    cut_ = {sha256(file.octets), file.octets.size(), file.now, std::move(left)};
+    cut_ = {sha256(file.octets), file.octets.size(), begin, std::move(left)};
   return {};
 }
 

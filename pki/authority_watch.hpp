@@ -17,8 +17,8 @@ namespace ddssec::pki {
 /// Not thread-safe.
 class AuthorityWatch {
  public:
-  /// If a file that is written in place lacked a CA, and goes on within this time, the CA may come
-  /// back (WithdrawnAuthorities). A file that is renamed into place has no such time.
+  /// If a file that is written in place lacked a CA, and goes on with it within this time, the CA
+  /// may come back (WithdrawnAuthorities). A file that is renamed into place has no such time.
   static constexpr std::chrono::seconds kMaxWritingTime{30};
 
   /// Create the watch before the file is read for the first time. It sets `what.max_octets` itself.
@@ -47,8 +47,8 @@ class AuthorityWatch {
   struct Cut {
     Sha256Digest content;
     std::size_t octets;
-    std::chrono::nanoseconds at;
-    Authorities left;  ///< the CAs that it lacked
+    std::chrono::nanoseconds at;  ///< when it first lacked one
+    Authorities left;             ///< the CAs that it lacks
   };
 
   struct FileOfNext {

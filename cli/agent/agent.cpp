@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <tuple>
 #include <unistd.h>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,9 +13,6 @@
 #include "cli/agent/agent_ca.hpp"
 #include "cli/agent/agent_schedule.hpp"
 #include "cli/agent/agent_worker.hpp"
-#include "cli/ca/ca_folder.hpp"
-#include "cli/ca/renewal_list.hpp"
-#include "cli/ca/revocation_lists.hpp"
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/held_folder.hpp"
 #include "cli/frame/new_file.hpp"
@@ -22,80 +21,64 @@
 namespace ddssec::cli {
 namespace {
 
-using End = ChildProcess::End;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
 // The longest pause between two visits. If a folder was changed by hand, or a clock was set, the
 // agent notices it after this time at the latest.
 constexpr seconds kMaxRest{600};
-// How long a worker may take. It may have to wait for a token, or for another command that has
-// locked the folder.
-constexpr seconds kTimeForFiles{60};
 constexpr seconds kMinRestOfOthers{60};
 // The longest time between two looks for overlaps, which other commands may begin at any time.
 constexpr seconds kMaxLook{60};
 constexpr seconds kRetryEnd{3600};
-// How long a process that uses the CA's key may take. It may wait for the CA's lock for up to 20 s,
-// because other commands may use the CA.
-constexpr seconds kTimeForOwnCa{120};
 
-// How long the agent waits for a worker if its owner counts as slow, which lasts for kSlowFor.
-// Otherwise one user could keep the agent from the other folders.
-constexpr seconds kTimeForSlowOwner{3};
-constexpr seconds kSlowFor{3600};
-
-std::unexpected<Error> no_answer_error(End end) {
-  if (end == End::stopped) return fail(Code::interrupted);
-  return fail(Code::internal, {.field = "a process of the agent",
-                               .note = end == End::too_slow ? "it took too long" : "it has ended"});
-}
+// The files that the agent has open: for each folder those of its lock and the pipes of a process
+// that cannot be ended; pipes, signals and others.
+constexpr rlim_t kFilesOfFolder = 4;
+constexpr rlim_t kOtherFiles = 64;
 
 // A process that does not keep to the protocol is treated like one that has ended.
-std::unexpected<Error> protocol_error() { return no_answer_error(End::closed); }
+std::unexpected<Error> protocol_error() { return no_answer_error(ChildProcess::End::closed); }
 
-// True for errors after which another attempt with the same PIN or passphrase may lock the token.
-bool must_not_be_tried_again(Code code) {
-  return code == Code::pkcs11_pin_wrong || code == Code::passphrase_wrong;
-}
-
-Result<Json> event_from(const Json& json) {
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
-  return known_members(json);
+// Otherwise one more process would stay at each visit.
+std::unexpected<Error> unended_error(const std::filesystem::path& folder,
+                                     const ChildProcess& worker) {
+  return fail(tool_code::process_unended,
+              {.document = folder, .found = fmt::format("process {}", worker.number())});
 }
 
 }  // namespace
 
 Agent::Agent(const Arguments& arguments, AgentHooks hooks, const Context& context)
     : arguments_(arguments),
-      hooks_(std::move(hooks)),
       context_(context),
+      ca_(arguments, std::move(hooks), context, signals_),
       events_(arguments.text("--format") == "json" ? AgentEvents::To::report
                                                    : AgentEvents::To::standard_output,
-              context.clock) {
+              context.clock),
+      slow_owners_(::geteuid()) {
   ::signal(SIGPIPE, SIG_IGN);
   for (const auto& folder : arguments.all("FOLDERS"))
     folders_.push_back({.task = {.folder = folder,
                                  .is_rekeying = arguments.has("--rekey"),
                                  .takes_permissions = arguments.has("--permissions"),
                                  .is_dry_run = writes_nothing()}});
+  allow_open_files(kFilesOfFolder * folders_.size() + kOtherFiles);
 }
 
 Json Agent::start_members() const {
-  return {{"folders", folders_.size()},
-          {"by", hooks_.certificates ? "hook" : "ca"},
-          {"pid", ::getpid()}};
-}
-
-// Runs in a process of its own, like each use of the CA's key. Without this check, a wrong
-// passphrase would be noticed only when the first certificate is due.
-Status Agent::check_ca_opens() {
-  if (hooks_.certificates) return {};
-  return check_in_child_process([&] { return check_passphrase(arguments_); });
+  Json out = {{"folders", folders_.size()},
+              {"by", ca_.has_certificate_hook() ? "hook" : "ca"},
+              {"pid", ::getpid()}};
+  if (!ca_.has_certificate_hook()) return out;
+  const auto lists =
+      lists_file({.trust = arguments_.text("--trust"), .lists = arguments_.text("--crl")});
+  out["crl"] = lists.empty() ? Json() : Json(lists.string());
+  return out;
 }
 
 Answer<AgentRun> Agent::run_once() {
-  if (const auto proven = check_ca_opens(); !proven) return {{}, report_of(proven.error())};
+  if (const auto proven = ca_.check_ca_opens(); !proven) return {{}, report_of(proven.error())};
   end_overlaps();
   for (auto& folder : folders_)
     if (!signals_.is_stopped()) visit(folder);
@@ -109,7 +92,7 @@ Answer<AgentRun> Agent::run_once() {
 
 Answer<AgentRun> Agent::run() {
   constexpr bool kHasResult = false;
-  if (const auto proven = check_ca_opens(); !proven)
+  if (const auto proven = ca_.check_ca_opens(); !proven)
     return {{}, report_of(proven.error()), kHasResult};
   events_.report("started", start_members());
   while (!signals_.is_stopped()) {
@@ -132,14 +115,21 @@ Answer<AgentRun> Agent::run() {
 
 void Agent::schedule_all_now() {
   for (auto& folder : folders_) {
-    folder.next = folder.next_documents = {};
-    folder.is_paused = false;
+    folder.next = folder.next_attempt = folder.next_documents = {};
+    folder.refusal.reset();
+    folder.reported_refusal.clear();
+    folder.limit.clear();
+    folder.lasting_problem.clear();
+    folder.list_warning.clear();
   }
   next_end_ = {};
-  ca_refusal_.reset();
+  failed_ends_ = 0;
+  refused_ends_.clear();
+  ca_.forget_refusals();
   owners_with_wrong_pin_.clear();
   slow_owners_.clear();
   silent_responders_.clear();
+  reported_list_problem_.reset();
 }
 
 // Call this before the folders are checked: once an overlap has ended, the former CA renews no
@@ -147,42 +137,47 @@ void Agent::schedule_all_now() {
 void Agent::end_overlaps() {
   const auto now = context_.clock.calendar_seconds();
   auto rest = kMaxLook;
-  for (const auto& overlap : overlaps_to_end(arguments_)) {
+  bool are_ended = true;
+  const auto overlaps = overlaps_to_end(arguments_);
+  std::erase_if(refused_ends_, [&](const auto& role) {
+    return std::ranges::find(overlaps, role, &OverlapToEnd::role) == overlaps.end();
+  });
+  for (const auto& overlap : overlaps) {
     if (signals_.is_stopped()) return;
     if (overlap.until > now) {
       rest = std::clamp(std::chrono::ceil<seconds>(overlap.until - now), seconds(1), rest);
       continue;
     }
-    end_overlap_and_report(overlap);
-    if (failed_ends_ > 0) break;
+    if (refused_ends_.contains(overlap.role)) continue;
+    if (!end_overlap_and_report(overlap)) are_ended = false;
   }
-  const bool is_paused = failed_ends_ > 0 && ca_refusal_;
-  next_end_ = is_paused ? Moment::max()
-                        : context_.clock.since_boot() + (failed_ends_ > 0 ? kRetryEnd : rest);
+  failed_ends_ = are_ended ? 0 : failed_ends_ + 1;
+  next_end_ = context_.clock.since_boot() + (are_ended ? rest : kRetryEnd);
 }
 
-// Runs in a process of its own, like each use of the CA's key.
-void Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
-  auto json = ca_refusal_ ? Result<Json>(std::unexpected(*ca_refusal_)) : run_in_child_process([&] {
-    return end_overlap(overlap, arguments_, context_);
-  });
+bool Agent::end_overlap_and_report(const OverlapToEnd& overlap) {
+  auto json = ca_.end_overlap(overlap);
   if (!json) {
-    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return;
-    if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
+    if (json.error().code() == Code::interrupted && signals_.is_stopped()) return false;
+    const bool is_refused = must_not_be_tried_again(json.error().code());
+    if (is_refused) refused_ends_.insert(overlap.role);
     auto members = event_members(json.error());
-    members["failures"] = ++failed_ends_;
-    members["again_in"] = ca_refusal_ ? Json() : Json(kRetryEnd.count());
+    members["failures"] = failed_ends_ + 1;
+    members["again_in"] = is_refused ? Json() : Json(kRetryEnd.count());
     events_.report("failed", arguments_.text("--ca"), std::move(members));
     errors_.push_back(json.error());
-    return;
+    return is_refused;
   }
-  failed_ends_ = 0;
   if (!writes_nothing())
     for (auto& file : files_from(*json)) written_.push_back(std::move(file));
   note_problem(*json);
   events_.report(writes_nothing() ? "overlap_due" : "overlap_ended", arguments_.text("--ca"),
                  *std::move(json));
-  for (auto& folder : folders_) folder.next = {};  // each has new files
+  for (auto& folder : folders_) {  // each has new files
+    folder.next = {};
+    if (!folder.refusal) folder.next_attempt = {};
+  }
+  return true;
 }
 
 // Gives each folder the entries for participants that were renewed after it. The error of a folder
@@ -201,7 +196,15 @@ void Agent::complete_lists() {
   }
 }
 
-void Agent::visit(Folder& folder) { note_outcome(folder, run_worker(folder)); }
+void Agent::visit(Folder& folder) {
+  folder.task.is_waiting = folder.next_attempt > context_.clock.since_boot();
+  auto event = run_worker(folder);
+  if (folder.task.is_waiting)
+    note_waiting_visit(folder, std::move(event));
+  else
+    note_outcome(folder, std::move(event));
+  report_list_problem();
+}
 
 void Agent::note_outcome(Folder& folder, Result<Json> event) {
   if (event) return note_success(folder, *std::move(event));
@@ -211,106 +214,80 @@ void Agent::note_outcome(Folder& folder, Result<Json> event) {
 
 Result<Json> Agent::run_worker(Folder& folder) {
   const auto& path = folder.task.folder;
+  if (folder.unended && !folder.unended->reap()) return unended_error(path, *folder.unended);
+  folder.unended.reset();
   if (folder.lock && !folder.lock->is_in_place(path)) folder.lock.reset();
   if (!folder.lock && !folder.task.is_dry_run) {
     DDSSEC_ASSIGN_OR_RETURN(folder.lock, FolderLock::acquire(path));
   }
-  if (folder.lock)
-    folder.task.uses_no_token = owners_with_wrong_pin_.contains(folder.lock->owner().user);
-  folder.task.responders = responders_for(folder);
-  folder.task.renewals = renewal_list_text();
-  folder.task.fetches_documents =
-      hooks_.documents && folder.lock && folder.next_documents <= context_.clock.since_boot();
-  const int lock = folder.lock ? folder.lock->descriptor() : -1;
-  const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
-  DDSSEC_ASSIGN_OR_RETURN(auto worker, ChildProcess::start(
-                                           signals_,
-                                           [&](int in, int out) {
-                                             return become_worker(
-                                                 worker_variables(is_own, secret_variables()), in,
-                                                 out, lock);
-                                           },
-                                           lock));
-  const auto order = order_line(
-      folder.task, folder.lock ? &folder.lock->folder() : nullptr,
-      arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt);
-  const auto sent = worker.write(order, deadline_for(folder));
-  if (sent != End::done) return worker_ended_error(folder, sent);
-  return serve_worker(folder, worker);
-}
-
-steady_clock::time_point Agent::deadline_for(const Folder& folder) const {
-  const auto slow = folder.lock ? slow_owners_.find(folder.lock->owner().user) : slow_owners_.end();
-  const bool is_slow = slow != slow_owners_.end() && context_.clock.since_boot() < slow->second;
-  return steady_clock::now() + (is_slow ? kTimeForSlowOwner : kTimeForFiles);
-}
-
-// Remembers the owner of a folder whose worker took too long, because an owner can stop the worker.
-std::unexpected<Error> Agent::worker_ended_error(const Folder& folder, End end) {
-  if (end == End::too_slow && folder.lock)
-    slow_owners_.insert_or_assign(folder.lock->owner().user,
-                                  context_.clock.since_boot() + kSlowFor);
-  return no_answer_error(end);
-}
-
-// The folders of the agent's own user are not restricted without --trust: that user could ask any
-// responder anyway.
-AskedResponders Agent::responders_for(const Folder& folder) const {
-  AskedResponders out{.cas_source = hooks_.certificates ? "--trust" : "--ca"};
-  if (!folder.lock) return out;  // with --dry-run no responder is asked
-  const auto owner = folder.lock->owner().user;
-  out.silent_urls = silent_responders_.silent_for(owner, context_.clock.since_boot());
-  if (hooks_.certificates && !arguments_.has("--trust")) {
-    out.asks_none = owner != ::geteuid();
-    return out;
+  if (folder.lock) {  // with --dry-run no responder is asked
+    const auto owner = folder.lock->owner().user;
+    folder.task.uses_no_token = owners_with_wrong_pin_.contains(owner);
+    folder.task.responders = asked_responders(arguments_, owner == ::geteuid());
+    folder.task.responders.silent_urls =
+        silent_responders_.silent_for(owner, context_.clock.since_boot());
   }
-  const auto cas = read_certificates(
-      hooks_.certificates ? std::filesystem::path(arguments_.text("--trust"))
-                          : ca_paths(arguments_.text("--ca"), "identity").certificate);
-  if (cas) out.cas_pem = to_pem(*cas);
-  out.asks_none = !cas;
-  return out;
+  folder.task.renewals = renewal_list_text();
+  folder.task.fetches_documents = ca_.has_document_hook() && folder.lock &&
+                                  folder.next_documents <= context_.clock.since_boot();
+  DDSSEC_ASSIGN_OR_RETURN(auto worker, start_worker(folder));
+  const auto sent = worker.write(order_line(
+      folder.task, folder.lock ? &folder.lock->folder() : nullptr,
+      arguments_.has("--now") ? std::optional(context_.clock.calendar_seconds()) : std::nullopt));
+  auto event = sent ? serve_worker(folder, worker) : Result<Json>(std::unexpected(sent.error()));
+  if (auto unended = worker.end()) folder.unended.emplace(*std::move(unended));
+  return event;
 }
 
-// The CA's renewal list as text. Empty if the CA is behind a hook, or if the list does not fit into
-// a line to a worker; `crl distribute` then writes it.
-std::string Agent::renewal_list_text() const {
-  if (hooks_.certificates) return {};
-  const std::filesystem::path given = arguments_.text("--ca");
-  const auto crl = present_crl(ca_paths(given, "identity"));
-  const auto list = renewals_of(given, crl && *crl ? &**crl : nullptr).list;
-  if (list.is_empty()) return {};
-  const auto text = list.text();
-  return text && text->size() < kMaxAgentLine / 2 ? *text : std::string();
+Result<WorkerProcess> Agent::start_worker(const Folder& folder) {
+  const int lock = folder.lock ? folder.lock->descriptor() : -1;
+  const auto owner = folder.lock ? std::optional(folder.lock->owner().user) : std::nullopt;
+  const bool is_own = owner == ::geteuid();
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto process, ChildProcess::start(
+                        signals_,
+                        [&](int in, int out) {
+                          return become_worker(worker_variables(is_own, arguments_), in, out, lock);
+                        },
+                        lock));
+  return WorkerProcess(std::move(process), owner, slow_owners_, context_.clock);
+}
+
+std::string Agent::renewal_list_text() {
+  if (ca_.has_certificate_hook()) return {};
+  auto list = renewal_list_of_ca(arguments_);
+  list_problem_ = std::move(list.problem);
+  return std::move(list.text);
+}
+
+// Called after a visit, because a renewal begins a new list in place of one that cannot be read,
+// and says so itself.
+void Agent::report_list_problem() {
+  const auto code = list_problem_ ? std::optional(list_problem_->code()) : std::nullopt;
+  if (code == std::exchange(reported_list_problem_, code) || !list_problem_) return;
+  auto members = event_members(*list_problem_);
+  members["failures"] = 1;
+  members["again_in"] = kMaxRest.count();
+  events_.report("failed", arguments_.text("--ca"), std::move(members));
+  errors_.push_back(*list_problem_);
 }
 
 // Lets the other folders get the list with the new certificate soon, unless there are too many.
 void Agent::schedule_others(const Folder& renewed) {
   constexpr std::size_t kMax = 64;
-  if (hooks_.certificates || folders_.size() > kMax) return;
+  if (ca_.has_certificate_hook() || folders_.size() > kMax) return;
   const auto soon = context_.clock.since_boot() + seconds(1);
   for (auto& other : folders_)
     if (&other != &renewed && other.failures == 0) other.next = std::min(other.next, soon);
 }
 
-// The variables with secrets. Only the process that asks the CA, and the hook, need them.
-std::vector<std::string> Agent::secret_variables() const {
-  auto out = arguments_.all("--hook-env");
-  if (arguments_.has("--passphrase-env")) out.push_back(arguments_.text("--passphrase-env"));
-  return out;
-}
-
 // Answers the worker's questions about documents, which come first. Returns the first line that is
 // about something else. The error of a document is sent as the answer and does not end the worker.
-Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
+Result<Json> Agent::answer_documents(Folder& folder, WorkerProcess& worker) {
   // The worker asks at most once for each of three kinds of document, and then reports the outcome.
   constexpr int kMaxLines = 4;
   for (int lines = 0;; ++lines) {
-    std::string line;
-    if (const auto end = worker.read_line(line, kMaxAgentLine, deadline_for(folder));
-        end != End::done)
-      return worker_ended_error(folder, end);
-    DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
+    DDSSEC_ASSIGN_OR_RETURN(auto json, worker.read());
     const bool is_outcome = json.contains("documents");
     if (!is_outcome && !json.contains("wanted")) return json;
     if (lines == kMaxLines || !folder.task.fetches_documents) return protocol_error();
@@ -318,30 +295,12 @@ Result<Json> Agent::answer_documents(Folder& folder, ChildProcess& worker) {
       note_documents(folder, json["documents"]);
       continue;
     }
-    const auto document = ask_document(folder, document_request_from(json));
+    const auto document =
+        ca_.document(folder.task.folder, folder.lock->folder(), document_request_from(json));
     if (!document && signals_.is_stopped()) return std::unexpected(document.error());
     const auto answer = document ? document_line(*document) : error_line(document.error());
-    const auto sent = worker.write(to_line(answer) + '\n', deadline_for(folder));
-    if (sent != End::done) return worker_ended_error(folder, sent);
+    DDSSEC_RETURN_IF_ERROR(worker.write(to_line(answer) + '\n'));
   }
-}
-
-// Revocation and renewal lists are public. Permissions are given only to the holder of their key.
-Result<Bytes> Agent::ask_document(const Folder& folder, const DocumentRequest& request) {
-  constexpr std::array<std::string_view, 3> kKinds = {"permissions", "crl", "renewals"};
-  if (std::ranges::find(kKinds, request.wanted) == kKinds.end()) return protocol_error();
-  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
-  if (request.wanted == kKinds.front())
-    DDSSEC_RETURN_IF_ERROR(check_request({request.request, request.certificate}));
-  DDSSEC_ASSIGN_OR_RETURN(const auto certificate,
-                          pki::Certificate::from_pem(as_bytes(request.certificate)));
-  std::error_code ignored;
-  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored),
-                          certificate.subject(), certificate.pem(), request.wanted,
-                          kMaxHookDocument};
-  DDSSEC_ASSIGN_OR_RETURN(const auto text, run_hook(*hooks_.documents, asked, signals_));
-  const auto octets = as_bytes(text);
-  return Bytes(octets.begin(), octets.end());
 }
 
 // The folder's worker says when to ask again. For a folder of another user the agent waits at least
@@ -355,111 +314,124 @@ void Agent::note_documents(Folder& folder, const Json& outcome) {
   folder.next_documents = context_.clock.since_boot() + rest;
   auto members = known_members(outcome);
   for (auto& file : files_from(members)) written_.push_back(std::move(file));
+  note_lasting_problem(folder, members);
   note_problem(members);
   if (members.empty()) return;
   if (!members.contains("files")) members["files"] = Json::array();
   events_.report("documents_fetched", folder.task.folder, std::move(members));
 }
 
-// The worker asks the CA at most once. If the answer is an error, the worker ends without a reply,
-// because it has written nothing yet.
-Result<Json> Agent::serve_worker(Folder& folder, ChildProcess& worker) {
-  std::string line;
-  const auto read = [&] { return worker.read_line(line, kMaxAgentLine, deadline_for(folder)); };
+// A problem of the documents that stays until the operator acts is reported once a day, and removed
+// from the members otherwise. Others are reported at each attempt.
+void Agent::note_lasting_problem(Folder& folder, Json& members) {
+  if (!members.contains("problem")) return folder.lasting_problem.clear();
+  const auto code = error_from(members["problem"]).code();
+  // Asking for permissions needs the participant's key.
+  if (must_not_be_tried_again(code)) owners_with_wrong_pin_.insert(folder.lock->owner().user);
+  if (!must_not_be_tried_again(code) && code != tool_code::no_new_permissions) return;
+  if (!folder.lasting_problem.note(code, context_.clock.since_boot())) members.erase("problem");
+}
+
+// The worker asks the CA at most once. After an error it gets its code, because it still keeps the
+// list and the response for the peers. The details may not be for the folder's owner.
+Result<Json> Agent::serve_worker(Folder& folder, WorkerProcess& worker) {
   DDSSEC_ASSIGN_OR_RETURN(const auto json, answer_documents(folder, worker));
-  if (!json.contains("request")) return event_from(json);
+  if (!json.contains("request")) return outcome_after(folder, worker, json);
   DDSSEC_ASSIGN_OR_RETURN(const auto request, request_from(json));
   const bool is_own = folder.lock && folder.lock->owner().user == ::geteuid();
-  const auto asked_lifetime = std::max(seconds(1), request.lifetime);
-  if (is_own) folder.lifetime = asked_lifetime;
-  DDSSEC_ASSIGN_OR_RETURN(auto answer, ask_ca(folder, request));
-  folder.lifetime = asked_lifetime;       // the CA has accepted the certificate
-  answer.renewals = renewal_list_text();  // includes the new certificate
-  const auto sent = worker.write(answer_line(answer), deadline_for(folder));
-  if (sent != End::done) return worker_ended_error(folder, sent);
-  if (const auto end = read(); end != End::done) return worker_ended_error(folder, end);
-  DDSSEC_ASSIGN_OR_RETURN(const auto json_value, json_from(line));
-  DDSSEC_ASSIGN_OR_RETURN(auto event, event_from(json_value));
-  if (!answer.renewals.empty()) folder.task.renewals = std::move(answer.renewals);
+  if (is_own) folder.lifetime = std::max(seconds(1), request.lifetime);
+  auto answer = ask_ca(folder, request);
+  if (!answer) {
+    const auto line = to_line(error_line(Error(answer.error().code()))) + '\n';
+    if (!signals_.is_stopped()) std::ignore = finish_worker(folder, worker, line);
+    return std::unexpected(answer.error());
+  }
+  note_answer(folder, *answer);
+  answer->renewals = renewal_list_text();  // includes the new certificate
+  DDSSEC_ASSIGN_OR_RETURN(auto event, finish_worker(folder, worker, answer_line(*answer)));
+  if (ca_.has_certificate_hook()) folder.limit.note(folder.lifetime, context_.clock.since_boot());
+  if (answer->notice && !event.contains("problem"))
+    event["problem"] = error_to_json(*answer->notice);
+  if (!answer->renewals.empty()) folder.task.renewals = std::move(answer->renewals);
   return event;
+}
+
+Result<Json> Agent::finish_worker(const Folder& folder, WorkerProcess& worker,
+                                  std::string_view answer) {
+  DDSSEC_RETURN_IF_ERROR(worker.write(answer));
+  DDSSEC_ASSIGN_OR_RETURN(const auto line, worker.read());
+  return outcome_after(folder, worker, line);
+}
+
+// A worker reports a renewal when the files are in place, or else the error. It reports the outcome
+// again at its end. If it is killed in between, the first report counts.
+Result<Json> Agent::outcome_after(const Folder& folder, WorkerProcess& worker, const Json& line) {
+  const bool is_renewed = line.contains("renewed");
+  if (!is_renewed && !line.contains("failed")) return outcome_from(folder, line);
+  const auto last = worker.read();
+  auto outcome = last ? outcome_from(folder, *last) : Result<Json>(std::unexpected(last.error()));
+  if (!is_renewed) return std::unexpected(error_from(line["failed"]));
+  if (last) return outcome;
+  auto renewed = known_members(line["renewed"]);
+  if (!signals_.is_stopped() && !renewed.contains("problem"))
+    renewed["problem"] = error_to_json(last.error());
+  return renewed;
+}
+
+Result<Json> Agent::outcome_from(const Folder& folder, const Json& line) {
+  auto members = known_members(line);
+  if (folder.lock)
+    silent_responders_.note(folder.lock->owner().user, text_in(members, "ocsp_silent"),
+                            context_.clock.since_boot());
+  members.erase("ocsp_silent");
+  if (!line.contains("error")) return members;
+  for (auto& file : files_from(members)) written_.push_back(std::move(file));
+  return std::unexpected(error_from(line["error"]));
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
   if (!folder.lock) return protocol_error();  // with --dry-run the CA is not asked
-  DDSSEC_RETURN_IF_ERROR(check_owner(folder.lock->owner(), arguments_, folder.task.folder));
-  if (!hooks_.certificates) return ask_own_ca(folder, request);
-  DDSSEC_RETURN_IF_ERROR(check_request(request));
-  DDSSEC_ASSIGN_OR_RETURN(const auto old,
-                          pki::Certificate::from_pem(as_bytes(request.certificate)));
-  std::error_code ignored;
-  const HookRequest asked{std::filesystem::absolute(folder.task.folder, ignored), old.subject(),
-                          request.request};
-  DDSSEC_ASSIGN_OR_RETURN(auto pem, run_hook(*hooks_.certificates, asked, signals_));
-  return RenewalAnswer{std::move(pem)};
+  if (!folder.limit.allows(context_.clock.since_boot()))
+    return fail(tool_code::renewed_too_often, {.document = folder.task.folder});
+  return ca_.renew(folder.task.folder, folder.lock->folder(), request);
 }
 
-// Returns the result of `work`, which runs in a process of its own with the agent's rights.
-Result<Json> Agent::run_in_child_process(const std::function<Result<Json>()>& work) {
-  DDSSEC_ASSIGN_OR_RETURN(auto process, ChildProcess::start(signals_, [&](int, int out) {
-                            const auto result = work();
-                            return send_line(out, result ? *result : error_line(result.error()));
-                          }));
-  std::string line;
-  const auto end = process.read_line(line, kMaxAgentLine, steady_clock::now() + kTimeForOwnCa);
-  if (end != End::done) return no_answer_error(end);
-  DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
-  return json;
-}
-
-Status Agent::check_in_child_process(const std::function<Status()>& check) {
-  const auto json = run_in_child_process([&]() -> Result<Json> {
-    DDSSEC_RETURN_IF_ERROR(check());
-    return Json::object();
-  });
-  return json ? Status{} : std::unexpected(json.error());
-}
-
-// Only the child process has the CA's key. It judges the locked folder, because the path may lead
-// to another one by now.
-Result<RenewalAnswer> Agent::ask_own_ca(const Folder& folder, const RenewalRequest& request) {
-  if (ca_refusal_) return std::unexpected(*ca_refusal_);
-  const auto json = run_in_child_process([&]() -> Result<Json> {
-    const auto& path = folder.task.folder;
-    DDSSEC_RETURN_IF_ERROR(hold_folder(path));
-    DDSSEC_RETURN_IF_ERROR(folder.lock->folder().check_same(folder_descriptor(path), path));
-    const auto answer = renew_by_ca(request, path, arguments_, context_);
-    if (!answer) return std::unexpected(answer.error());
-    return to_json(*answer);
-  });
-  if (json) return answer_from(*json);
-  if (must_not_be_tried_again(json.error().code())) ca_refusal_ = json.error();
-  return std::unexpected(json.error());
-}
-
-Status Agent::check_request(const RenewalRequest& request) {
-  return check_in_child_process([&] {
-    return check_requester(request, {arguments_.text("--trust"), arguments_.text("--crl")},
-                           arguments_.has("--rekey"));
-  });
+// The lifetime is read from what the CA signed: a worker may run code of the folder's owner. The
+// answer of a CA of this machine is in its log, even if the worker does not accept it.
+void Agent::note_answer(Folder& folder, const RenewalAnswer& answer) {
+  const auto certificate = pki::Certificate::from_pem(as_bytes(answer.certificate));
+  if (certificate) folder.lifetime = lifetime(*certificate);
+  if (!ca_.has_certificate_hook()) folder.limit.note(folder.lifetime, context_.clock.since_boot());
 }
 
 bool Agent::note_problem(Json& event) {
   if (!event.contains("problem")) return false;
   const auto problem = error_from(event["problem"]);
-  errors_.push_back(problem);
   event["problem"] = event_members(problem);
+  if (problem.code() == Code::crl_ends_soon)
+    return false;  // a warning is no failure of the command
+  errors_.push_back(problem);
   return true;
+}
+
+// A list that ends soon needs no other visit. Without this, the warning would be repeated at each
+// visit for a sixth of the list's time.
+void Agent::leave_out_repeated_warning(Folder& folder, Json& event) {
+  const auto code = event.contains("problem") ? error_from(event["problem"]).code() : Code{};
+  if (code != Code::crl_ends_soon) return folder.list_warning.clear();
+  if (!folder.list_warning.note(code, context_.clock.since_boot())) event.erase("problem");
 }
 
 void Agent::note_success(Folder& folder, Json event) {
   const auto name = text_in(event, "event");
   const auto next = time_from(text_in(event, "next"));
   folder.failures = 0;
+  folder.next_attempt = {};
+  folder.refusal.reset();
   const auto now = context_.clock.calendar_seconds();
   const auto rest = std::clamp(next.value_or(now) - now, seconds(1), kMaxRest);
   folder.next = context_.clock.since_boot() + rest;
-  if (hooks_.documents && folder.next_documents > Moment(0))
+  if (ca_.has_document_hook() && folder.next_documents > Moment(0))
     folder.next = std::min(folder.next, folder.next_documents);
   if (name == "renewed") {
     folder.task.known = text_in(event, "sha256");
@@ -467,32 +439,58 @@ void Agent::note_success(Folder& folder, Json event) {
     schedule_others(folder);
   }
   for (auto& file : files_from(event)) written_.push_back(std::move(file));
+  leave_out_repeated_warning(folder, event);
   const bool is_news = name != "current" || event.contains("problem") ||
                        folder.last_reported_serial != text_in(event, "serial");
   folder.last_reported_serial = text_in(event, "serial");
   folder.has_problem = note_problem(event);
-  if (folder.lock)
-    silent_responders_.note(folder.lock->owner().user, text_in(event, "ocsp_silent"),
-                            context_.clock.since_boot());
-  event.erase("ocsp_silent");
   event.erase("event");
   if (is_news) events_.report(name, folder.task.folder, std::move(event));
 }
 
 void Agent::note_failure(Folder& folder, const Error& error) {
   ++folder.failures;
-  folder.is_paused = must_not_be_tried_again(error.code());
-  if (folder.is_paused && !ca_refusal_ && folder.lock)
+  const bool is_refused = must_not_be_tried_again(error.code());
+  const bool is_refused_by_ca = is_refused && ca_.has_refusal(error);
+  // Without the permissions CA the certificate is renewed nevertheless, once it is due.
+  const bool is_paused = is_refused && (!is_refused_by_ca || ca_.is_refused());
+  folder.refusal = is_paused ? std::optional(error) : std::nullopt;
+  if (is_refused && !is_refused_by_ca && folder.lock)
     owners_with_wrong_pin_.insert(folder.lock->owner().user);
   std::array<std::uint8_t, 1> jitter{};
   static_cast<void>(context_.random.fill(jitter));
   const auto wait = retry_after(folder.failures, folder.lifetime, jitter[0]);
-  folder.next = folder.is_paused ? Moment::max() : context_.clock.since_boot() + wait;
+  const auto now = context_.clock.since_boot();
+  folder.next_attempt = is_paused ? Moment::max() : now + wait;
+  schedule_waiting(folder);
+  if (is_paused) folder.reported_refusal.note(error.code(), now);
+  report_failure(folder, error, is_paused ? Json() : Json(wait.count()));
+  errors_.push_back(error.with_default_document(folder.task.folder));
+}
+
+void Agent::report_failure(const Folder& folder, const Error& error, Json again_in) {
   auto members = event_members(error);
   members["failures"] = folder.failures;
-  members["again_in"] = folder.is_paused ? Json() : Json(wait.count());
+  members["again_in"] = std::move(again_in);
   events_.report("failed", folder.task.folder, std::move(members));
-  errors_.push_back(error.with_default_document(folder.task.folder));
+}
+
+// While a renewal waits, the folder is visited for its lists and its OCSP response.
+void Agent::schedule_waiting(Folder& folder) {
+  const auto now = context_.clock.since_boot();
+  folder.next = std::min<Moment>(folder.next_attempt, now + kMaxRest);
+  if (ca_.has_document_hook() && folder.next_documents > now)
+    folder.next = std::min(folder.next, folder.next_documents);
+}
+
+// The reason for the wait is reported already, and once more each day if only SIGHUP ends it.
+void Agent::note_waiting_visit(Folder& folder, Result<Json> event) {
+  if (event && text_in(*event, "event") != "due")  // the operator has renewed it by hand
+    return note_success(folder, *std::move(event));
+  schedule_waiting(folder);
+  const auto now = context_.clock.since_boot();
+  if (folder.refusal && folder.reported_refusal.note(folder.refusal->code(), now))
+    report_failure(folder, *folder.refusal, Json());
 }
 
 }  // namespace ddssec::cli

@@ -2,29 +2,26 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/agent/agent_events.hpp"
 #include "cli/agent/agent_folder.hpp"
-#include "cli/agent/agent_hook.hpp"
-#include "cli/agent/agent_messages.hpp"
 #include "cli/agent/agent_overlaps.hpp"
 #include "cli/agent/agent_participant.hpp"
 #include "cli/agent/agent_process.hpp"
+#include "cli/agent/ca_requests.hpp"
+#include "cli/agent/renewal_limit.hpp"
+#include "cli/agent/repeated_problem.hpp"
 #include "cli/agent/silent_responders.hpp"
+#include "cli/agent/slow_owners.hpp"
+#include "cli/agent/worker_process.hpp"
 #include "cli/frame/command.hpp"
 
 namespace ddssec::cli {
-
-/// The programs that get certificates or documents from a CA elsewhere.
-struct AgentHooks {
-  std::optional<Hook> certificates = {};  ///< empty: a CA of this machine (--ca)
-  std::optional<Hook> documents = {};     ///< permissions and lists
-};
 
 /// Renews what is due in some folders. For each of them a process with the rights of the folder's
 /// owner reads and writes the files (agent_participant.hpp), and another one with the agent's own
@@ -43,63 +40,77 @@ class Agent {
   struct Folder {
     AgentTask task;
     std::optional<FolderLock> lock = {};
-    Moment next{0};
+    Moment next{0};          ///< the next visit
+    Moment next_attempt{0};  ///< after a failure: before that time nothing is renewed
     Moment next_documents{0};
     unsigned failures = 0;
     /// The lifetime of its certificate, which decides how often the CA is asked. For a folder of
-    /// another user it is therefore known only after the CA has accepted the certificate.
+    /// another user it is therefore that of the last certificate that the CA answered.
     std::chrono::seconds lifetime{std::chrono::days(1)};
     std::string last_reported_serial = {};
-    bool is_paused = false;
-    bool has_problem = false;  ///< true if the last event had a "problem"
+    std::optional<ChildProcess> unended = {};  ///< its last worker, if that could not be ended
+    bool has_problem = false;                  ///< true if the last event had a "problem"
+    RenewalLimit limit = {};
+    /// Why nothing is renewed before SIGHUP; empty if it is.
+    std::optional<Error> refusal = {};
+    RepeatedProblem reported_refusal = {};
+    RepeatedProblem lasting_problem = {};  ///< of the documents that the second hook brings
+    RepeatedProblem list_warning = {};
   };
 
   void visit(Folder& folder);
   void note_outcome(Folder& folder, Result<Json> event);
+  void note_waiting_visit(Folder& folder, Result<Json> event);
+  void schedule_waiting(Folder& folder);
   void complete_lists();
   void end_overlaps();
-  void end_overlap_and_report(const OverlapToEnd& overlap);
+  /// Returns false if the overlap could not be ended and is to be tried again.
+  bool end_overlap_and_report(const OverlapToEnd& overlap);
   Result<Json> run_worker(Folder& folder);
-  AskedResponders responders_for(const Folder& folder) const;
-  /// Returns the time by which the process for a folder must have answered.
-  std::chrono::steady_clock::time_point deadline_for(const Folder& folder) const;
-  std::unexpected<Error> worker_ended_error(const Folder& folder, ChildProcess::End end);
-  std::string renewal_list_text() const;
+  Result<WorkerProcess> start_worker(const Folder& folder);
+  /// Returns the CA's renewal list as text, and notes its problem.
+  std::string renewal_list_text();
+  /// Reports that problem, unless it is the one that was reported last.
+  void report_list_problem();
   void note_documents(Folder& folder, const Json& outcome);
-  Result<Bytes> ask_document(const Folder& folder, const DocumentRequest& request);
-  Result<Json> serve_worker(Folder& folder, ChildProcess& worker);
+  /// Reports a problem that stays once a day, and removes it from the members otherwise.
+  void note_lasting_problem(Folder& folder, Json& members);
+  Result<Json> serve_worker(Folder& folder, WorkerProcess& worker);
   Result<RenewalAnswer> ask_ca(const Folder& folder, const RenewalRequest& request);
-  Result<Json> answer_documents(Folder& folder, ChildProcess& worker);
-  Result<RenewalAnswer> ask_own_ca(const Folder& folder, const RenewalRequest& request);
-  Status check_request(const RenewalRequest& request);
-  Status check_ca_opens();
-  Result<Json> run_in_child_process(const std::function<Result<Json>()>& work);
-  /// Runs a check that uses the CA or reads files of its own in such a process.
-  Status check_in_child_process(const std::function<Status()>& check);
+  void note_answer(Folder& folder, const RenewalAnswer& answer);
+  Result<Json> finish_worker(const Folder& folder, WorkerProcess& worker, std::string_view answer);
+  /// Returns the outcome. `line` is what the worker sent first after its requests.
+  Result<Json> outcome_after(const Folder& folder, WorkerProcess& worker, const Json& line);
+  /// Returns the event or the error in a worker's last line.
+  Result<Json> outcome_from(const Folder& folder, const Json& line);
+  Result<Json> answer_documents(Folder& folder, WorkerProcess& worker);
   /// Keeps the error of the member "problem" for the report, and makes the member one of an event.
-  /// Returns false if there is no such member.
+  /// Returns false if there is no such member, or if it is only a warning.
   bool note_problem(Json& event);
+  void leave_out_repeated_warning(Folder& folder, Json& event);
   void note_success(Folder& folder, Json event);
   void note_failure(Folder& folder, const Error& error);
+  void report_failure(const Folder& folder, const Error& error, Json again_in);
   void schedule_all_now();
   void schedule_others(const Folder& renewed);
   Json start_members() const;
-  std::vector<std::string> secret_variables() const;
 
   const Arguments& arguments_;
-  AgentHooks hooks_;
   const Context& context_;
   HeldSignals signals_;
+  CaRequests ca_;
   AgentEvents events_;
   std::vector<Folder> folders_;
-  /// The error if the CA's key refused its PIN or passphrase.
-  std::optional<Error> ca_refusal_ = {};
   std::set<uid_t> owners_with_wrong_pin_ = {};  ///< owners of a folder whose token refused the PIN
-  /// Owners whose workers took too long, and until when that counts.
-  std::map<uid_t, Moment> slow_owners_ = {};
+  SlowOwners slow_owners_;
   SilentResponders silent_responders_ = {};
-  Moment next_end_{0};  ///< when the agent looks for overlaps to end
-  unsigned failed_ends_ = 0;
+  Moment next_end_{0};                      ///< when the agent looks for overlaps to end
+  std::optional<Error> list_problem_ = {};  ///< of the CA's renewal list, when it was last read
+  std::optional<Code> reported_list_problem_ = {};
+  unsigned failed_ends_ = 0;  ///< looks in a row in which an overlap could not be ended
+  /// Roles of CAs whose overlap was not ended because a key refused its PIN. Nothing is tried
+  /// before SIGHUP.
+  std::set<std::string> refused_ends_ = {};
   std::vector<Error> errors_ = {};
   std::vector<WrittenFile> written_ = {};
 };

@@ -11,6 +11,7 @@
 #include "cli/ca/ca_overlap.hpp"
 #include "cli/ca/logged_certificate.hpp"
 #include "cli/ca/renewal_list.hpp"
+#include "cli/ca/revocation_lists.hpp"
 #include "cli/ca/signed_documents.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/documents/signed_permissions.hpp"
@@ -84,11 +85,18 @@ pki::RequestedKey key_of_request(const Arguments& arguments) {
   return arguments.has("--rekey") ? pki::RequestedKey::any : pki::RequestedKey::same;
 }
 
+// What the CA's log says for a renewal.
+struct LoggedPlace {
+  fs::path folder;     // to be recorded for the new certificate
+  WallTime last = {};  // when the CA issued or revoked something last
+  fs::path log = {};
+};
+
 // The request comes from the participant, which must not get another name or, without --rekey,
-// another key. Returns the folder to record for the new certificate.
-Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certificate& old,
-                                 const fs::path& folder, const OpenCa& ca,
-                                 const Arguments& arguments) {
+// another key.
+Result<LoggedPlace> check_renewable(const RenewalRequest& request, const pki::Certificate& old,
+                                    const fs::path& folder, const OpenCa& ca,
+                                    const Arguments& arguments) {
   const auto file = folder / "cert.pem";
   DDSSEC_RETURN_IF_ERROR(
       check_renewal_request(as_bytes(request.request), old, key_of_request(arguments)));
@@ -97,7 +105,8 @@ Result<fs::path> check_renewable(const RenewalRequest& request, const pki::Certi
   const auto next = arguments.has("--rekey") ? NextKey::fresh : NextKey::same;
   DDSSEC_RETURN_IF_ERROR(check_not_revoked(old, file, ca.paths, log, next));
   DDSSEC_RETURN_IF_ERROR(check_own(old, folder, ca.paths, log, {}));
-  return recorded_folder(old, folder, ca.paths, log);
+  return LoggedPlace{recorded_folder(old, folder, ca.paths, log),
+                     log.latest_before(WallTime::max()).value_or(WallTime{}), ca.paths.log};
 }
 
 // Refuses a document that the CA has replaced since: it may give more rights, and each renewal
@@ -112,84 +121,137 @@ Status check_current(const pki::SignedDocument& document, const fs::path& file, 
       {.document = file, .expected = "a document that " + ca.paths.signed_log.string() + " has"});
 }
 
-struct ExtensionByCa {
-  Bytes permissions = {};             // empty if those in place last as long as the certificate
-  std::optional<Error> problem = {};  // the reason why the renewal list was not written
+// Permissions that the CA may extend.
+struct ExtendablePermissions {
+  OpenCa ca;
+  SignedPermissions old;
+  fs::path file;
 };
 
-Result<ExtensionByCa> extended_by_ca(const Bytes& old_octets, const pki::Certificate& renewed,
-                                     const fs::path& file, CaOpener& opener,
-                                     const Context& context) {
-  const auto now = context.clock.calendar_seconds();
-  DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("permissions"));
+// Rights that had ended when the CA's log was last written have ended, even if the clock was set
+// back since.
+Status check_not_ended(const SignedPermissions& old, const LoggedPlace& place, const fs::path& file,
+                       WallTime now) {
+  constexpr std::chrono::minutes kMaxLag{5};
+  const auto end = old.grant.validity.not_after;
+  const bool is_clock_back = place.last - kMaxLag > now;
+  if (!old.has_ended && (!is_clock_back || end > place.last)) return {};
+  return fail(
+      Code::grant_expired,
+      {.document = file,
+       .found = "an end on " + to_string(end) +
+                (old.has_ended
+                     ? ""
+                     : fmt::format(", before {}, the latest time in the CA's log {}, and a clock "
+                                   "that says {}",
+                                   to_string(place.last), place.log.string(), to_string(now))),
+       .note = "rights that have ended are not given again unasked",
+       .hint = fmt::format(
+           "{}give them again: ddssec identity renew {} --ca CA --permissions "
+           "--ended-permissions; then start the participant again",
+           old.has_ended ? ""
+                         : "set the clock; if it is right, that line was written while the clock "
+                           "was ahead: ",
+           file.parent_path().string())});
+}
+
+Result<ExtendablePermissions> extendable_permissions(const RenewalRequest& request,
+                                                     const pki::Certificate& certificate,
+                                                     const LoggedPlace& place, CaOpener& opener,
+                                                     WallTime now) {
+  const auto file = place.folder / "permissions.p7s";
+  DDSSEC_ASSIGN_OR_RETURN(auto ca, opener.open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(ca.paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(const auto verifier,
                           pki::DocumentVerifier::make(std::move(certificates)));
   DDSSEC_ASSIGN_OR_RETURN(const auto document,
-                          with_default_document(verifier.verify(old_octets, now), file));
+                          with_default_document(verifier.verify(request.permissions, now), file));
   DDSSEC_RETURN_IF_ERROR(check_moved(ca.paths, document.signer(), file));
-  DDSSEC_ASSIGN_OR_RETURN(const auto old,
-                          with_default_document(own_permissions(document, renewed, now), file));
+  DDSSEC_ASSIGN_OR_RETURN(auto old,
+                          with_default_document(own_permissions(document, certificate, now), file));
   DDSSEC_RETURN_IF_ERROR(check_current(document, file, ca));
-  if (old.grant.validity.not_after >= renewed.not_after()) return ExtensionByCa{};
-  if (old.has_ended)
-    return fail(
-        Code::grant_expired,
-        {.document = file,
-         .found = "an end on " + to_string(old.grant.validity.not_after),
-         .note = "rights that have ended are not given again unasked",
-         .hint = fmt::format("give them again: ddssec identity renew {} --ca CA --permissions "
-                             "--ended-permissions; then start the participant again",
-                             file.parent_path().string())});
-  const auto xml = to_xml(extended(old, renewed, renewed.not_after()));
+  DDSSEC_RETURN_IF_ERROR(check_not_ended(old, place, file, now));
+  return ExtendablePermissions{std::move(ca), std::move(old), file};
+}
+
+// Extends the permissions to the end of the certificate and puts them into the answer, with the
+// reason if the renewal list was not written. Those that last as long already stay.
+Status extend(const ExtendablePermissions& permissions, const pki::Certificate& certificate,
+              const Context& context, RenewalAnswer& answer) {
+  const auto& [ca, old, file] = permissions;
+  const auto now = context.clock.calendar_seconds();
+  if (old.grant.validity.not_after >= certificate.not_after()) return {};
+  const auto xml = to_xml(extended(old, certificate, certificate.not_after()));
   DDSSEC_ASSIGN_OR_RETURN(auto out, sign_permissions(ca.authority, xml, now, context.random));
   DDSSEC_RETURN_IF_ERROR(log_signed(ca, as_bytes(xml), file, now, old.text));
   RenewalListAdditions listed;
   listed.add(ca.paths, out, file);
-  const auto written = listed.write(now);
-  return ExtensionByCa{std::move(out), written ? std::nullopt : std::optional(written.error())};
+  if (const auto written = listed.write(now); !written) answer.problem = written.error();
+  answer.permissions = std::move(out);
+  return {};
 }
 
 }  // namespace
 
 Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request, const fs::path& folder,
                                   const Arguments& arguments, const Context& context) {
+  const auto now = context.clock.calendar_seconds();
   CaOpener opener(arguments);
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, opener.open("identity"));
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
-  DDSSEC_ASSIGN_OR_RETURN(const auto home, check_renewable(request, old, folder, ca, arguments));
-  const auto extended_until_end_of = [&](const pki::Certificate& certificate) {
-    return extended_by_ca(request.permissions, certificate, home / "permissions.p7s", opener,
-                          context);
-  };
+  DDSSEC_ASSIGN_OR_RETURN(const auto place, check_renewable(request, old, folder, ca, arguments));
+  // Judged before a certificate is logged, which would be of no use if only they are due.
+  std::optional<Result<ExtendablePermissions>> permissions;
+  if (!request.permissions.empty())
+    permissions = extendable_permissions(request, old, place, opener, now);
+  if (permissions && !*permissions && request.is_only_for_permissions)
+    return std::unexpected(permissions->error());
   const auto renewed = issue(request, old, ca, arguments, context);
   if (!renewed) {
-    if (request.permissions.empty() || !has_no_later_end(renewed.error()))
-      return std::unexpected(renewed.error());
-    auto extended = extended_until_end_of(old);
-    if (!extended || extended->permissions.empty()) return std::unexpected(renewed.error());
-    return RenewalAnswer{.certificate = old.pem(),
-                         .permissions = std::move(extended->permissions),
-                         .problem = std::move(extended->problem)};
+    RenewalAnswer out{.certificate = old.pem()};
+    if (permissions && *permissions && has_no_later_end(renewed.error()))
+      DDSSEC_RETURN_IF_ERROR(extend(**permissions, old, context, out));
+    if (out.permissions.empty()) return std::unexpected(renewed.error());
+    return out;
   }
   DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
-  DDSSEC_RETURN_IF_ERROR(log_issued(
-      ca.paths,
-      pki::IssueLog::issued_line(*renewed, home.string(), context.clock.calendar_seconds())));
+  DDSSEC_RETURN_IF_ERROR(
+      log_issued(ca.paths, pki::IssueLog::issued_line(*renewed, place.folder.string(), now)));
   RenewalListAdditions listed;
   listed.add(ca.paths, *renewed);
   RenewalAnswer out{renewed->pem()};
   // The certificate is logged already, and a list that cannot be written does not undo that.
-  if (const auto written = listed.write(context.clock.calendar_seconds()); !written)
-    out.problem = written.error();
-  if (request.permissions.empty()) return out;
-  auto permissions = extended_until_end_of(*renewed);
-  if (permissions) {
-    out.permissions = std::move(permissions->permissions);
-    if (permissions->problem) out.problem = std::move(permissions->problem);
+  if (const auto written = listed.write(now); !written) out.problem = written.error();
+  if (!permissions) return out;
+  const auto status = *permissions ? extend(**permissions, *renewed, context, out)
+                                   : Status(std::unexpected(permissions->error()));
+  if (!status) out.problem = status.error();
+  return out;
+}
+
+RenewalListOfCa renewal_list_of_ca(const Arguments& arguments) {
+  constexpr auto kMax = kMaxAgentLine / 2;
+  const fs::path given = arguments.text("--ca");
+  const auto identity = ca_paths(given, "identity");
+  const auto crl = present_crl(identity);
+  const auto renewals = renewals_of(given, crl && *crl ? &**crl : nullptr);
+  RenewalListOfCa out;
+  if (!renewals.problems.empty()) out.problem = renewals.problems.front();
+  if (renewals.list.is_empty()) return out;
+  auto text = renewals.list.text();
+  if (!text) {
+    out.problem = text.error();
+  } else if (text->size() < kMax) {
+    out.text = *std::move(text);
   } else {
-    out.problem = std::move(permissions).error();
+    out.problem = Error(
+        Code::file_too_large,
+        {.document = identity.renewals,
+         .expected = fmt::format("at most {} octets for the lists of both CAs together", kMax),
+         .found = std::to_string(text->size()),
+         .note = "the agent puts the list into no folder",
+         .hint = "put it there after each renewal: ddssec crl distribute --ca " + given.string()});
   }
   return out;
 }
@@ -242,11 +304,8 @@ namespace {
 // Runs in the agent's own process, with a list that the owner of the folder cannot remove.
 Status check_not_on_lists(const TrustedRequesters& trusted, const pki::Certificate& certificate,
                           std::vector<pki::Certificate> cas) {
-  auto file = trusted.lists;
-  if (file.empty()) {
-    file = fs::path(trusted.trust).replace_filename("crl.pem");
-    if (!path_exists(file)) return {};
-  }
+  const auto file = lists_file(trusted);
+  if (file.empty()) return {};
   DDSSEC_RETURN_IF_ERROR(check_trust_file(file));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, read_lists(file));
   DDSSEC_ASSIGN_OR_RETURN(
@@ -254,7 +313,22 @@ Status check_not_on_lists(const TrustedRequesters& trusted, const pki::Certifica
       with_default_document(
           pki::ChainVerifier::make(std::move(cas), std::move(lists), pki::CrlPolicy::soft_fail),
           trusted.trust));
-  return check_not_on(verifier, certificate, file);
+  DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, certificate, file));
+  if (trusted.last.empty()) return {};
+  // The owner of the folder may have put back an earlier certificate than the one that was revoked.
+  DDSSEC_ASSIGN_OR_RETURN(const auto last, pki::Certificate::from_pem(as_bytes(trusted.last)));
+  return check_not_on(verifier, last, file);
+}
+
+// A CA's lists need not name a revoked certificate any more once it has expired.
+Status check_not_expired(const TrustedRequesters& trusted, const pki::Certificate& certificate,
+                         WallTime now) {
+  if (trusted.may_have_expired || now < certificate.not_after()) return {};
+  return fail(Code::certificate_expired,
+              {.found = "an end on " + to_string(certificate.not_after()),
+               .note = "revocation lists may not name it any more",
+               .hint = "if it was not revoked, issue a new certificate by hand; if the hook itself "
+                       "refuses revoked ones, the option --expired lets the agent ask it"});
 }
 
 }  // namespace
@@ -275,8 +349,14 @@ Status check_owner(const FolderOwner& owner, const Arguments& arguments,
   return fail(tool_code::folder_untrusted, std::move(details));
 }
 
+fs::path lists_file(const TrustedRequesters& trusted) {
+  if (!trusted.lists.empty() || trusted.trust.empty()) return trusted.lists;
+  const auto beside = fs::path(trusted.trust).replace_filename("crl.pem");
+  return path_exists(beside) ? beside : fs::path();
+}
+
 Status check_requester(const RenewalRequest& request, const TrustedRequesters& trusted,
-                       bool is_rekeying) {
+                       bool is_rekeying, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(const auto old,
                           pki::Certificate::from_pem(as_bytes(request.certificate)));
   const auto key = is_rekeying ? pki::RequestedKey::any : pki::RequestedKey::same;
@@ -285,12 +365,14 @@ Status check_requester(const RenewalRequest& request, const TrustedRequesters& t
   if (trust.empty()) return {};
   DDSSEC_RETURN_IF_ERROR(check_trust_file(trust));
   DDSSEC_ASSIGN_OR_RETURN(auto certificates, read_certificates(trust));
-  for (const auto& ca : certificates)
-    if (old.is_issued_by(ca)) return check_not_on_lists(trusted, old, std::move(certificates));
-  return fail(Code::issuer_unknown,
-              {.document = trust,
-               .expected = "the certificate in the folder to be of a CA in this file",
-               .found = "one of " + old.issuer()});
+  const auto is_issuer = [&](const auto& ca) { return old.is_issued_by(ca); };
+  if (std::ranges::none_of(certificates, is_issuer))
+    return fail(Code::issuer_unknown,
+                {.document = trust,
+                 .expected = "the certificate in the folder to be of a CA in this file",
+                 .found = "one of " + old.issuer()});
+  DDSSEC_RETURN_IF_ERROR(check_not_on_lists(trusted, old, std::move(certificates)));
+  return check_not_expired(trusted, old, now);
 }
 
 }  // namespace ddssec::cli

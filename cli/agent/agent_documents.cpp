@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/tool_code.hpp"
+#include "cli/agent/files_in_place.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/documents/documents.hpp"
@@ -31,8 +32,8 @@ constexpr seconds kMaxRetry{300};
 
 // The permissions that a CA of the folder has signed for this participant.
 struct Rights {
-  governance::Validity validity;
-  bool has_ended;
+  governance::Validity validity;  // up to the end of the last grant, which may be planned for later
+  bool are_in_force;
   std::optional<WallTime> signing_time;
   std::string text;
 };
@@ -44,13 +45,16 @@ Result<Rights> rights_in(const DocumentsTask& task, BytesView octets) {
   DDSSEC_ASSIGN_OR_RETURN(
       const auto document,
       with_default_document(verifier.verify(octets, task.clock.calendar_seconds()), file));
+  const auto now = task.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto own,
-      with_default_document(
-          own_permissions(document, task.certificate, task.clock.calendar_seconds()), file));
+      const auto own, with_default_document(permissions_of(document, task.certificate, now), file));
   std::string text(as_text(document.content()));
   std::erase(text, '\r');
-  return Rights{own.grant.validity, own.has_ended, document.signing_time(), std::move(text)};
+  const auto begin = own.grant.validity.not_before;
+  return Rights{.validity = {begin, own.last_end},
+                .are_in_force = begin <= now && !own.has_ended,
+                .signing_time = document.signing_time(),
+                .text = std::move(text)};
 }
 
 std::optional<Rights> rights_in_place(const DocumentsTask& task) {
@@ -61,12 +65,24 @@ std::optional<Rights> rights_in_place(const DocumentsTask& task) {
   return rights ? std::optional(*std::move(rights)) : std::nullopt;
 }
 
-// Permissions are due when two thirds of their validity are over. Permissions that cannot be read
-// are due now.
+// Permissions are due when two thirds of their validity are over, from their signature on if that
+// came after their begin: otherwise permissions that begin long ago would be due again at once.
+// Permissions that cannot be read are due now.
 WallTime due_time(const DocumentsTask& task, const std::optional<Rights>& rights) {
-  if (!rights) return task.clock.calendar_seconds();
+  const auto now = task.clock.calendar_seconds();
+  if (!rights) return now;
   const auto& time = rights->validity;
-  return time.not_before + (time.not_after - time.not_before) * 2 / 3;
+  const auto signed_at = rights->signing_time.value_or(time.not_before);
+  const auto begin = signed_at <= now ? std::max(time.not_before, signed_at) : time.not_before;
+  return begin + (time.not_after - begin) * 2 / 3;
+}
+
+std::unexpected<Error> no_new_permissions_error(const DocumentsTask& task,
+                                                const std::optional<Rights>& former) {
+  return fail(tool_code::no_new_permissions,
+              {.document = task.files.permissions,
+               .found = former ? "permissions that end on " + to_string(former->validity.not_after)
+                               : "no permissions that can be used"});
 }
 
 std::unexpected<Error> older_permissions_error(const DocumentsTask& task, const std::string& what,
@@ -78,7 +94,7 @@ std::unexpected<Error> older_permissions_error(const DocumentsTask& task, const 
 
 Status check_follows(const DocumentsTask& task, const Rights& next,
                      const std::optional<Rights>& former) {
-  if (next.has_ended || next.validity.not_before > task.clock.calendar_seconds())
+  if (!next.are_in_force)
     return fail(Code::grant_expired,
                 {.document = task.files.permissions,
                  .expected = "permissions that are valid now",
@@ -127,14 +143,17 @@ class DocumentFetcher {
   Json run() {
     note(fetch_lists());
     note(fetch_renewals());
-    const auto rights = rights_in_place(task_);
-    auto due = due_time(task_, rights);
-    if (due <= task_.clock.calendar_seconds()) {
-      const bool is_done = note(fetch_permissions(rights));
-      due = is_done ? due_time(task_, rights_in_place(task_))
-                    : task_.clock.calendar_seconds() + retry(rights);
+    const FilesInPlace in_place({task_.files.permissions});
+    auto rights = rights_in_place(task_);
+    if (is_due(rights)) {
+      // Comes before a problem of the lists: it may be one after which nothing must be tried again.
+      const auto status = fetch_permissions(rights, in_place);
+      if (!status) members_["problem"] = error_to_json(status.error());
+      rights = rights_in_place(task_);
     }
     const auto now = task_.clock.calendar_seconds();
+    // Permissions that are still due, or due again at once, are not asked for without a pause.
+    const auto due = is_due(rights) ? now + retry(rights) : due_time(task_, rights);
     const auto next = std::clamp(due, now + seconds(1), now + kAskAgain);
     members_["documents_next"] = to_string(next);
     return members_;
@@ -145,16 +164,19 @@ class DocumentFetcher {
     return fetch_({std::move(wanted), std::move(request), task_.certificate.pem()});
   }
 
+  bool is_due(const std::optional<Rights>& rights) const {
+    return due_time(task_, rights) <= task_.clock.calendar_seconds();
+  }
+
   seconds retry(const std::optional<Rights>& rights) const {
     if (!rights) return kMaxRetry;
     const auto time = rights->validity.not_after - rights->validity.not_before;
     return std::clamp(std::chrono::duration_cast<seconds>(time / 60), kMinRetry, kMaxRetry);
   }
 
-  bool note(const Status& status) {
+  void note(const Status& status) {
     if (!status && !members_.contains("problem"))
       members_["problem"] = error_to_json(status.error());
-    return status.has_value();
   }
 
   Status note_files(const Result<std::vector<WrittenFile>>& written) {
@@ -165,11 +187,11 @@ class DocumentFetcher {
     return {};
   }
 
-  Status fetch_permissions(const std::optional<Rights>& former) {
+  Status fetch_permissions(const std::optional<Rights>& former, const FilesInPlace& in_place) {
     DDSSEC_ASSIGN_OR_RETURN(auto request, task_.request());
     DDSSEC_ASSIGN_OR_RETURN(const auto octets, fetch("permissions", std::move(request)));
     const auto& file = task_.files.permissions;
-    if (octets.empty() && former && !former->has_ended) return {};
+    if (octets.empty()) return no_new_permissions_error(task_, former);
     if (octets.size() > pki::kMaxSentPermissionsOctets)
       return fail(Code::file_too_large, {.document = file});
     DDSSEC_ASSIGN_OR_RETURN(const auto next, rights_in(task_, octets));
@@ -179,6 +201,7 @@ class DocumentFetcher {
     if (const auto plain = fs::path(file).replace_extension("xml"); path_exists(plain))
       DDSSEC_RETURN_IF_ERROR(put(out, plain, as_bytes(next.text)));
     DDSSEC_RETURN_IF_ERROR(put(out, file, octets));
+    DDSSEC_RETURN_IF_ERROR(in_place.check_unchanged());
     return note_files(out.commit());
   }
 

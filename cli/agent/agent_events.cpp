@@ -1,17 +1,27 @@
 #include "cli/agent/agent_events.hpp"
 
-#include <cstdio>
-
 #include "base/text.hpp"
 #include "cli/agent/agent_messages.hpp"
 
 namespace ddssec::cli {
+namespace {
+
+constexpr std::string_view kOctal = "01234567", kHexadecimal = "0123456789abcdef";
+constexpr std::size_t kModeDigits = 4, kHashDigits = 64;
+
+// Returns a member that is shown on a terminal as it is. Only zeros if it is not so many digits.
+std::string digits_in(const Json& json, std::string_view name, std::string_view allowed,
+                      std::size_t count) {
+  auto out = text_in(json, name);
+  const bool are_digits = out.size() == count && out.find_first_not_of(allowed) == out.npos;
+  return are_digits ? out : std::string(count, '0');
+}
+
+}  // namespace
 
 void AgentEvents::put(Json event) {
   if (to_ == To::report) return kept_.push_back({std::move(event)});
-  const auto line = to_line(event) + '\n';
-  std::fwrite(line.data(), 1, line.size(), stdout);
-  std::fflush(stdout);
+  output_.put(to_line(event) + '\n');
 }
 
 void AgentEvents::report(std::string_view event, Json members) {
@@ -42,8 +52,8 @@ Json known_members(const Json& event) {
   for (const auto& file : event["files"])
     if (out["files"].size() < kMaxFiles && file.is_object())
       out["files"].push_back({{"path", text_in(file, "path").substr(0, kMaxText)},
-                              {"mode", text_in(file, "mode").substr(0, kMaxText)},
-                              {"sha256", text_in(file, "sha256").substr(0, kMaxText)}});
+                              {"mode", digits_in(file, "mode", kOctal, kModeDigits)},
+                              {"sha256", digits_in(file, "sha256", kHexadecimal, kHashDigits)}});
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/clock.hpp"
+#include "cli/agent/event_output.hpp"
 #include "cli/frame/answer.hpp"
 
 namespace ddssec::cli {
@@ -48,6 +49,7 @@ class AgentEvents {
   void put(Json event);
   To to_;
   const Clock& clock_;
+  EventOutput output_ = EventOutput();
   std::vector<AgentEvent> kept_;
 };
 

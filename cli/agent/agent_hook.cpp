@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
@@ -14,6 +13,7 @@
 #include "base/folder_rights.hpp"
 #include "base/text.hpp"
 #include "base/tool_code.hpp"
+#include "cli/agent/hook_messages.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -84,8 +84,21 @@ Status check_file(const fs::path& file, Code unsafe, Code unreadable) {
                        .found = owner_and_mode(file)});
 }
 
-int become_hook(Hook hook, const fs::path& program, const HookRequest& request, int in, int out) {
-  constexpr rlimit kNoCore = {.rlim_cur = 0, .rlim_max = 0};
+// The standard files of a hook.
+struct HookFiles {
+  int in, out, errors;
+};
+
+bool arrange(const HookFiles& files) {
+  if (::dup2(files.in, STDIN_FILENO) < 0 || ::dup2(files.out, STDOUT_FILENO) < 0 ||
+      ::dup2(files.errors, STDERR_FILENO) < 0)
+    return false;
+  for (const int file : {files.in, files.out, files.errors}) ::close(file);
+  return true;
+}
+
+int become_hook(Hook hook, const fs::path& program, const HookRequest& request,
+                const HookFiles& files) {
   auto variables = std::move(hook.variables);
   variables.emplace_back("PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin");
   variables.emplace_back("LC_ALL=C.UTF-8");
@@ -93,11 +106,7 @@ int become_hook(Hook hook, const fs::path& program, const HookRequest& request, 
   variables.push_back("DDSSEC_SUBJECT=" + request.subject);
   if (!request.wanted.empty()) variables.push_back("DDSSEC_WANTED=" + request.wanted);
   ::signal(SIGPIPE, SIG_DFL);
-  ::setrlimit(RLIMIT_CORE, &kNoCore);
-  if (::chdir("/") != 0 || ::dup2(in, STDIN_FILENO) < 0 || ::dup2(out, STDOUT_FILENO) < 0)
-    return kNotStarted;
-  ::close(in);
-  ::close(out);
+  if (::chdir("/") != 0 || !arrange(files)) return kNotStarted;
   ::execve(program.c_str(), argument_pointers(hook.words).data(),
            argument_pointers(variables).data());
   return kNotStarted;
@@ -140,9 +149,12 @@ Result<std::string> run_hook(const Hook& hook, const HookRequest& request, HeldS
   // A user who can change the program would get the rights of the agent.
   DDSSEC_RETURN_IF_ERROR(check_file(program, tool_code::hook_unsafe, tool_code::hook_failed));
   const auto deadline = std::chrono::steady_clock::now() + hook.timeout;
-  DDSSEC_ASSIGN_OR_RETURN(auto child, ChildProcess::start(signals, [&](int in, int out) {
-                            return become_hook(hook, program, request, in, out);
-                          }));
+  HookMessages messages(signals);
+  const auto become = [&](int in, int out) {
+    return become_hook(hook, program, request, {in, out, messages.hook_end()});
+  };
+  DDSSEC_ASSIGN_OR_RETURN(auto child, ChildProcess::start(signals, become, messages.hook_end()));
+  messages.close_hook_end();
   const auto sent = child.write(request.input, deadline);
   if (sent != End::done && sent != End::closed)
     return hook_ended_error(sent, hook, request.max_answer);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/code.hpp"
+#include "cli/frame/notices.hpp"
 
 namespace ddssec::cli {
 namespace {
@@ -42,6 +43,11 @@ int send_line(int out, const Json& value) {
   return 0;
 }
 
+void add_notice_to(Json& line, const std::string& member) {
+  const auto notices = take_notices();
+  if (!notices.empty() && !line.contains(member)) line[member] = error_to_json(notices.front());
+}
+
 Json error_line(const Error& error) { return {{"error", error_to_json(error)}}; }
 
 std::string text_in(const Json& json, std::string_view name) {
@@ -58,13 +64,17 @@ Json to_json(const RenewalRequest& request) {
   return {{"request", request.request},
           {"certificate", request.certificate},
           {"permissions", to_hex(request.permissions)},
-          {"lifetime", request.lifetime.count()}};
+          {"lifetime", request.lifetime.count()},
+          {"only_permissions", int(request.is_only_for_permissions)}};
 }
 
 Result<RenewalRequest> request_from(const Json& json) {
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, octets_in(json, "permissions"));
-  return RenewalRequest{text_in(json, "request"), text_in(json, "certificate"),
-                        std::move(permissions), std::chrono::seconds(number_in(json, "lifetime"))};
+  return RenewalRequest{.request = text_in(json, "request"),
+                        .certificate = text_in(json, "certificate"),
+                        .permissions = std::move(permissions),
+                        .lifetime = std::chrono::seconds(number_in(json, "lifetime")),
+                        .is_only_for_permissions = number_in(json, "only_permissions") != 0};
 }
 
 Json to_json(const RenewalAnswer& answer) {
@@ -82,11 +92,13 @@ std::string answer_line(RenewalAnswer& answer) {
 }
 
 Result<RenewalAnswer> answer_from(const Json& json) {
+  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, octets_in(json, "permissions"));
   RenewalAnswer out{.certificate = text_in(json, "certificate"),
                     .permissions = std::move(permissions),
                     .renewals = text_in(json, "renewals")};
   if (json.contains("problem")) out.problem = error_from(json["problem"]);
+  if (json.contains("notice")) out.notice = error_from(json["notice"]);
   return out;
 }
 

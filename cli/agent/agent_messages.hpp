@@ -21,6 +21,8 @@ struct RenewalRequest {
   std::string certificate;           ///< the one in place, PEM
   Bytes permissions = {};            ///< those in place, to be extended; empty: they stay
   std::chrono::seconds lifetime{1};  ///< of the certificate
+  /// Only the permissions are due; the certificate is renewed with them if they can be extended.
+  bool is_only_for_permissions = false;
 };
 
 /// The CA's answer to a RenewalRequest.
@@ -28,6 +30,7 @@ struct RenewalAnswer {
   std::string certificate;            ///< PEM
   Bytes permissions = {};             ///< signed; empty: those in place stay
   std::optional<Error> problem = {};  ///< why permissions or a list could not be renewed
+  std::optional<Error> notice = {};   ///< a warning about the CA's files; not for the worker
   /// The CA's renewal list with this certificate. Empty if there is none or if it is too long for a
   /// line.
   std::string renewals = {};
@@ -49,19 +52,22 @@ Result<Json> json_from(std::string_view line);
 int send_line(int out, const Json& value);
 /// Returns the line that a process sends instead of a result.
 Json error_line(const Error& error);
+/// Adds the first notice of this process (frame/notices.hpp) as a member, if there is one and the
+/// line has no such member.
+void add_notice_to(Json& line, const std::string& member);
 
 /// Writes the request as a line that request_from reads.
 Json to_json(const RenewalRequest& request);
 /// Reads a request. A text that is absent is empty. Error: internal (the permissions are not
 /// hexadecimal).
 Result<RenewalRequest> request_from(const Json& json);
-/// Writes the answer as a line that answer_from reads.
+/// Writes the answer, without its notice, as a line that answer_from reads.
 Json to_json(const RenewalAnswer& answer);
 /// Returns the answer as one line with its line break. If it is too long, removes the renewal list
 /// from the answer.
 std::string answer_line(RenewalAnswer& answer);
-/// Reads an answer. A text that is absent is empty. Error: internal (the permissions are not
-/// hexadecimal).
+/// Reads an answer. A text that is absent is empty. Errors: internal (the permissions are not
+/// hexadecimal), the error that the line reports.
 Result<RenewalAnswer> answer_from(const Json& json);
 
 /// Writes the request as a line that document_request_from reads.

@@ -69,13 +69,17 @@ std::vector<OverlapToEnd> overlaps_to_end(const Arguments& agent) {
   if (agent.has("--permissions")) roles.emplace_back("permissions");
   for (const auto& role : roles) {
     const auto overlap = read_overlap(ca_paths(agent.text("--ca"), role));
-    if (overlap && *overlap) out.push_back({role, (*overlap)->until});
+    if (!overlap)
+      out.push_back({role, WallTime::min(), overlap.error()});
+    else if (*overlap)
+      out.push_back({role, (*overlap)->until});
   }
   return out;
 }
 
 Result<Json> end_overlap(const OverlapToEnd& overlap, const Arguments& agent,
                          const Context& context) {
+  if (overlap.fault) return std::unexpected(*overlap.fault);
   DDSSEC_RETURN_IF_ERROR(check_owners(overlap, agent, context.clock.calendar_seconds()));
   auto words = words_by_hand(overlap, agent);
   for (const auto* option : {"--passphrase-file", "--passphrase-env"})

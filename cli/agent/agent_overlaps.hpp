@@ -13,9 +13,12 @@ namespace ddssec::cli {
 struct OverlapToEnd {
   std::string role;
   WallTime until;
+  /// The reason why its record cannot be read. The overlap is then due now, so that the agent
+  /// reports it: otherwise the former CA would be trusted for ever.
+  std::optional<Error> fault = {};
 };
 /// Returns the overlaps that are under way: of the identity CA and, with --permissions, of the
-/// permissions CA. An overlap whose record cannot be read is left out; `ca show` gives the reason.
+/// permissions CA.
 std::vector<OverlapToEnd> overlaps_to_end(const Arguments& agent);
 
 /// Runs `ca rotate --end --when-due` for that role. Every folder that the CA's log knows here must
@@ -23,7 +26,7 @@ std::vector<OverlapToEnd> overlaps_to_end(const Arguments& agent);
 /// members of an event:
 ///   {"role", "subject", "until", "folders", "left", "files", "problem"}
 /// "left": the folders that still have their former files; "problem": the first error about them.
-/// Errors: folder_untrusted; those of the command.
+/// Errors: `fault`; folder_untrusted; those of the command.
 Result<Json> end_overlap(const OverlapToEnd& overlap, const Arguments& agent,
                          const Context& context);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -11,6 +10,7 @@
 #include "cli/agent/agent_ca.hpp"
 #include "cli/agent/agent_response.hpp"
 #include "cli/agent/agent_schedule.hpp"
+#include "cli/agent/files_in_place.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/documents/documents.hpp"
@@ -40,8 +40,7 @@ pki::ParticipantFolder files_in(const fs::path& folder) {
   return out;
 }
 
-// Returns the mode for the file that replaces `file`: its present mode without rights that no
-// document needs.
+// Returns the mode for the successor of a file: its own without rights that no document needs.
 Result<unsigned> mode_of(const fs::path& file, unsigned mask) {
   struct stat status {};
   const int folder = folder_descriptor(file.parent_path());
@@ -57,6 +56,7 @@ struct Participant {
   const AgentTask& task;
   const Context& context;
   pki::ParticipantFolder files;
+  FilesInPlace in_place;  // the files that decide what the CA is asked for
   pki::Certificate certificate;
   // Signed by the folder's permissions CA. Empty: they are not to be extended.
   Bytes permissions = {};
@@ -87,7 +87,7 @@ Result<Permissions> verified_permissions(const Participant& self, BytesView octe
   return Permissions{std::move(own.grant), std::move(text)};
 }
 
-// Permissions that cannot be read are not extended; `doctor` says what is wrong with them.
+// Permissions that cannot be read are not extended; `doctor` says why they cannot.
 void read_permissions_of(Participant& self) {
   if (!self.task.takes_permissions || !path_exists(self.files.permissions)) return;
   auto octets = read_file(self.files.permissions, pki::kMaxSentPermissionsOctets);
@@ -122,8 +122,11 @@ Result<Participant> read_participant(const AgentTask& task, const LockedFolder* 
   if (files.certificate.extension() == ".p11")
     return fail(Code::key_in_token, {.document = files.certificate,
                                      .note = "the certificate is in a token, not in a file"});
+  std::vector<fs::path> judged = {files.certificate, files.key};
+  if (task.takes_permissions) judged.push_back(files.permissions);
+  const FilesInPlace in_place(judged);
   DDSSEC_ASSIGN_OR_RETURN(auto certificate, certificate_to_renew(files.certificate));
-  Participant out{task, context, std::move(files), std::move(certificate)};
+  Participant out{task, context, std::move(files), in_place, std::move(certificate)};
   read_permissions_of(out);
   return out;
 }
@@ -131,6 +134,10 @@ Result<Participant> read_participant(const AgentTask& task, const LockedFolder* 
 WallTime due_by_certificate(const Participant& self) {
   return self.task.known == to_hex(self.certificate.fingerprint()) ? self.task.known_renewal
                                                                    : renewal_time(self.certificate);
+}
+
+bool is_certificate_due(const Participant& self) {
+  return is_from_the_future(self.certificate, self.now()) || due_by_certificate(self) <= self.now();
 }
 
 // If the permissions end before the certificate, the renewal is due as if the certificate ended
@@ -203,7 +210,7 @@ Status check_dates(const Participant& self, const pki::Certificate& renewed) {
 
 // An expired list of the folder may lack later revocations, but what it revokes stays revoked.
 // verify() does not look for that in an expired list, so the callers use check_not_on() as well.
-Result<pki::ChainVerifier> verifier_of(const Participant& self) {
+Result<pki::ChainVerifier> verifier_of(const Participant& self, pki::CrlPolicy policy) {
   const auto& files = self.files;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors, read_certificates(files.identity_ca));
   std::vector<pki::Crl> lists;
@@ -211,12 +218,10 @@ Result<pki::ChainVerifier> verifier_of(const Participant& self) {
     DDSSEC_ASSIGN_OR_RETURN(lists, read_lists(files.crl));
   }
   return with_default_document(
-      pki::ChainVerifier::make(std::move(anchors), std::move(lists), pki::CrlPolicy::soft_fail),
-      files.identity_ca);
+      pki::ChainVerifier::make(std::move(anchors), std::move(lists), policy), files.identity_ca);
 }
 
-// Says that the error is about the certificate that the CA or the hook answered, not about the file
-// that it was for.
+// Says that the error is about the certificate that the CA or the hook answered, not the file.
 template <class T>
 Result<T> about_answer(Result<T> result, const fs::path& file) {
   if (result) return result;
@@ -232,11 +237,10 @@ Result<T> about_answer(Result<T> result, const fs::path& file) {
 }
 
 Status check_chain(const Participant& self, const pki::Certificate& renewed) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::soft_fail));
   DDSSEC_RETURN_IF_ERROR(
       about_answer(verifier.verify(renewed, self.now()), self.files.certificate));
-  // The certificate in place must not be revoked either: the issuer of the new one may not know of
-  // the list.
+  // Nor may the one in place be revoked: the issuer of the new one may not know of the list.
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
   return check_not_on(verifier, renewed, self.files.crl);
 }
@@ -259,7 +263,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
   return renewed;
 }
 
-// Puts the key before its certificate, as `identity renew` does.
+// Puts the key first, as `identity renew` does.
 Status put_certificate(const Participant& self, const pki::Certificate& renewed,
                        const pki::PrivateKey& key, FileTransaction& out) {
   const auto& files = self.files;
@@ -315,6 +319,14 @@ void keep_renewals(const Participant& self, const std::string& renewals, Json& e
   if (!status && !event.contains("problem")) event["problem"] = error_to_json(status.error());
 }
 
+// Keeps what peers want to see beside the certificate in the folder: the OCSP response, and the
+// renewal list (`renewals`; if it is empty, that of the task).
+void keep_for_peers(const Participant& self, const pki::Certificate& certificate,
+                    const std::string& renewals, Json& event) {
+  keep_response({self.files, certificate, self.now(), self.task.responders}, event);
+  keep_renewals(self, renewals.empty() ? self.task.renewals : renewals, event);
+}
+
 Json renewed_event(const Participant& self, const pki::Certificate& certificate, WallTime next,
                    const RenewalAnswer& answer, const std::vector<WrittenFile>& files) {
   auto event = event_of("renewed", certificate, next);
@@ -327,44 +339,53 @@ Json renewed_event(const Participant& self, const pki::Certificate& certificate,
   return event;
 }
 
+Result<std::vector<WrittenFile>> commit(const Participant& self, FileTransaction& out) {
+  DDSSEC_RETURN_IF_ERROR(self.in_place.check_unchanged());
+  return out.commit();
+}
+
 // The CA has no certificate with a later end, for example because the CA itself ends then. Without
 // this, the permissions would end before the certificate although the CA can extend them.
-Result<Json> extend_permissions(const Participant& self, const RenewalAnswer& answer) {
+Result<Json> extend_permissions(const Participant& self, const AgentServices& agent,
+                                const RenewalAnswer& answer) {
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
-  DDSSEC_ASSIGN_OR_RETURN(const auto files, out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(const auto files, commit(self, out));
   auto event = renewed_event(self, self.certificate, due_by_certificate(self), answer, files);
-  keep_response({self.files, self.certificate, self.now(), self.task.responders}, event);
-  keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
+  agent.report_renewed(event);
+  keep_for_peers(self, self.certificate, answer.renewals, event);
   return event;
 }
 
-Result<Json> renew(const Participant& self, const AskCa& ask) {
+Result<Json> renew(const Participant& self, const AgentServices& agent) {
   DDSSEC_RETURN_IF_ERROR(mode_of(self.files.certificate, 0));  // before the CA is asked
   DDSSEC_ASSIGN_OR_RETURN(const auto key, key_for_request(self));
   DDSSEC_ASSIGN_OR_RETURN(auto pem, pki::make_request(key, self.certificate));
   // Checked before the CA issues anything, because a CA behind a hook may not know of the list.
-  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self));
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::soft_fail));
   DDSSEC_RETURN_IF_ERROR(check_not_on(verifier, self.certificate, self.files.crl));
-  const RenewalRequest request{std::move(pem), self.certificate.pem(), self.permissions,
-                               lifetime(self.certificate)};
-  DDSSEC_ASSIGN_OR_RETURN(const auto answer, ask(request));
+  const RenewalRequest request{.request = std::move(pem),
+                               .certificate = self.certificate.pem(),
+                               .permissions = self.permissions,
+                               .lifetime = lifetime(self.certificate),
+                               .is_only_for_permissions = !is_certificate_due(self)};
+  DDSSEC_ASSIGN_OR_RETURN(const auto answer, agent.ask(request));
   // If only the permissions are due and cannot be extended, the certificate is not renewed alone:
   // that would be repeated on every visit.
-  if (answer.permissions.empty() && answer.problem && due_by_certificate(self) > self.now())
+  if (answer.permissions.empty() && answer.problem && request.is_only_for_permissions)
     return std::unexpected(*answer.problem);
   if (answer.certificate == request.certificate && !answer.permissions.empty())
-    return extend_permissions(self, answer);
+    return extend_permissions(self, agent, answer);
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed, checked(self, answer.certificate, key));
   FileTransaction out;
   DDSSEC_RETURN_IF_ERROR(put_certificate(self, renewed, key, out));
   if (!answer.permissions.empty())
     DDSSEC_RETURN_IF_ERROR(put_permissions(self, answer.permissions, out));
-  DDSSEC_ASSIGN_OR_RETURN(const auto files, out.commit());
+  DDSSEC_ASSIGN_OR_RETURN(const auto files, commit(self, out));
   auto event = renewed_event(self, renewed, renewal_from(renewed, self.now()), answer, files);
   event["rekeyed"] = self.task.is_rekeying;
-  keep_response({self.files, renewed, self.now(), self.task.responders}, event);
-  keep_renewals(self, answer.renewals.empty() ? self.task.renewals : answer.renewals, event);
+  agent.report_renewed(event);
+  keep_for_peers(self, renewed, answer.renewals, event);
   return event;
 }
 
@@ -393,11 +414,36 @@ Status check_permissions(const Participant& self) {
                            self.files.folder.string())});
 }
 
-// Checks the files beside the certificate even if it is not due: with faulty ones the participant
-// does not start, and the next renewal fails.
+// Judges the certificate as the participant does when it starts.
+Status check_certificate(const Participant& self) {
+  const auto& files = self.files;
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::hard_fail));
+  if (const auto chain = verifier.verify(self.certificate, self.now()); !chain) {
+    const auto code = chain.error().code();
+    const bool is_about_list = code >= Code::crl_missing && code <= Code::crl_signature_invalid;
+    return std::unexpected(
+        chain.error().with_default_document(is_about_list ? files.crl : files.certificate));
+  }
+  return check_not_on(verifier, self.certificate, files.crl);
+}
+
+// Warns in the last sixth of a list's time, as a participant does. Comes last, to hide no problem.
+Status check_lists_last(const Participant& self) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, verifier_of(self, pki::CrlPolicy::hard_fail));
+  DDSSEC_ASSIGN_OR_RETURN(const auto chain, verifier.verify(self.certificate, self.now()));
+  const auto end = chain.crl_next_update();
+  if (!end || *end <= self.now()) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto lists, read_lists(self.files.crl));
+  const auto list = std::ranges::find(lists, end, &pki::Crl::next_update);
+  if (list == lists.end() || self.now() <= *end - (*end - list->this_update()) / 6) return {};
+  return fail(Code::crl_ends_soon,
+              {.document = self.files.crl, .field = "nextUpdate", .found = to_string(*end)});
+}
+
+// With faulty files the participant does not start, and the next renewal fails.
 Status check_fit(const Participant& self) {
   DDSSEC_RETURN_IF_ERROR(check_key(self));
-  DDSSEC_RETURN_IF_ERROR(check_chain(self, self.certificate));
+  DDSSEC_RETURN_IF_ERROR(check_certificate(self));
   return check_permissions(self);
 }
 
@@ -405,6 +451,20 @@ Json not_renewed(const Participant& self, WallTime due) {
   auto event = event_of(due > self.now() ? "current" : "due", self.certificate, due);
   if (const auto fit = check_fit(self); !fit) event["problem"] = error_to_json(fit.error());
   return event;
+}
+
+// Without the renewal list, sessions with renewed participants would end. Without the OCSP
+// response, peers would refuse this one. Their errors matter less than that of the renewal.
+Result<Json> after_failure(const Participant& self, const AgentServices& agent,
+                           const Error& error) {
+  DDSSEC_RETURN_IF_ERROR(check_not_interrupted());
+  agent.report_failed(error);
+  auto kept = event_of("current", self.certificate, self.now());
+  keep_for_peers(self, self.certificate, {}, kept);
+  Json out = error_line(error);
+  for (const auto* name : {"files", "ocsp_silent"})
+    if (kept.contains(name)) out[name] = kept[name];
+  return out;
 }
 
 }  // namespace
@@ -425,19 +485,16 @@ Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
     keep_renewals(self, task.renewals, event);
     return event;
   }
-  if (due > self.now()) {
+  if (due > self.now() || task.is_waiting) {
     auto event = not_renewed(self, due);
-    if (task.is_dry_run) return event;
-    keep_response({self.files, self.certificate, self.now(), task.responders}, event);
-    keep_renewals(self, task.renewals, event);
+    if (!task.is_dry_run) keep_for_peers(self, self.certificate, {}, event);
+    if (const auto lists = check_lists_last(self); !lists && !event.contains("problem"))
+      event["problem"] = error_to_json(lists.error());
     return event;
   }
   if (task.is_dry_run) return not_renewed(self, due);
-  auto event = renew(self, agent.ask);
-  // Without the list, sessions with participants that were renewed would end. An error of the list
-  // is ignored, because the one of the renewal is more important.
-  if (!event && !task.renewals.empty()) std::ignore = put_list_of_ca(self, task.renewals);
-  return event;
+  auto event = renew(self, agent);
+  return event ? event : after_failure(self, agent, event.error());
 }
 
 }  // namespace ddssec::cli

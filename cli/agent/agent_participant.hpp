@@ -32,6 +32,9 @@ struct AgentTask {
   std::string renewals = {};  ///< the CA's renewal list, to be put into the folder; empty: none
   bool fetches_documents = false;  ///< it is time to ask the second hook
   bool is_only_for_list = false;   ///< put only the renewal list into the folder
+  /// A renewal has failed and is not tried again yet. Lists and the OCSP response are kept
+  /// nevertheless.
+  bool is_waiting = false;
 };
 
 /// Asks the CA; the answer is not yet checked.
@@ -42,6 +45,10 @@ struct AgentServices {
   AskCa ask;
   FetchDocument fetch;
   std::function<void(const Json&)> report_documents;  ///< reports the outcome of the documents
+  /// Reports the event as soon as the renewed files are in place: what follows may take long.
+  std::function<void(const Json&)> report_renewed;
+  /// Reports an error of the renewal before what follows it, for the same reason.
+  std::function<void(const Error&)> report_failed;
 };
 
 /// Renews the certificate in the folder if it is due. Gives up the rights of root first
@@ -50,15 +57,17 @@ struct AgentServices {
 /// The answer must have the participant's subject, octet for octet, and the requested key. It must
 /// chain to the folder's identity CA, be valid now, not be revoked by the folder's crl.pem, not
 /// begin earlier than the certificate in place, and end later. Only after that the files are
-/// replaced, all or none, with their former owner and mode. If the certificate names an OCSP
-/// responder, its response is kept too (agent_response.hpp). The renewal list is put into the
-/// folder if it differs. With a locked folder, the folder of the task must be that one. The result
-/// is an event:
+/// replaced, all or none, with their former owner and mode, unless another program replaced one
+/// meanwhile. If the certificate names an OCSP responder, its response is kept too
+/// (agent_response.hpp). The renewal list is put into the folder if it differs. With a locked
+/// folder, the folder of the task must be that one. The result is an event:
 ///   {"event": "current" | "due" | "renewed" | "ocsp_renewed", "subject", "not_after", "next", ...}
 /// The event's "problem" tells why the participant does not start, or why the next renewal will
 /// fail: because of the key, the identity CA, the list or (with takes_permissions) the permissions
-/// in the folder. Errors: folder_untrusted, key_in_token, key_mismatch, renewal_unfit,
-/// renewal_goes_back, those of `ask`, of ChainVerifier::verify and of FileTransaction.
+/// in the folder. After a renewal that failed, the OCSP response and the renewal list are kept,
+/// too; the result is then {"error", "files", "ocsp_silent"}. Errors: folder_untrusted,
+/// key_in_token, key_mismatch, renewal_unfit, renewal_goes_back, files_changed, those of `ask`, of
+/// ChainVerifier::verify and of FileTransaction.
 Result<Json> maintain_folder(const AgentTask& task, const LockedFolder* locked,
                              const AgentServices& agent, const Context& context);
 

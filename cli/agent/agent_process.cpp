@@ -6,11 +6,13 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -24,6 +26,17 @@ using End = ChildProcess::End;
 using std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kTimeToEnd{2};
+constexpr std::size_t kMaxUnended = 64;
+
+// The processes that had not ended when their ChildProcess was destroyed.
+std::vector<pid_t>& unended() {
+  static std::vector<pid_t> all;
+  return all;
+}
+
+void reap_unended() {
+  std::erase_if(unended(), [](pid_t pid) { return ::waitpid(pid, nullptr, WNOHANG) != 0; });
+}
 
 int milliseconds_until(Deadline deadline) {
   // The wait is cut because poll() does not count the time while a machine sleeps.
@@ -38,6 +51,15 @@ std::unexpected<Error> no_process_error(int error) {
 
 // The header of glibc 2.36 declares pidfd_open without C linkage, so C++ cannot link to it.
 int open_process(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
+
+// Waits at most kTimeToEnd.
+void wait_for_end(pid_t pid) {
+  const int file = open_process(pid);
+  if (file < 0) return;
+  pollfd one{file, POLLIN, 0};
+  ::poll(&one, 1, static_cast<int>(std::chrono::milliseconds(kTimeToEnd).count()));
+  ::close(file);
+}
 
 void close_between(int first, int last) {
   if (first <= last) ::close_range(static_cast<unsigned>(first), static_cast<unsigned>(last), 0);
@@ -56,6 +78,9 @@ void close_all_but(std::array<int, 3> kept) {
 
 [[noreturn]] void run_child(const HeldSignals& signals, const ChildProcess::Body& body, int in,
                             int out, int kept) {
+  // A core file could have a key or a passphrase.
+  constexpr rlimit kNoCore = {.rlim_cur = 0, .rlim_max = 0};
+  ::setrlimit(RLIMIT_CORE, &kNoCore);
   ::setsid();  // with the agent's terminal, code in the child could type commands there
   // The child gets SIGTERM when the agent ends. If the agent has ended already, a worker reads the
   // end of its pipe instead.
@@ -90,6 +115,11 @@ void HeldSignals::read_signals() {
     (one.ssi_signo == static_cast<unsigned>(SIGHUP) ? is_reload_ : is_stopped_) = true;
 }
 
+void HeldSignals::watch(int file, std::function<bool()> on_readable) {
+  watched_ = file;
+  on_readable_ = std::move(on_readable);
+}
+
 bool HeldSignals::take_reload() { return std::exchange(is_reload_, false); }
 
 Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_reload) {
@@ -97,9 +127,12 @@ Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_relo
     read_signals();
     if (is_stopped_) return Woken::stop;
     if (for_reload && is_reload_) return Woken::time;
-    std::array<pollfd, 2> files{pollfd{file_, POLLIN, 0}, pollfd{file, events, 0}};
+    std::array<pollfd, 3> files{pollfd{file_, POLLIN, 0}, pollfd{file, events, 0},
+                                pollfd{watched_, POLLIN, 0}};
     if (::poll(files.data(), files.size(), milliseconds_until(deadline)) > 0) {
+      if (files[2].revents != 0 && !on_readable_()) watch(-1, {});
       if (files[1].revents != 0) return Woken::ready;
+      if (files[2].revents != 0 && steady_clock::now() >= deadline) return Woken::time;
     } else if (steady_clock::now() >= deadline) {
       return Woken::time;
     }
@@ -107,6 +140,11 @@ Woken HeldSignals::wait(int file, short events, Deadline deadline, bool for_relo
 }
 
 Result<ChildProcess> ChildProcess::start(HeldSignals& signals, const Body& body, int kept) {
+  reap_unended();
+  if (unended().size() >= kMaxUnended)
+    return fail(Code::internal,
+                {.field = "a process",
+                 .note = fmt::format("{} former ones cannot be ended", unended().size())});
   std::array<int, 2> down{}, up{};
   if (::pipe2(down.data(), O_CLOEXEC) != 0) return no_process_error(errno);
   if (::pipe2(up.data(), O_CLOEXEC) != 0) {
@@ -184,8 +222,8 @@ End ChildProcess::wait(Deadline deadline) {
   const auto woken = signals_.wait(file, POLLIN, deadline);
   ::close(file);
   if (woken != Woken::ready) return woken == Woken::stop ? End::stopped : End::too_slow;
-  end_group();
-  return End::done;
+  kill_group();
+  return reap() ? End::done : End::too_slow;
 }
 
 // Also signals the process itself, because it may not have made its group yet.
@@ -194,24 +232,31 @@ void ChildProcess::signal_group(int signal) const {
   ::kill(pid_, signal);
 }
 
-// Kills what the process left running. No other group can have its number until the process is
-// reaped.
-void ChildProcess::end_group() {
+// Kills the process and what it left running. No other group can have its number until the process
+// is reaped.
+void ChildProcess::kill_group() {
   signal_group(SIGKILL);
-  int status = 0;
-  if (::waitpid(pid_, &status, 0) == pid_) status_ = status;
+  is_killed_ = true;
+  wait_for_end(pid_);
 }
 
-// A stop signal that arrived earlier must not shorten this wait, so this function ignores signals_.
-void ChildProcess::stop() {
-  if (pid_ <= 0 || status_) return;
-  signal_group(SIGTERM);
-  if (const int file = open_process(pid_); file >= 0) {
-    pollfd one{file, POLLIN, 0};
-    ::poll(&one, 1, static_cast<int>(std::chrono::milliseconds(kTimeToEnd).count()));
-    ::close(file);
+bool ChildProcess::reap() {
+  if (pid_ <= 0 || status_) return true;
+  int status = 0;
+  if (::waitpid(pid_, &status, WNOHANG) == pid_) status_ = status;
+  return status_.has_value();
+}
+
+// A stop signal that arrived earlier must not shorten these waits, so this function ignores
+// signals_.
+bool ChildProcess::stop() {
+  if (pid_ <= 0 || status_) return true;
+  if (!is_killed_) {
+    signal_group(SIGTERM);
+    wait_for_end(pid_);
+    kill_group();
   }
-  end_group();
+  return reap();
 }
 
 std::string ChildProcess::failure() const {
@@ -221,7 +266,7 @@ std::string ChildProcess::failure() const {
 }
 
 ChildProcess::~ChildProcess() {
-  stop();
+  if (!stop()) unended().push_back(pid_);
   end_input();
   if (out_ >= 0) ::close(out_);
 }
@@ -232,6 +277,14 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept
       in_(std::exchange(other.in_, -1)),
       out_(std::exchange(other.out_, -1)),
       buffer_(std::move(other.buffer_)),
+      is_killed_(other.is_killed_),
       status_(other.status_) {}
+
+std::unexpected<Error> no_answer_error(ChildProcess::End end) {
+  if (end == ChildProcess::End::stopped) return fail(Code::interrupted);
+  return fail(Code::internal,
+              {.field = "a process of the agent",
+               .note = end == ChildProcess::End::too_slow ? "it took too long" : "it has ended"});
+}
 
 }  // namespace ddssec::cli

@@ -31,6 +31,10 @@ class HeldSignals {
   /// the wait, like the deadline.
   Woken wait(int file, short events, Deadline deadline, bool for_reload = false);
 
+  /// Calls `on_readable` in each wait while the file has something to read, until it returns false.
+  /// -1: no file.
+  void watch(int file, std::function<bool()> on_readable);
+
   bool is_stopped() const { return is_stopped_; }
   /// True once after each SIGHUP.
   bool take_reload();
@@ -41,19 +45,23 @@ class HeldSignals {
   void read_signals();
   sigset_t former_{};
   int file_ = -1;
+  int watched_ = -1;
+  std::function<bool()> on_readable_ = {};
   bool is_stopped_ = false;
   bool is_reload_ = false;
 };
 
 /// A child process. It is killed with its process group if it still runs when this is destroyed.
+/// SIGKILL does not end a process while it waits for a file system that does not answer. So no
+/// function waits for the end without a limit.
 class ChildProcess {
  public:
   /// The work of a child; its process ends with the exit code. `in` and `out` are the child's ends
   /// of two pipes.
   using Body = std::function<int(int in, int out)>;
-  /// Starts a child in a session of its own, which has no terminal, with /dev/null as standard
-  /// input. Of the open files it inherits only the pipes, standard output, standard error and
-  /// `kept` (-1: none). Error: internal.
+  /// Starts a child in a session of its own, which has no terminal and leaves no core file, with
+  /// /dev/null as standard input. Of the open files it inherits only the pipes, standard output,
+  /// standard error and `kept` (-1: none). Error: internal.
   static Result<ChildProcess> start(HeldSignals& signals, const Body& body, int kept = -1);
 
   /// The outcome of an exchange with a child.
@@ -69,8 +77,12 @@ class ChildProcess {
   /// Waits until the process has ended of its own accord, then kills what it left running in its
   /// group.
   End wait(Deadline deadline);
-  /// Ends the process with SIGTERM and, after two seconds, its whole group with SIGKILL.
-  void stop();
+  /// Ends the process with SIGTERM and, after two seconds, its whole group with SIGKILL. Returns
+  /// false if the process has not ended two seconds after that.
+  bool stop();
+  /// Returns true if the process has ended.
+  bool reap();
+  pid_t number() const { return pid_; }
   /// Returns "exit code 3" or "signal 9". Empty for exit code 0, or if the process has not ended.
   std::string failure() const;
 
@@ -83,12 +95,17 @@ class ChildProcess {
       : signals_(signals), pid_(pid), in_(in), out_(out) {}
   End fill(std::size_t max_octets, Deadline deadline);
   void signal_group(int signal) const;
-  void end_group();
+  void kill_group();
   HeldSignals& signals_;
   pid_t pid_;
   int in_, out_;
   std::string buffer_ = {};  ///< read from the child, but not yet returned
+  bool is_killed_ = false;
   std::optional<int> status_ = {};
 };
+
+/// Returns the error for an exchange that did not end with `done`. Errors: interrupted (stopped),
+/// internal.
+std::unexpected<Error> no_answer_error(ChildProcess::End end);
 
 }  // namespace ddssec::cli

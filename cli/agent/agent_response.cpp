@@ -86,6 +86,21 @@ void look_again_at(WallTime time, Json& event) {
 
 }  // namespace
 
+AskedResponders asked_responders(const Arguments& arguments, bool is_own) {
+  const bool is_by_ca = arguments.has("--ca");
+  AskedResponders out{.cas_source = is_by_ca ? "--ca" : "--trust"};
+  if (!is_by_ca && !arguments.has("--trust")) {
+    out.asks_none = !is_own;
+    return out;
+  }
+  const auto cas =
+      read_certificates(is_by_ca ? ca_paths(arguments.text("--ca"), "identity").certificate
+                                 : std::filesystem::path(arguments.text("--trust")));
+  if (cas) out.cas_pem = to_pem(*cas);
+  out.asks_none = !cas;
+  return out;
+}
+
 void keep_response(const ResponseTask& task, Json& event) {
   if (pki::ocsp_responder_of(task.certificate).empty()) return;
   auto response = response_in_place(task);

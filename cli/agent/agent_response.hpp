@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <sys/types.h>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "cli/frame/command.hpp"
 #include "cli/frame/report.hpp"
 #include "pki/certificate.hpp"
 #include "pki/participant_folder.hpp"
@@ -21,6 +23,11 @@ struct AskedResponders {
   bool asks_none = false;
   std::vector<std::string> silent_urls = {};  ///< URLs that did not answer another folder's request
 };
+
+/// Returns the responders that an agent with these options asks for a folder. `is_own`: the folder
+/// belongs to the agent's own user. Such a folder is not restricted without --trust, because that
+/// user could ask any responder anyway.
+AskedResponders asked_responders(const Arguments& arguments, bool is_own);
 
 /// What it takes to decide whether a certificate needs a new OCSP response. Borrows everything.
 struct ResponseTask {

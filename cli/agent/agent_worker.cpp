@@ -105,7 +105,8 @@ Result<Order> receive_order() {
                      .responders = responders_from(json),
                      .renewals = text_in(json, "renewals"),
                      .fetches_documents = is_set(json, "documents"),
-                     .is_only_for_list = is_set(json, "only_list")}};
+                     .is_only_for_list = is_set(json, "only_list"),
+                     .is_waiting = is_set(json, "waiting")}};
   if (json.contains("now")) out.now = time_in(json, "now");
   if (json.contains("locked")) out.locked = locked_from(json["locked"]);
   return out;
@@ -130,6 +131,14 @@ AgentServices services() {
           .report_documents =
               [](const Json& documents) {
                 send_line(kOut, {{"documents", documents}});
+              },
+          .report_renewed =
+              [](const Json& event) {
+                send_line(kOut, {{"renewed", event}});
+              },
+          .report_failed =
+              [](const Error& error) {
+                send_line(kOut, {{"failed", error_to_json(error)}});
               }};
 }
 
@@ -153,7 +162,10 @@ bool is_one_of(std::string_view variable, const auto& names) {
 
 }  // namespace
 
-std::vector<std::string> worker_variables(bool is_own, const std::vector<std::string>& secret) {
+std::vector<std::string> worker_variables(bool is_own, const Arguments& arguments) {
+  // Only the process that asks the CA, and the hook, need these.
+  auto secret = arguments.all("--hook-env");
+  if (arguments.has("--passphrase-env")) secret.push_back(arguments.text("--passphrase-env"));
   std::vector<std::string> out;
   if (!is_own) {
     out.emplace_back("PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin");
@@ -193,7 +205,8 @@ std::string order_line(const AgentTask& task, const LockedFolder* locked,
               {"not_now", task.responders.silent_urls},
               {"renewals", task.renewals},
               {"documents", int(task.fetches_documents)},
-              {"only_list", int(task.is_only_for_list)}};
+              {"only_list", int(task.is_only_for_list)},
+              {"waiting", int(task.is_waiting)}};
   if (now) out["now"] = now->time_since_epoch().count();
   if (locked != nullptr)
     out["locked"] = {{"user", locked->owner.user},
@@ -208,7 +221,9 @@ void run_agent_worker() {
   note_interruptions();
   pki::stop_at_first_wrong_pin();
   const auto event = work();
-  ::_exit(send_line(kOut, event ? *event : error_line(event.error())));
+  auto line = event ? *event : error_line(event.error());
+  if (event && !line.contains("error")) add_notice_to(line, "problem");
+  ::_exit(send_line(kOut, line));
 }
 
 }  // namespace ddssec::cli

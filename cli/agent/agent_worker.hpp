@@ -16,11 +16,11 @@ namespace ddssec::cli {
 /// The only argument with which main() is started for this process. It is not a command for users.
 inline constexpr auto kAgentWorker = "--agent-worker";
 
-/// Returns the environment variables of the worker, none of `secret` among them. In a folder of the
-/// agent's own user it has all others. In a folder of another user it has a usual PATH and those of
-/// a short list that say where libraries and their settings are. Its HOME does not exist then, so
-/// that no module is loaded that the owner configured.
-std::vector<std::string> worker_variables(bool is_own, const std::vector<std::string>& secret);
+/// Returns the environment variables of the worker. Those of --hook-env and --passphrase-env are
+/// not among them. In a folder of the agent's own user it has all others. In a folder of another
+/// user it has a usual PATH and those of a short list that say where libraries and their settings
+/// are. Its HOME does not exist then, so that no module is loaded that the owner configured.
+std::vector<std::string> worker_variables(bool is_own, const Arguments& arguments);
 
 /// Starts a new process of this program with these variables. `in` and `out` are its ends of two
 /// pipes, and `lock` is a file that stays open (-1: none). Returns only if that fails, with an exit

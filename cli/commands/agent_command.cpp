@@ -19,8 +19,9 @@ Status check_options(const Arguments& arguments) {
     if (!by_ca && arguments.has(option)) return usage_error(option, "only with --ca");
   for (const auto* option : {"--hook-env", "--trust", "--documents-hook"})
     if (by_ca && arguments.has(option)) return usage_error(option, "only with --hook");
-  if (arguments.has("--crl") && !arguments.has("--trust"))
-    return usage_error("--crl", "only with --trust");
+  for (const auto* option : {"--crl", "--expired"})
+    if (arguments.has(option) && !arguments.has("--trust"))
+      return usage_error(option, "only with --trust");
   if (arguments.has("--once")) return {};
   for (const auto* option : {"--now", "--dry-run"})
     if (arguments.has(option)) return usage_error(option, "only with --once");
@@ -70,6 +71,9 @@ std::vector<Command> agent_commands() {
                    {"--crl", "FILE",
                     "with --trust: revocation lists; certificates on them are not renewed; without "
                     "it, crl.pem beside FILE of --trust, if there is one"},
+                   {"--expired", "",
+                    "with --trust: also renew certificates that have expired, which revocation "
+                    "lists may not name any more; the hook must then refuse revoked ones"},
                    {"--once", "", "look at each folder once and end, for cron"},
                    {"--rekey", "", "with a new key each time; otherwise the key stays"},
                    {"--permissions", "",

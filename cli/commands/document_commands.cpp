@@ -11,6 +11,7 @@
 #include "cli/ca/mistyped_subjects.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/ca/signed_documents.hpp"
+#include "cli/ca/signing_warnings.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/doctor/products.hpp"
 #include "cli/documents/documents.hpp"
@@ -104,6 +105,13 @@ std::vector<Finding> unfit_for_participants(const governance::Permissions& docum
   return out;
 }
 
+void warn_after_signing(const governance::Governance&, const fs::path&, const Arguments&,
+                        WallTime) {}
+void warn_after_signing(const governance::Permissions& document, const fs::path& to,
+                        const Arguments& arguments, WallTime now) {
+  warn_of_extension(document, to, arguments.text("--ca"), now);
+}
+
 // The text to sign: for a governance document with the next revision.
 Result<NumberedText> text_to_sign(const governance::Governance& document, BytesView xml,
                                   const fs::path& to, const OpenCa& ca,
@@ -180,6 +188,7 @@ Result<Answer<Signing>> sign(const Arguments& arguments, const Context& context)
                           ? list_signed(ca, signed_octets, to, context.clock.calendar_seconds())
                           : Status();
   if (!listed) report.errors.push_back(listed.error());
+  warn_after_signing(document, to, arguments, context.clock.calendar_seconds());
   return Answer<Signing>{{to, ca.certificate().subject(),
                           text.revision == 0 ? std::nullopt : std::optional(text.revision)},
                          std::move(report)};

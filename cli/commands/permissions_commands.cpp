@@ -6,6 +6,7 @@
 
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/new_document.hpp"
+#include "cli/ca/signing_warnings.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/documents/granted_domains.hpp"
@@ -169,6 +170,9 @@ Result<Answer<NewPermissions>> permissions_new(const Arguments& arguments, const
     return !rule.publish.empty() || !rule.subscribe.empty();
   });
   DDSSEC_ASSIGN_OR_RETURN(report.files_written, write_document(xml, arguments, context));
+  if (arguments.has("--sign"))
+    warn_of_extension(document, signed_path(arguments.text("-o")), arguments.text("--ca"),
+                      context.clock.calendar_seconds());
   out.result = {report.files_written.front().path, grant.subject_name, grant.validity.not_before,
                 grant.validity.not_after,          has_rights,         report.files_written};
   return out;

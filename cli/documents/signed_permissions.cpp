@@ -10,34 +10,37 @@
 
 namespace ddssec::cli {
 
-Result<SignedPermissions> own_permissions(const pki::SignedDocument& signed_document,
-                                          const pki::Certificate& certificate, WallTime now) {
+Result<SignedPermissions> permissions_of(const pki::SignedDocument& signed_document,
+                                         const pki::Certificate& certificate, WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(
-      const auto document,
+      auto document,
       governance::read_permissions(signed_document.content(), signed_document.first_line()));
   const auto subject = pki::SubjectName::of(certificate);
-  const auto is_own = [&](const auto& grant) { return governance::is_for(grant, subject); };
-  const auto is_valid_now = [&](const auto& grant) {
-    return is_own(grant) && grant.validity.not_before <= now && now < grant.validity.not_after;
-  };
-  auto found = std::ranges::find_if(document.grants, is_valid_now);
-  if (found == document.grants.end()) found = std::ranges::find_if(document.grants, is_own);
-  if (found == document.grants.end())
-    return fail(Code::no_grant_for_subject, {.found = certificate.subject()});
-  // Refuses if another grant of the participant ends later: an extension would delay the rights
-  // that it plans.
-  const auto planned = std::ranges::find_if(document.grants, [&](const auto& grant) {
-    return is_own(grant) && grant.validity.not_after > found->validity.not_after;
+  std::erase_if(document.grants,
+                [&](const auto& grant) { return !governance::is_for(grant, subject); });
+  const auto& own = document.grants;
+  if (own.empty()) return fail(Code::no_grant_for_subject, {.found = certificate.subject()});
+  const auto found = std::ranges::find_if(own, [&](const auto& grant) {
+    return grant.validity.not_before <= now && now < grant.validity.not_after;
   });
-  if (planned != document.grants.end())
-    return fail(tool_code::document_superseded,
-                {.field = "grants",
-                 .expected = "one grant for " + certificate.subject(),
-                 .found = "another that begins on " + to_string(planned->validity.not_before),
-                 .note = "a document that plans other rights is not extended",
-                 .hint = "sign a document for the time that follows: ddssec permissions sign"});
-  return SignedPermissions{*found, found->validity.not_after <= now,
-                           to_bytes(signed_document.content())};
+  const auto& grant = found == own.end() ? own.front() : *found;
+  const auto end = [](const auto& one) { return one.validity.not_after; };
+  return SignedPermissions{.grant = grant,
+                           .has_ended = grant.validity.not_after <= now,
+                           .last_end = end(*std::ranges::max_element(own, {}, end)),
+                           .text = to_bytes(signed_document.content())};
+}
+
+Result<SignedPermissions> own_permissions(const pki::SignedDocument& document,
+                                          const pki::Certificate& certificate, WallTime now) {
+  DDSSEC_ASSIGN_OR_RETURN(auto out, permissions_of(document, certificate, now));
+  if (out.last_end <= out.grant.validity.not_after) return out;
+  return fail(tool_code::document_superseded,
+              {.field = "grants",
+               .expected = "one grant for " + certificate.subject(),
+               .found = "another that ends on " + to_string(out.last_end),
+               .note = "a document that plans other rights is not extended",
+               .hint = "sign a document for the time that follows: ddssec permissions sign"});
 }
 
 governance::Permissions extended(const SignedPermissions& old, const pki::Certificate& certificate,

@@ -12,13 +12,19 @@ namespace ddssec::cli {
 
 /// A participant's permissions that the CA signed.
 struct SignedPermissions {
-  governance::Grant grant;  ///< the participant's own
+  governance::Grant grant;  ///< the participant's own: the one that is valid now, or else the first
   bool has_ended;
-  Bytes text;  ///< the text of the whole document
+  WallTime last_end;  ///< the end of the participant's last grant, which may be planned for later
+  Bytes text;         ///< the text of the whole document
 };
 
 /// Returns the grant for the certificate's subject. Errors: no_grant_for_subject, those of
 /// governance::read_permissions.
+Result<SignedPermissions> permissions_of(const pki::SignedDocument& document,
+                                         const pki::Certificate& certificate, WallTime now);
+
+/// As permissions_of, for a document that is to be extended. Errors: also document_superseded, if
+/// another grant of the participant ends later: an extension would delay the rights that it plans.
 Result<SignedPermissions> own_permissions(const pki::SignedDocument& document,
                                           const pki::Certificate& certificate, WallTime now);
 

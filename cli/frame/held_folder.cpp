@@ -1,5 +1,6 @@
 #include "cli/frame/held_folder.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
 #include <map>
@@ -34,14 +35,8 @@ std::string name_of(const fs::path& folder) {
   return out.empty() ? "." : out.string();
 }
 
-// Raises the limit of open files, because a fleet may have more folders than a process may open by
-// default.
-bool raise_limit() {
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return false;
-  limit.rlim_cur = limit.rlim_max;
-  return ::setrlimit(RLIMIT_NOFILE, &limit) == 0;
-}
+// A fleet may have more folders than a process may open by default.
+bool raise_limit() { return allow_open_files(RLIM_INFINITY); }
 
 int open_folder(int parent, const std::string& name, int flags) {
   flags |= O_DIRECTORY | O_CLOEXEC;
@@ -92,6 +87,15 @@ Status check_proc(int folder, const std::string& name) {
 }
 
 }  // namespace
+
+bool allow_open_files(rlim_t files) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return false;
+  const auto wanted = std::min(files, limit.rlim_max);
+  if (limit.rlim_cur >= wanted) return false;
+  limit.rlim_cur = wanted;
+  return ::setrlimit(RLIMIT_NOFILE, &limit) == 0;
+}
 
 Status hold_folder(const fs::path& folder) {
   const auto name = name_of(folder);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <sys/resource.h>
 
 #include "base/result.hpp"
 #include "cli/frame/new_file.hpp"
@@ -23,6 +24,10 @@ int folder_descriptor(const std::filesystem::path& folder);
 /// Opens a folder within an open folder, for listing and writing. A symbolic link is not followed.
 /// On error the descriptor is -1, with errno.
 FileDescriptor open_folder_in(int parent, const std::filesystem::path& name);
+
+/// Lets this process open so many files, if it may raise its limit that far; otherwise as many as
+/// it may. Returns true if the limit was raised.
+bool allow_open_files(rlim_t files);
 
 /// Returns the path for reading a file directly in a held folder, or for the folder itself. Any
 /// other path is returned unchanged. For system calls, not for messages.

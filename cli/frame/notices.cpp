@@ -1,6 +1,7 @@
 #include "cli/frame/notices.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,9 +36,10 @@ void notice_unreadable_lines(const std::filesystem::path& log, const std::vector
                    {.document = log, .line = lines.front(), .found = std::move(found)}));
 }
 
+std::vector<Error> take_notices() { return std::exchange(notices(), {}); }
+
 void report_notices(Report& report) {
-  for (auto& warning : notices()) report.errors.push_back(std::move(warning));
-  notices().clear();
+  for (auto& warning : take_notices()) report.errors.push_back(std::move(warning));
 }
 
 }  // namespace ddssec::cli

@@ -13,6 +13,8 @@ namespace ddssec::cli {
 void add_notice(Error warning);
 /// Adds a notice about unreadable lines of a CA's log: log_line_unreadable, once for each log.
 void notice_unreadable_lines(const std::filesystem::path& log, const std::vector<int>& lines);
+/// Removes the notices and returns them.
+std::vector<Error> take_notices();
 /// Moves the notices into the report.
 void report_notices(Report& report);
 

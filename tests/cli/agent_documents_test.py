@@ -8,7 +8,7 @@ import signal
 import time
 import unittest
 
-from agent_folders import AgentTest, Running
+from agent_folders import AgentTest, Running, ShortLived
 from transcript import main
 
 # Signs with `openssl smime`, as a CA elsewhere would.
@@ -43,14 +43,15 @@ class Documents(AgentTest):
         path.chmod(0o755)
         return ("--hook", self.signing_hook(), "--documents-hook", str(path))
 
-    def short_permissions(self, seconds=100):
-        """In the folder, signed by hand: two thirds of their time are over."""
+    def short_permissions(self, seconds=100, options=("-noattr",)):
+        """In the folder, signed by hand: two thirds of their time are over. Without options they say when they were
+        signed, and their time counts from then on."""
         text = (self.at / "rights.xml").read_text()
         now = datetime.datetime.now(datetime.timezone.utc)
         for sign, offset in (("@FROM@", -seconds * 4), ("@TO@", seconds)):
             text = text.replace(sign, (now + datetime.timedelta(seconds=offset)).strftime("%FT%TZ"))
         (self.talker / "permissions.xml").write_text(text)
-        self.openssl("smime", "-sign", "-text", "-signer", self.permissions_ca / "ca.pem", "-inkey",
+        self.openssl("smime", "-sign", "-text", *options, "-signer", self.permissions_ca / "ca.pem", "-inkey",
                      self.permissions_ca / "ca.key.pem", "-in", self.talker / "permissions.xml", "-out",
                      self.talker / "permissions.p7s")
 
@@ -101,13 +102,91 @@ class Documents(AgentTest):
 
     def test_DocumentThatWasSignedEarlier_IsRefusedThoughItLastsLonger(self):
         """It may have given more."""
-        self.short_permissions(200)
+        self.short_permissions(200, options=())
         wide = self.at / "wide.p7s"
         words = self.documents_hook(text=f"[ $DDSSEC_WANTED != permissions ] || cat {wide}")
         shutil.copy(self.talker / "permissions.p7s", wide)
         time.sleep(1.1)
-        self.short_permissions(100)  # signed later, and it ends earlier
-        self.assertEqual(self.look(*words, exit=1)["problem"]["code"], "renewal_goes_back")
+        self.short_permissions(100, options=())  # signed later, and it ends earlier
+        later = datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(seconds=90)
+        event = self.look(*words, "--now", later.strftime("%FT%TZ"), exit=1)
+        self.assertEqual(event["problem"]["code"], "renewal_goes_back")
+
+    def signed_grants(self, name, *spans):
+        """A document with a grant for each span, in seconds from now."""
+        text = (self.at / "rights.xml").read_text()
+        begin, end = text.index("<grant"), text.index("</grant>") + len("</grant>")
+        now = datetime.datetime.now(datetime.timezone.utc)
+        grants = ""
+        for span in spans:
+            grants += text[begin:end].replace('name="', f'name="from {span[0]} ', 1)
+            for sign, seconds in zip(("@FROM@", "@TO@"), span):
+                grants = grants.replace(sign, (now + datetime.timedelta(seconds=seconds)).strftime("%FT%TZ"))
+        (self.at / "grants.xml").write_text(text[:begin] + grants + text[end:])
+        self.openssl("smime", "-sign", "-text", "-signer", self.permissions_ca / "ca.pem", "-inkey",
+                     self.permissions_ca / "ca.key.pem", "-in", "grants.xml", "-out", name)
+        return f"[ $DDSSEC_WANTED != permissions ] || cat {self.at / name}"
+
+    def test_PermissionsThatPlanOthers_AreNotReplacedByEarlierOnes(self):
+        """Such a document cannot be extended, but it counts like any other."""
+        hour = 3600
+        wide = self.documents_hook(text=self.signed_grants("wide.p7s", (-400, 40 * hour)))
+        self.signed_grants("demo/talker/permissions.p7s", (-400, 5 * hour), (5 * hour, 20 * hour))
+        event = self.look(*wide, "--now", "+16h", exit=1)
+        self.assertEqual(event["problem"]["code"], "renewal_goes_back")
+        follow = self.documents_hook(text=self.signed_grants("next.p7s", (5 * hour, 30 * hour), (30 * hour, 60 * hour)))
+        self.assertEqual(self.names(self.look(*follow, "--now", "+16h")), ["permissions.p7s"])
+
+    def test_PermissionsWhoseBeginStays_AreDueByTheirSignature(self):
+        self.short_permissions(20 * 86400)
+        begin = (datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(days=60)).strftime("%FT%TZ")
+        words = self.documents_hook(seconds=30 * 86400, begin=begin)
+        self.assertEqual(self.names(self.look(*words)), ["permissions.p7s", "permissions.xml"])
+        self.assertIsNone(self.look(*words))
+        self.assertIsNone(self.look(*words, "--now", "+19d"))
+        self.assertIsNotNone(self.look(*words, "--now", "+21d", exit=None))
+
+    def test_HookWithoutPermissions_IsAProblemOnceTheyAreDue(self):
+        words = self.documents_hook(text="exit 0")
+        self.assertIsNone(self.look(*words))
+        self.short_permissions()
+        event = self.look(*words, exit=1)
+        self.assertEqual((event["files"], event["problem"]["code"]), ([], "no_new_permissions"))
+        self.assertIn("permissions that end on ", event["problem"]["message"])
+        self.short_permissions(-100)
+        self.assertEqual(self.look(*words, exit=1)["problem"]["code"], "no_new_permissions")
+        (self.talker / "permissions.p7s").unlink()
+        told = self.run_program("agent", "demo/talker", "--once", *words, exit=1).stderr
+        self.assertIn("error[no_new_permissions]", told)
+        self.assertIn("no permissions that can be used", " ".join(told.split()))
+
+    def test_Daemon_HookWithoutPermissions_IsAskedRarelyAndReportedOnce(self):
+        self.short_permissions(24)  # of 120 s: asked again after 2 s
+        asked = self.at / "asked"
+        words = self.documents_hook(text=f"[ $DDSSEC_WANTED != permissions ] || echo >>{asked}")
+        agent = Running(self.at, "demo/talker", *words)
+        self.addCleanup(agent.end, signal.SIGKILL)
+        event = agent.wait_for("documents_fetched")
+        self.assertEqual(event["problem"]["code"], "no_new_permissions")
+        begin = time.monotonic()
+        while len(asked.read_text()) < 3:
+            self.assertLess(time.monotonic() - begin, 30)
+            time.sleep(0.05)
+        self.assertGreater(time.monotonic() - begin, 3)
+        self.assertEqual(agent.end(), 0)
+        self.assertEqual(len(agent.events("documents_fetched")), 1)
+
+    def test_PermissionsThatAreReplacedWhileTheHookRuns_Stay(self):
+        """They may give less."""
+        self.short_permissions(100)
+        narrow = self.at / "narrow.p7s"
+        shutil.copy(self.talker / "permissions.p7s", narrow)
+        self.short_permissions(200)
+        script = SIGN.format(at=self.at, ca=self.permissions_ca, seconds=9000, begin="$(date -u +%FT%TZ)")
+        event = self.look(*self.documents_hook(text=f"cp {narrow} {self.talker}/permissions.p7s\n{script}"), exit=1)
+        self.assertEqual((event["files"], event["problem"]["code"]), ([], "files_changed"))
+        self.assertEqual((self.talker / "permissions.p7s").read_bytes(), narrow.read_bytes())
+        self.assertEqual(self.names(self.look(*self.documents_hook())), ["permissions.p7s", "permissions.xml"])
 
     def test_HookThatOthersCanChange_IsNotRun(self):
         words = self.documents_hook()
@@ -176,6 +255,18 @@ class Documents(AgentTest):
         self.rights("listener", "listener")
         event = self.look(*words, "--trust", "trust.pem", exit=None)
         self.assertEqual(event["problem"]["code"], "key_mismatch")
+
+    def test_Daemon_RenewalThatFails_DoesNotDelayDocuments(self):
+        ShortLived(self.at, self.ca).put_into(self.talker, 65 * 86400, age=300 * 86400)  # due; tried again after a minute
+        self.short_permissions(6)
+        words = self.documents_hook(seconds=12)
+        self.hook("exit 1")
+        agent = Running(self.at, "demo/talker", *words)
+        self.addCleanup(agent.end, signal.SIGKILL)
+        agent.wait_for("documents_fetched", 3, seconds=40)
+        self.assertEqual([event["failures"] for event in agent.events("failed")], [1])
+        self.assertEqual([event for event in agent.events("documents_fetched") if "problem" in event], [])
+        self.assertEqual(agent.end(), 0)
 
     def test_Daemon_RenewsPermissionsOfSecondsAgainAndAgain(self):
         self.short_permissions(6)

@@ -107,6 +107,17 @@ class Folders(AgentTest):
         self.assertFalse((self.at / "asked").exists())
         self.run_program("agent", "demo/talker", "--once", "--hook", hook, "--crl", lists, exit=2)
 
+    def test_ExpiredCertificate_IsNotRenewedByAHookUnlessAsked(self):
+        """The CA's list may not name it any more."""
+        hook, later = self.signing_hook(), ("--now", "+366d")
+        trust = ("--hook", hook, "--trust", self.ca / "ca.pem")
+        (self.ca / "crl.pem").unlink()
+        event = self.refused("certificate_expired", *trust, *later, exit=None)
+        self.assertIn("--expired", event["hint"])
+        self.run_program("agent", "demo/talker", "--once", "--hook", hook, "--expired", exit=2)
+        (self.talker / "crl.pem").unlink()
+        self.assertEqual(self.once(*trust, "--expired", *later)[0]["event"], "renewed")
+
     def test_a_hook_in_a_folder_that_others_can_change_is_not_run(self):
         hook = self.signing_hook()
         self.at.chmod(0o777)

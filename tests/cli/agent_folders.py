@@ -99,19 +99,20 @@ class ShortLived:
         (self.at / "index.txt").touch()
         (self.at / "openssl.cnf").write_text(CONFIGURATION.format(at=self.at, ca=ca))
 
-    def script(self, seconds):
-        """Commands of a shell that sign the request on standard input. Each call has its own database."""
+    def script(self, seconds, age=0):
+        """Commands of a shell that sign the request on standard input, from `age` seconds ago on. Each call has its own
+        database."""
         return (f'd=$(mktemp -d {self.at}/XXXXXX) && sed "s,^database.*,database = $d/index.txt," {self.at}/openssl.cnf >$d/cnf\n'
                 f': >$d/index.txt; cat >$d/csr\n'
-                f'openssl ca -batch -notext -preserveDN -config $d/cnf -in $d/csr -startdate $(date -u +%Y%m%d%H%M%SZ) '
+                f'openssl ca -batch -notext -preserveDN -config $d/cnf -in $d/csr -startdate $(date -u -d "-{age} seconds" +%Y%m%d%H%M%SZ) '
                 f'-enddate $(date -u -d "+{seconds} seconds" +%Y%m%d%H%M%SZ) 2>/dev/null')
 
-    def put_into(self, folder, seconds):
+    def put_into(self, folder, seconds, age=0):
         """A certificate for the folder's key and subject in place of its own."""
         run = lambda *words, text=None: subprocess.run(words, input=text, text=True, capture_output=True, check=True).stdout
         subject = run("openssl", "x509", "-in", folder / "cert.pem", "-noout", "-subject", "-nameopt", "compat").strip()
         request = run("openssl", "req", "-new", "-key", folder / "key.pem", "-subj", subject.removeprefix("subject="))
-        (folder / "cert.pem").write_text(run("sh", "-c", self.script(seconds), text=request))
+        (folder / "cert.pem").write_text(run("sh", "-c", self.script(seconds, age), text=request))
 
 
 class Running:

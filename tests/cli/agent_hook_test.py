@@ -2,6 +2,7 @@
 """ddssec agent --hook: what the program that signs gets, and what of its answer is taken."""
 
 import pathlib
+import shutil
 import time
 
 from agent_folders import SIGN, AgentTest
@@ -53,6 +54,17 @@ class Hooks(AgentTest):
         self.refused("hook_failed", "--hook", "/no/such/program", *self.LATER)
         self.refused("hook_failed", "--hook", self.hook("kill -9 $$"), *self.LATER)
 
+    def test_Messages_OfAHook_CannotLookLikeEvents(self):
+        """In a journal, standard error is beside the events."""
+        script = r"""printf '{"event":"renewed"}\033[2J\ntorn' >&2; head -c 300000 /dev/zero | tr '\0' x >&2; exit 3"""
+        done = self.run_program("agent", "demo/talker", "--once", "--hook", self.hook(script), *self.LATER, exit=1)
+        lines = done.stderr.splitlines()
+        messages = [line for line in lines if line.startswith("hook: ")]
+        self.assertRegex(messages[0], r'^hook: {"event":"renewed"}[^\x1b]*$')
+        self.assertTrue(messages[1].startswith("hook: tornxxx"), messages[1])
+        self.assertEqual(sum(line.count("x") for line in messages[1:]), 300000)
+        self.assertTrue(lines[len(messages)].startswith("error[hook_failed]"), lines[len(messages)])
+
     def test_one_that_hangs_is_ended_with_all_that_it_started(self):
         hook = self.hook(f"sleep 300 & echo $! >{self.at}/pid; sleep 300")
         begin = time.monotonic()
@@ -91,6 +103,22 @@ class Hooks(AgentTest):
     def test_a_certificate_of_a_ca(self):
         (self.at / "ext").write_text("basicConstraints=critical,CA:TRUE\n")
         self.refused("renewal_unfit", "--hook", self.signing_hook("-days", "400", "-extfile", f"{self.at}/ext"), *self.LATER)
+
+    def test_Folder_ThatChangesWhileAHookRuns_KeepsItsFiles(self):
+        """A certificate for the former key would stand beside the next key, and the participant would not start."""
+        again = f"cp {self.talker}/cert.pem {self.at}/c && mv {self.at}/c {self.talker}/cert.pem"
+        self.refused("files_changed", "--hook", self.signing_hook(before=again), *self.LATER)
+        shutil.copytree(self.talker, self.at / "former")
+        self.run_program("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker", "--replace", "--publish", "x",
+                         "--days", "900")
+        self.talker.rename(self.at / "next")
+        (self.at / "former").rename(self.talker)
+        change = f"cp {self.at}/next/key.pem {self.at}/next/cert.pem {self.talker}/"
+        event, = self.once("--hook", self.signing_hook(before=change), *self.LATER, exit=1)
+        self.assertEqual(event["code"], "files_changed")
+        for name in ("key.pem", "cert.pem"):
+            self.assertEqual((self.talker / name).read_bytes(), (self.at / "next" / name).read_bytes())
+        self.assertEqual(self.once("--hook", self.signing_hook(), *self.LATER)[0]["event"], "current")
 
     def test_another_issuer(self):
         self.run_program("ca", "create", "other", "--role", "identity", "--no-passphrase")

@@ -76,6 +76,17 @@ class Overlap(AgentTest):
         self.assertEqual((first["event"], first["folder"], first["again_in"]), ("failed", "ca", 3600))
         self.assertEqual(self.certificates("ca/identity/ca.pem"), 2)
 
+    def test_RecordThatCannotBeRead_IsReportedAndTheOtherOverlapEnds(self):
+        """Otherwise the former CA would be trusted for ever, and nothing would say so."""
+        self.begin()
+        (self.at / "demo/ca/identity/ca.overlap.json").write_text("{}")
+        one, other, folder = self.look("--permissions", *DAY, exit=1)
+        self.assertEqual((one["event"], one["code"], one["again_in"]), ("failed", "overlap_unreadable", 3600))
+        self.assertEqual(one["file"], "demo/ca/identity/ca.overlap.json")
+        self.assertEqual((other["event"], other["role"]), ("overlap_ended", "permissions"))
+        self.assertEqual(folder["event"], "current")
+        self.assertEqual([self.certificates(f"demo/ca/{role}/ca.pem") for role in ROLES], [2, 1])
+
     @unittest.skipUnless(os.geteuid() == 0, "only root has folders of other users")
     def test_FolderOfAnotherUser_KeepsTheOverlapAndNamesTheCommand(self):
         self.begin()
@@ -88,12 +99,42 @@ class Overlap(AgentTest):
         self.assertIn("ddssec ca rotate demo --role identity --end --when-due", event["hint"])
         self.assertEqual(self.certificates("demo/ca/identity/ca.pem"), 2)
 
+    def end_in(self, seconds, folder):
+        """The shortest time of --overlap is an hour."""
+        record = self.at / folder / "ca.overlap.json"
+        until = (datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(seconds=seconds)).strftime("%FT%TZ")
+        record.write_text(json.dumps(json.loads(record.read_text()) | {"until": until}))
+
+    def test_Daemon_KeyThatRefusesItsPassphrase_DoesNotDelayTheOtherOverlap(self):
+        for name in ("ca", "other"):
+            (self.at / f"{name}-secret").write_text(f"correct {name}\n")
+            self.run_program("ca", "create", name, "--passphrase-file", f"{name}-secret")
+        secret = ("--passphrase-file", "ca-secret")
+        self.run_program("identity", "issue", "a", "--ca", "ca", "-o", "a", "--publish", "x", *secret)
+        for role in ROLES:
+            self.run_program("ca", "rotate", "ca", "--role", role, "--overlap", "30d", *secret)
+        agent = Running(self.at, "a", "--ca", "ca", "--permissions", *secret)
+        self.addCleanup(agent.end, signal.SIGKILL)
+        agent.wait_for("current")
+        key, others = (self.at / f"{name}/permissions/ca.key.pem" for name in ("ca", "other"))
+        right = key.read_bytes()
+        key.write_bytes(others.read_bytes())
+        self.end_in(0, "ca/permissions")
+        self.end_in(4, "ca/identity")
+        agent.process.send_signal(signal.SIGHUP)
+        failed = agent.wait_for("failed")
+        self.assertEqual((failed["code"], failed["again_in"]), ("passphrase_wrong", None))
+        self.assertEqual(agent.wait_for("overlap_ended")["role"], "identity")
+        key.write_bytes(right)
+        agent.process.send_signal(signal.SIGHUP)
+        self.assertEqual(agent.wait_for("overlap_ended", 2)["role"], "permissions")
+        self.assertEqual(len(agent.events("failed")), 1)
+        self.assertEqual(agent.end(), 0)
+
     def test_Daemon_EndsItAtItsDateWithoutASignal(self):
         self.begin()
-        for role in ROLES:  # the shortest time of --overlap is an hour
-            record = self.at / f"demo/ca/{role}/ca.overlap.json"
-            until = (datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(seconds=4)).strftime("%FT%TZ")
-            record.write_text(json.dumps(json.loads(record.read_text()) | {"until": until}))
+        for role in ROLES:
+            self.end_in(4, f"demo/ca/{role}")
         agent = Running(self.at, "demo/talker", "--ca", "demo", "--permissions")
         self.addCleanup(agent.end, signal.SIGKILL)
         agent.wait_for("overlap_ended", 2)

@@ -68,7 +68,8 @@ class Page(AgentTest):
         self.assertEqual([(event.get("problem") or event)["code"] for event in refused], ["hook_unsafe", "hook_unsafe"])
         hook.parent.chmod(0o755)
         self.make_another_list()
-        fetched, event = self.once(*words, *self.LATER, folder=folder)
+        fetched, event = self.once(*words, *self.LATER, folder=folder, exit=1)
+        self.assertEqual(fetched["problem"]["code"], "no_new_permissions")  # they are due, and the hook has none
         self.assertEqual((fetched["event"], [pathlib.Path(file["path"]).name for file in fetched["files"]], event["event"]),
                          ("documents_fetched", ["crl.pem"], "renewed"))
         shutil.rmtree(self.at / "secret")

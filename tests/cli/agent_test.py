@@ -35,6 +35,12 @@ class OwnCa(AgentTest):
         self.assertEqual(self.once("--ca", "demo", "--now", "+301d")[0]["event"], "current")
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--now", "+302d")  # the log knows it
 
+    def test_Renewed_WithAWarningOfTheCasFiles_HasItAsProblem(self):
+        log = self.ca / "issued.jsonl"
+        log.write_text("no line\n" + log.read_text())
+        event, = self.renew(exit=1)
+        self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "log_line_unreadable"))
+
     def test_days_of_the_command_line(self):
         self.renew("--days", "500")
         self.assertAlmostEqual((self.dates()[1] - datetime.datetime.now()).days, 800, delta=2)
@@ -87,6 +93,18 @@ class OwnCa(AgentTest):
         self.assertFalse(event["permissions_extended"])
         self.assertIn(event["problem"]["code"], ("document_superseded", "document_unlogged"))
 
+    def test_PermissionsThatAreDueAlone_AndCannotBeExtended_CostNoCertificate(self):
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "-o",
+                         "alone.xml")
+        ca = self.at / "demo/ca/permissions"
+        self.openssl("smime", "-sign", "-text", "-signer", ca / "ca.pem", "-inkey", ca / "ca.key.pem", "-in", "alone.xml",
+                     "-out", self.talker / "permissions.p7s")
+        before = (self.ca / "issued.jsonl").read_text()
+        self.refused("document_unlogged", "--ca", "demo", "--permissions", "--now", "+20d")
+        self.assertEqual((self.ca / "issued.jsonl").read_text(), before)
+        event, = self.renew("--permissions", exit=1)  # the certificate is due, too
+        self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "document_unlogged"))
+
     def test_rights_that_have_ended_are_not_given_again(self):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "--sign",
                          "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
@@ -95,6 +113,18 @@ class OwnCa(AgentTest):
         self.assertEqual(event["problem"]["code"], "grant_expired")
         event, = self.once("--ca", "demo", "--permissions", "--now", "+301d", exit=1)
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "grant_expired"))
+
+    def test_RightsThatHaveEnded_AreNotGivenAgainByAClockThatWasSetBack(self):
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "--sign",
+                         "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
+        self.run_program("identity", "renew", "demo/listener", "--ca", "demo", "--now", "+101d")  # a line of the log
+        event, = self.once("--ca", "demo", "--permissions", "--now", "+99d", exit=1)
+        self.assertEqual((event["event"], event["code"]), ("failed", "grant_expired"))
+        self.assertRegex(event["message"], "before .*Z, the latest time in the CA's log demo/ca/identity/issued.jsonl, and")
+        self.assertIn("set the clock; if it is right, ", event["hint"])
+        self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--permissions", "--ended-permissions", "--now",
+                         "+99d")
+        self.assertEqual(self.once("--ca", "demo", "--permissions", "--now", "+99d")[0]["event"], "current")
 
     def test_Current_WithPermissionsThatHaveEnded_HasAProblem(self):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "2", "--sign",
@@ -116,6 +146,22 @@ class OwnCa(AgentTest):
         (self.talker / "identity_ca.pem").write_bytes((self.talker / "permissions_ca.pem").read_bytes())
         event, = self.once("--ca", "demo", exit=1)
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "issuer_unknown"))
+        self.assertNotIn("answered", event["problem"]["message"])
+
+    def test_Current_WithAListThatEnds_HasAProblem(self):
+        """A participant with an expired list authenticates no peer."""
+        self.run_program("identity", "revoke", "demo/listener", "--ca", "demo")
+        (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())
+        self.assertNotIn("problem", self.once("--ca", "demo", "--now", "+100d")[0])
+        for now, code in (("+160d", "crl_ends_soon"), ("+200d", "crl_expired")):
+            event, = self.once("--ca", "demo", "--now", now, exit=0 if code == "crl_ends_soon" else (1, 3))
+            self.assertEqual((event["event"], event["problem"]["code"]), ("current", code))
+            self.assertEqual(event["problem"]["file"], "demo/talker/crl.pem")
+        self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "2", "--sign",
+                         "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
+        event, = self.once("--ca", "demo", "--permissions", "--now", "+160d", exit=1)
+        self.assertEqual(event["problem"]["code"], "grant_expired")  # the warning does not hide it
+        self.assertEqual(self.once("--ca", "demo", *self.LATER)[0]["event"], "renewed")
 
     def test_a_new_key_on_request(self):
         key = self.public_key()

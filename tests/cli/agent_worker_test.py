@@ -44,6 +44,7 @@ class Worker(AgentTest):
         self.assertIn("HOME=/nonexistent", loot["variable"])
         self.assertEqual(loot["memory"], ["no"])
         self.assertEqual((loot["terminal"], loot["leader"]), (["no"], ["yes"]))
+        self.assertEqual(loot["core"], ["0"])
         files = dict(line.split(" ", 1) for line in loot["file"])
         self.assertEqual({files[number] for number in "012"}, {"/dev/null"})
         self.assertEqual([files[number].partition(":")[0] for number in "34"], ["pipe", "pipe"])

@@ -53,6 +53,15 @@ class ManyFolders(Transcript):
             self.assertLess(taken, 5 * SLOWNESS, f"lists before: {former}")
             self.assertEqual(self.entries(), {(FOLDERS, FOLDERS)})
 
+    def test_Agent_WithMoreFoldersThanOpenFiles_KeepsAll(self):
+        self.issue(40)
+        done = subprocess.run([PROGRAM, "agent", *map(str, self.folders), "--ca", "ca", "--once", *NOW], cwd=self.at, text=True,
+                              capture_output=True, timeout=120, check=False, stdin=subprocess.DEVNULL,
+                              env={**os.environ, "LD_LIBRARY_PATH": library_path()},
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (64, resource.getrlimit(resource.RLIMIT_NOFILE)[1])))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(done.stdout.count('"event":"current"'), 40)
+
     def test_FoldersWithOtherLists_AreJudgedEachByItsOwn(self):
         self.issue(4)
         self.list_all()

@@ -2,13 +2,18 @@
 """identity ocsp against `openssl ocsp` on the loopback, and what doctor and check say of responses."""
 
 import contextlib
+import os
 import shutil
+import signal
 import socket
+import subprocess
 import threading
 import time
 
+from agent_daemon_test import workers_of
+from agent_folders import checked_events
 from ocsp_responder import index_line, responder
-from transcript import Transcript, main
+from transcript import PROGRAM, Transcript, library_path, main
 
 CONTENT_TYPE = "Content-type: application/ocsp-response"
 
@@ -189,10 +194,49 @@ class Ocsp(Transcript):
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "ocsp_fetch_failed"))
         self.assertIn("ocsp_fetch_failed", [one["id"] for one in answer["diagnostics"]])
 
+    def test_TheAgent_FetchesAResponseThoughTheCaRefusesTheRenewal(self):
+        """Peers that demand a response would refuse the participant, although its certificate is valid."""
+        self.index(talker="V")
+        with self.responder() as url:
+            self.name_responder(url)
+            self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "2", "--sign",
+                             "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")  # so a renewal is due
+            (self.ca / "issued.jsonl").write_text("")
+            answer, event = self.agent("--permissions", exit=1)
+        self.assertEqual((event["event"], event["code"]), ("failed", "certificate_unlogged"))
+        self.assertEqual([file["path"] for file in answer["files_written"]], ["demo/talker/ocsp.der"])
+
+    def events_if_killed_at_the_look_up(self, prepare):
+        """The events of an agent whose process for the folder is killed while it asks the responder."""
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            self.run_program("identity", "issue", "third", "--ca", "demo", "-o", "demo/third", "--ocsp-responder",
+                             f"http://127.0.0.1:{listener.getsockname()[1]}/")
+            prepare(self.at / "demo/third")
+            agent = subprocess.Popen([PROGRAM, "agent", "demo/third", "--ca", "demo", "--once", "--now", "+300d"], cwd=self.at,
+                                     env={**os.environ, "LD_LIBRARY_PATH": library_path()}, text=True, stdout=subprocess.PIPE,
+                                     stderr=subprocess.DEVNULL)
+            self.addCleanup(agent.kill)
+            listener.settimeout(30)
+            with listener.accept()[0]:
+                worker, = workers_of(agent)
+                os.kill(worker, signal.SIGKILL)
+                return checked_events(agent.communicate(timeout=30)[0])
+
+    def test_TheAgent_ReportsARenewalWhoseProcessIsKilledAfterIt(self):
+        event, = self.events_if_killed_at_the_look_up(lambda folder: None)
+        self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "internal"))
+        self.assertIn("it has ended", event["problem"]["message"])
+
+    def test_TheAgent_ReportsTheErrorOfARenewalThoughItsProcessIsKilledAfterIt(self):
+        key = self.at / "demo/talker/key.pem"
+        event, = self.events_if_killed_at_the_look_up(lambda folder: shutil.copy(key, folder / "key.pem"))
+        self.assertEqual((event["event"], event["code"]), ("failed", "key_mismatch"))
+
     def test_the_agent_asks_no_responder_for_a_certificate_of_another_ca(self):
         self.run_program("init", "other", "--participant", "x")
         stranger = self.at / "other/ca/identity"
         shutil.copy(stranger / "ca.pem", self.at / "demo/talker/identity_ca.pem")
+        (self.at / "demo/talker/crl.pem").unlink()  # it is of the former CA
         with socket.create_server(("127.0.0.1", 0)) as listener:
             self.name_responder(f"http://127.0.0.1:{listener.getsockname()[1]}/", ca=stranger)
             answer, event = self.agent(exit=1)

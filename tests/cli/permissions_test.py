@@ -102,6 +102,29 @@ class NewPermissions(Transcript):
         self.run_program("permissions", "verify", "talker/permissions.p7s", "--ca",
                          "ca/permissions/ca.pem", *NOW)
 
+    def warnings(self, *words):
+        return self.run_program("permissions", *words, "--ca", "ca", *NOW).stderr
+
+    def test_EndBeforeTheCertificates_IsWarnedOf(self):
+        new = ("new", "--cert", "talker/cert.pem", "--publish", "a", "--replace", "--sign", "-o")
+        told = self.warnings(*new, "talker/permissions.xml", "--days", "3")
+        self.assertIn("warning[end_not_final]", told)
+        self.assertIn("ddssec agent --permissions", told)
+        self.assertIn("warning[end_not_final]", self.warnings("sign", "talker/permissions.xml", "--replace"))
+        self.assertNotIn("end_not_final", self.warnings(*new, "talker/permissions.xml"))
+        self.assertNotIn("end_not_final", self.warnings(*new, "elsewhere.xml", "--days", "3"))
+
+    def test_PermissionsForAFolder_ThatAreSignedElsewhere_AreWarnedOf(self):
+        """Those in the folder stay the last that the CA signed for it."""
+        new = ("new", "--cert", "talker/cert.pem", "--publish", "a", "--replace", "--sign", "-o")
+        self.assertNotIn("signed_elsewhere", self.warnings(*new, "draft.xml"))  # the folder has none
+        self.assertNotIn("signed_elsewhere", self.warnings(*new, "talker/permissions.xml"))
+        told = self.warnings(*new, "narrow.xml")
+        self.assertIn("warning[signed_elsewhere]", told)
+        self.assertIn("talker/permissions.p7s", told)
+        self.assertIn("warning[signed_elsewhere]", self.warnings("sign", "narrow.xml", "--replace"))
+        self.assertNotIn("signed_elsewhere", self.warnings("sign", "narrow.xml", "-o", "talker/permissions.p7s", "--replace"))
+
     def test_a_comma_makes_no_list_of_topics(self):
         for option in ("--publish", "--subscribe", "--deny-publish", "--deny-subscribe"):
             told = self.refused("usage", 2, "permissions", "new", "--cert", "talker", option, "rt/a,rt/b", "-o", "x")

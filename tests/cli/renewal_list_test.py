@@ -439,6 +439,24 @@ class RenewalList(Transcript):
         self.assertEqual([event["event"] for event in checked_events(out)], ["failed"])
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE, PERMISSIONS])
 
+    def test_TheAgent_ReportsOnceAListThatIsTooLongForFolders(self):
+        self.renew("talker", "--permissions")
+        file = self.at / "demo/ca/permissions/renewed.pem"
+        entry = PEM.search(file.read_text())[0]
+        file.write_text(entry * (2 * 1024 * 1024 // len(entry) + 1))
+        out = self.run_program("agent", "demo/talker", "demo/listener", "--ca", "demo", "--once", exit=3).stdout
+        events = checked_events(out)
+        self.assertEqual([event["event"] for event in events], ["current", "failed", "current"])
+        self.assertEqual((events[1]["code"], events[1]["folder"]), ("file_too_large", "demo"))
+        self.assertIn("ddssec crl distribute --ca demo", events[1]["hint"])
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [])
+
+    def test_TheAgent_PutsTheListIntoAFolderWhoseRenewalTheCaRefuses(self):
+        self.renew("talker", "--permissions")
+        out = self.run_program("agent", "demo/listener", "--ca", "demo", "--once", "--days", "5", "--now", "+300d", exit=1).stdout
+        self.assertEqual([(event["event"], event["code"]) for event in checked_events(out)], [("failed", "renewal_goes_back")])
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE, PERMISSIONS])
+
 
 if __name__ == "__main__":
     main()

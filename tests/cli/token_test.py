@@ -1,13 +1,18 @@
 #!/usr/bin/env python3
 """Keys in a PKCS#11 token (SoftHSM's): of participants and of CAs, from the request to a signed document."""
 
+import datetime
 import json
 import os
 import pathlib
 import re
+import shutil
+import signal
 import subprocess
+import time
 import unittest
 
+from agent_folders import Running
 from transcript import AT_THAT_TIME, NOW, PROGRAM, Transcript, main
 
 PIN = "1234"
@@ -186,6 +191,81 @@ class Token(Transcript):
                                        "PKCS11SPY_OUTPUT": str(log)})
             self.assertEqual(done.stdout.count('"code":"pkcs11_pin_wrong"'), 3, done.stdout)
             self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1, name)
+
+    def spied(self, log):
+        return {"PKCS11_MODULE_PATH": str(SPY), "PKCS11SPY": str(SOFTHSM), "PKCS11SPY_OUTPUT": str(log)}
+
+    def make_permissions_ca(self):
+        """Its key is in the token, that of the identity CA in a file."""
+        self.make_cas()
+        shutil.rmtree(self.at / "ca/identity")
+        self.json("ca", "create", "ca/identity", "--role", "identity", "--no-passphrase", *NOW)
+
+    def test_Agent_WrongPinOfThePermissionsCa_LeavesTheTokensOfParticipantsInUse(self):
+        """Only the permissions of one are due; the other has a token with a PIN of its own."""
+        self.make_permissions_ca()
+        self.json("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
+        self.json("identity", "issue", "one", "--ca", "ca", "-o", "one", "--governance", "governance.p7s", "--publish", "x", *NOW)
+        self.json("permissions", "new", "--cert", "one/cert.pem", "--publish", "x", "--days", "180", "--sign", "--ca", "ca", "-o",
+                  "one/permissions.xml", "--replace", *NOW)
+        self.json("identity", "issue", "two", "--ca", "ca", "-o", "two", "--days", "150", *NOW)
+        self.softhsm("--import", str(self.at / "two/key.pem"), "--token", "robot", "--label", "two", "--id", "0002")
+        (self.at / "two/key.pem").unlink()
+        (self.at / "two/key.p11").write_text(f"pkcs11:token=robot;object=two?pin-value={PIN}\n")
+        (self.at / "two/key.p11").chmod(0o600)
+        (self.at / "pin").write_text("9999\n")
+        done = self.run_program("agent", "one", "two", "--ca", "ca", "--permissions", "--once", "--now", "2027-03-25", exit=1)
+        events = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual([(event["event"], event.get("code")) for event in events],
+                         [("failed", "pkcs11_pin_wrong"), ("renewed", None)])
+
+    @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
+    def test_Agent_WrongPinOfThePermissionsCa_IsTriedOnceAndCertificatesAreRenewed(self):
+        self.make_permissions_ca()
+        folders = [f"p{number}" for number in range(3)]
+        self.json("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
+        for folder in folders:
+            self.json("identity", "issue", folder, "--ca", "ca", "-o", folder, "--governance", "governance.p7s", "--publish", "x",
+                      *NOW)
+        (self.at / "pin").write_text("9999\n")
+        log = self.at / "spy.log"
+        done = self.run_program("agent", *folders, "--ca", "ca", "--permissions", "--once", "--now", "2027-09-01", exit=1,
+                                environment=self.spied(log))
+        events = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual([(event["event"], event["problem"]["code"]) for event in events], [("renewed", "pkcs11_pin_wrong")] * 3)
+        self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1)
+
+    @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
+    def test_Agent_WrongPinForPermissionsOfTheHook_IsTriedOnceAndListsArrive(self):
+        self.put("robot")
+        self.run_program("init", "demo")
+        folder = self.at / "demo/talker"
+        (folder / "key.pem").unlink()
+        (folder / "key.p11").write_text("pkcs11:token=robot;object=robot?pin-value=9999\n")
+        (folder / "key.p11").chmod(0o600)
+        now = datetime.datetime.now(datetime.timezone.utc)
+        text = self.openssl("smime", "-verify", "-text", "-CAfile", "demo/ca/permissions/ca.pem", "-in",
+                            folder / "permissions.p7s").replace("\r", "")
+        for word, seconds in (("not_before", -90), ("not_after", 30)):  # due, and again after 2 s
+            text = re.sub(f"<{word}>.*?<", f"<{word}>{now + datetime.timedelta(seconds=seconds):%FT%TZ}<", text)
+        (self.at / "short.xml").write_text(text)
+        self.openssl("smime", "-sign", "-text", "-noattr", "-signer", "demo/ca/permissions/ca.pem", "-inkey",
+                     "demo/ca/permissions/ca.key.pem", "-in", "short.xml", "-out", folder / "permissions.p7s")
+        hook, log, asked = self.at / "documents", self.at / "spy.log", self.at / "asked-crl"
+        hook.write_text(f"#!/bin/sh\necho >>{self.at}/asked-$DDSSEC_WANTED\n[ $DDSSEC_WANTED != crl ]\n")
+        hook.chmod(0o755)
+        agent = Running(self.at, "demo/talker", "--hook", hook, "--documents-hook", hook, **self.spied(log))
+        self.addCleanup(agent.end, signal.SIGKILL)
+        event = agent.wait_for("documents_fetched")
+        self.assertEqual(event["problem"]["code"], "pkcs11_pin_wrong")
+        end = time.monotonic() + 30
+        while len(asked.read_text()) < 4:
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.05)
+        self.assertEqual(agent.end(), 0)
+        self.assertEqual(len(agent.events("documents_fetched")), 1)
+        self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1)
+        self.assertFalse((self.at / "asked-permissions").exists())
 
     def test_doctor_says_why_a_token_cannot_be_used(self):
         self.run_program("init", "demo", "--participant", "talker", *NOW)

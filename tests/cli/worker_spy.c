@@ -1,13 +1,14 @@
 // Preloaded by agent_worker_test.py. Just before a process of the agent becomes another user, it
 // writes into ./loot what code of that user could find in the process: variables, open files, the
-// terminal, and whether its memory has the text of ./needle. (That file has the text in reverse, so
-// that this code does not have it itself.)
+// terminal, the limit of a core file, and whether its memory has the text of ./needle. (That file
+// has the text in reverse, so that this code does not have it itself.)
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -69,6 +70,9 @@ static void write_loot(void) {
   fprintf(loot, "terminal %s\n", terminal >= 0 ? "yes" : "no");
   if (terminal >= 0) close(terminal);
   fprintf(loot, "leader %s\n", getsid(0) == getpid() ? "yes" : "no");
+  struct rlimit core = {1, 1};
+  getrlimit(RLIMIT_CORE, &core);
+  fprintf(loot, "core %lu\n", (unsigned long)core.rlim_max);
   fprintf(loot, "memory %s\n", memory_has_needle() ? "yes" : "no");
   fclose(loot);
 }

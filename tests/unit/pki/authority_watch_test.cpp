@@ -129,6 +129,32 @@ TEST_F(AuthorityWatchTest, WriterThatPausesLonger_BringsTheCaBack) {
   EXPECT_EQ(in_force_, (Authorities{two_, one_}));
 }
 
+TEST_F(AuthorityWatchTest, FileThatGoesOnWithAnotherCa_KeepsTheOneThatLeftWithdrawn) {
+  const auto three = make_ca("CN=Three").certificate();
+  write_in_place(two_.pem());
+  poll();
+  EXPECT_EQ(poll(), true) << "CN=One was withdrawn";
+  write_in_place(pem({two_, three}));
+  EXPECT_EQ(poll(), true);
+  put({one_, two_});
+  poll();
+  EXPECT_CODE(poll(), identity_renewal_refused);
+  EXPECT_EQ(in_force_, (Authorities{two_, three}));
+}
+
+TEST_F(AuthorityWatchTest, WriterThatPausesTwice_BringsEachCaBack) {
+  const auto three = make_ca("CN=Three").certificate();
+  in_force_ = {one_, two_, three};
+  write_in_place(two_.pem());
+  poll();
+  EXPECT_EQ(poll(), true);
+  write_in_place(pem({two_, three}));
+  EXPECT_EQ(poll(), true);
+  write_in_place(pem({two_, three, one_}));
+  EXPECT_EQ(poll(), true);
+  EXPECT_EQ(in_force_, (Authorities{two_, three, one_}));
+}
+
 // An attacker could do these.
 TEST_F(AuthorityWatchTest, FileThatIsNoContinuation_BringsNoCaBack) {
   write_in_place(two_.pem());
