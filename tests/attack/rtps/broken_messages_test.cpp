@@ -1,7 +1,7 @@
 // Every message of two participants that find each other and exchange a sample is cut at each
 // octet, and each field is set to extreme values. All forms of the first three messages of each
-// length and sender go to one running pair, before the honest message does. Messages whose source is
-// a prefix of zeros go to a pair without security.
+// length and sender go to one running pair, before the honest message does. Messages whose source
+// is a prefix of zeros go to a pair without security.
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/gap.hpp"
