@@ -17,6 +17,16 @@ Bytes with_another_token(ParticipantData data) {
   return announcement(data);
 }
 
+// Lets nothing arrive until both have lost each other. Returns false if they have not.
+bool part(Pair& pair) {
+  pair.world.filter = [](const Node&, Bytes) { return std::vector<Bytes>{}; };
+  const auto is_alone = [](Node& node) { return node->remote_participants().size() == 0; };
+  const bool are_alone =
+      pair.world.run_until([&] { return is_alone(pair.a) && is_alone(pair.b); }, 6000);
+  pair.world.filter = {};
+  return are_alone;
+}
+
 struct FirstToken : ::testing::TestWithParam<std::tuple<bool, bool>> {};
 
 // Key revision keeps the identity of a peer that left. The stranger's token is kept with it.
@@ -30,14 +40,7 @@ TEST_P(FirstToken, StrangersToken_DoesNotKeepAPeerOutThatComesBack) {
   if (is_forged)
     deceived->receive(with_another_token(true_data), world.now, *Locator::parse("127.0.0.9", 0));
   ASSERT_TRUE(pair.match());
-  world.filter = [](const Node&, Bytes) { return std::vector<Bytes>{}; };
-  ASSERT_TRUE(world.run_until(
-      [&] {
-        return pair.a->remote_participants().size() == 0 &&
-               pair.b->remote_participants().size() == 0;
-      },
-      6000));
-  world.filter = {};
+  ASSERT_TRUE(part(pair));
   EXPECT_TRUE(world.run_until([&] { return know_each_other(pair); }, 60'000))
       << pair.a.events.text() << "--\n"
       << pair.b.events.text();
@@ -56,15 +59,8 @@ TEST_P(FirstTokenOfStock, StrangersToken_DoesNotKeepAPeerOutThatBeginsAgain) {
     pair.a->receive(with_another_token(true_data), world.now, *Locator::parse("127.0.0.9", 0));
   ASSERT_TRUE(pair.match());
   treat_as_stock(pair.a, pair.b);
-  world.filter = [](const Node&, Bytes) { return std::vector<Bytes>{}; };
-  ASSERT_TRUE(world.run_until(
-      [&] {
-        return pair.a->remote_participants().size() == 0 &&
-               pair.b->remote_participants().size() == 0;
-      },
-      6000));
+  ASSERT_TRUE(part(pair));
   ASSERT_TRUE(core_of(pair.a).dormant.contains(pair.b->prefix()));
-  world.filter = {};
   EXPECT_TRUE(world.run_until([&] { return know_each_other(pair); }, 60'000))
       << pair.a.events.text() << "--\n"
       << pair.b.events.text();
