@@ -20,7 +20,8 @@ class SlowOwners {
   static constexpr std::chrono::seconds kTimeIfSlow{3};
   static constexpr std::chrono::hours kSlowFor{1};
 
-  /// `own` is the agent's user, who is never slow: that user can stop the agent itself.
+  /// `own` is the agent's user. That user never counts as slow, because it can stop the agent
+  /// itself.
   explicit SlowOwners(uid_t own) : own_(own) {}
 
   /// Returns how long a worker of this owner may take to answer.

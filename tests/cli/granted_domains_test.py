@@ -105,7 +105,7 @@ class GrantedDomains(Transcript):
         told = self.json(*words, "--require", "writer=B", exit=1)["diagnostics"]
         self.assertEqual([one["message"].split(":")[0] for one in told if one["id"] == "DOC086"],
                          ['b may not publish "S"', 'a may not subscribe to "S"'])
-        # Without --require, what is denied in the other direction is meant so: only the governance is to be changed.
+        # Without --require, the denial of the other direction is intended. Only the governance needs a change.
         told = self.json(*words, exit=1)["diagnostics"]
         self.assertEqual([one["id"] for one in told if one["severity"] == "error"], ["DOC084"])
 

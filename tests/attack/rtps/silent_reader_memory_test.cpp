@@ -23,7 +23,7 @@ bool is_readable_by_others(BytesView needle) {
   });
 }
 
-// Alice writes to bob, who has no shared memory, and to carol, whose permissions end first.
+// Alice writes to bob and to carol. Bob has no shared memory. Carol's permissions end first.
 struct Three {
   const Rules rules{.discovery = kEncrypt, .metadata = kEncrypt};
   Node a{1, Pair::both(properties_of("CN=alice,O=Example", rules), shm("on", "true")), 4};

@@ -8,11 +8,11 @@ TEST(IdentityHandles, UnknownOrReturnedHandles_AreRefused) {
   Pairing pairing;
   auto& two = pairing.two;
   auto& plugin = *two.low.plugin;
-  const HandshakeHandle nobody{99};
-  EXPECT_CODE(plugin->process_handshake(nobody, {}), unknown_handshake);
-  EXPECT_CODE(plugin->shared_secret(nobody), unknown_handshake);
-  EXPECT_CODE(plugin->authenticated_peer_credential_token(nobody), unknown_handshake);
-  EXPECT_CODE(plugin->return_handshake_handle(nobody), unknown_handshake);
+  const HandshakeHandle unknown{99};
+  EXPECT_CODE(plugin->process_handshake(unknown, {}), unknown_handshake);
+  EXPECT_CODE(plugin->shared_secret(unknown), unknown_handshake);
+  EXPECT_CODE(plugin->authenticated_peer_credential_token(unknown), unknown_handshake);
+  EXPECT_CODE(plugin->return_handshake_handle(unknown), unknown_handshake);
   EXPECT_CODE(plugin->return_identity_handle({99}), unknown_identity);
   EXPECT_CODE(plugin->identity_token({99}), unknown_identity);
   EXPECT_CODE(plugin->identity_status_token({}), unknown_identity);
