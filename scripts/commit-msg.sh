@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Checks a commit message: a subject "area: what it does" of at most 72 columns, an empty line, and a body that says why.
-# After the reason, a line begins with "Tested: " and names the programs and commands that were run for this change.
+# After the reason, a line begins with "Tested: " and names the programs and commands that were run for this change, not
+# for a series of changes.
 # An area is the path of a folder, the name of one of the first two levels of the tree, or build, ci, release or all.
 # The body is not that of one of the 50 commits before, and has more than one short line if more than ten files change.
 # Comments count for nothing, nor does the change itself, which `git commit -v` shows below a line with scissors.
@@ -44,6 +45,10 @@ body=$(printf '%s\n' "${lines[@]}" $'\001' | words)
 body=${body#*$'\t'}
 [ -n "$body" ] || fail "there is no body: say why the change is made"
 printf '%s\n' "${lines[@]}" | grep -qE '^Tested: +[^ ]' || fail "there is no line \"Tested: ...\": name the programs and commands that you ran"
+
+tested=$(printf '%s\n' "${lines[@]}" | sed -n '/^Tested: /,/^$/p')
+! grep -qiE '\b(series|last commit|pending)\b' <<< "$tested" ||
+  fail "what was tested is a series, or nothing yet: say what you ran on this commit"
 
 # Of a commit that is being made, HEAD is not asked: `git commit --amend` replaces it.
 before=${2:-HEAD}

@@ -43,6 +43,8 @@ UNTESTED = [
     "pki: read delta lists\n\nWhy.\n\nTested: \n",
     "pki: read delta lists\n\nWhy, and it was Tested: by hand.\n",
     "pki: read delta lists\n\nWhy.\n\n# Tested: test_pki.\n",
+    "pki: read delta lists\n\nWhy.\n\nTested: all programs,\nwith the whole series.\n",
+    "pki: read delta lists\n\nWhy.\n\nTested: PENDING\n",
 ]
 TESTED = "\nTested: test_pki.\n"
 
