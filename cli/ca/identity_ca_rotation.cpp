@@ -66,11 +66,12 @@ struct Reissue {
   const Context& context;
   RenewalListAdditions& renewals;
 
-  // Puts only the CA file and the revocation lists.
+  // Puts only the CA file, the revocation lists and the renewal list.
   Status put_trust(FileTransaction& out, const AffectedParticipant& participant,
                    const pki::Certificate& certificate) const {
     const auto& files = participant.files;
     DDSSEC_RETURN_IF_ERROR(put_if_there(out, files.identity_ca, change.trust_pem));
+    DDSSEC_RETURN_IF_ERROR(remove_certificates_of_others(out, files.renewals, trusted));
     if (!is_to_be_replaced(files.crl)) return {};
     // The file needs the lists of both CAs: with a list of only one, participants of the other CA
     // are refused.

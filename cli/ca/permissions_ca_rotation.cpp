@@ -120,11 +120,15 @@ Result<RotationResult> rotate_documents(FileTransaction& out, DocumentResigner& 
                                         const std::vector<AffectedParticipant>& participants,
                                         const std::vector<fs::path>& shared) {
   auto rotation = empty_result(change);
+  DDSSEC_ASSIGN_OR_RETURN(const auto trusted,
+                          pki::Certificate::bundle_from_pem(as_bytes(change.trust_pem)));
   ParticipantDrafts drafts(out, rotation, participants.size());
   for (const auto& participant : participants)
     DDSSEC_RETURN_IF_ERROR(drafts.add(participant, [&]() -> Status {
       if (!keeps_documents(participant, change, signer.now()))
         DDSSEC_RETURN_IF_ERROR(sign_documents_of(participant, shared, signer, rotation));
+      DDSSEC_RETURN_IF_ERROR(
+          remove_permissions_of_others(out, participant.files.renewals, trusted, signer.now()));
       return put_if_there(out, participant.files.permissions_ca, change.trust_pem);
     }));
   DDSSEC_RETURN_IF_ERROR(drafts.check());

@@ -311,6 +311,16 @@ Result<KnownRenewals::Draft> draft_of(TrustOfFolder& trust, const Result<Bytes>&
   return KnownRenewals::Draft{std::move(text), list.is_empty(), entries.left_out()};
 }
 
+// Puts the list without the entries of `member` for which `is_foreign` is true, if there are any.
+template <class Entries, class IsForeign>
+Status put_without(FileTransaction& out, const fs::path& renewals,
+                   Entries pki::RenewalList::*member, const IsForeign& is_foreign) {
+  auto list = read_renewals(renewals);
+  if (!list || std::erase_if((*list).*member, is_foreign) == 0) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto text, list->text());
+  return out.put_public(renewals, text);
+}
+
 }  // namespace
 
 void RenewalListAdditions::add(const CaPaths& ca, const pki::Certificate& renewed) {
@@ -422,6 +432,21 @@ void refresh_renewals(const fs::path& ca, const pki::ParticipantFolder& files, W
     report.text += fmt::format("{}  renewal list, made again without revoked certificates\n",
                                files.renewals.string());
   std::ranges::copy(*written, std::back_inserter(report.files_written));
+}
+
+Status remove_certificates_of_others(FileTransaction& out, const fs::path& renewals,
+                                     const std::vector<pki::Certificate>& cas) {
+  return put_without(out, renewals, &pki::RenewalList::certificates, [&](const auto& one) {
+    return std::ranges::none_of(cas, [&](const auto& ca) { return one.is_issued_by(ca); });
+  });
+}
+
+Status remove_permissions_of_others(FileTransaction& out, const fs::path& renewals,
+                                    const std::vector<pki::Certificate>& cas, WallTime now) {
+  if (!path_exists(renewals)) return {};
+  DDSSEC_ASSIGN_OR_RETURN(const auto verifier, pki::DocumentVerifier::make(cas));
+  return put_without(out, renewals, &pki::RenewalList::permissions,
+                     [&](const auto& file) { return !verifier.verify(file, now); });
 }
 
 bool takes_permissions(const pki::ParticipantFolder& files) {

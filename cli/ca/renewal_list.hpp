@@ -96,6 +96,15 @@ Status put_renewals(FileTransaction& out, const pki::ParticipantFolder& files,
 void refresh_renewals(const std::filesystem::path& ca, const pki::ParticipantFolder& files,
                       WallTime now, Report& report);
 
+/// Draft the renewal list of a participant's folder without certificates that none of `cas` issued,
+/// or without permissions that none of them signed. Participants raise an event about such entries
+/// (1386). Write nothing if there is no such entry, or if the list cannot be read. Errors: those of
+/// FileTransaction::put, those of DocumentVerifier::make.
+Status remove_certificates_of_others(FileTransaction& out, const std::filesystem::path& renewals,
+                                     const std::vector<pki::Certificate>& cas);
+Status remove_permissions_of_others(FileTransaction& out, const std::filesystem::path& renewals,
+                                    const std::vector<pki::Certificate>& cas, WallTime now);
+
 /// True if put_renewals can judge permissions, because a permissions CA is in the folder. Otherwise
 /// it adds none, and the present ones stay.
 bool takes_permissions(const pki::ParticipantFolder& files);

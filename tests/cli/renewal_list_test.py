@@ -397,6 +397,29 @@ class RenewalList(Transcript):
         self.assertEqual((self.at / "demo/ca/identity/renewed.pem").read_bytes(), before)
         self.distribute()
 
+    def test_ARotationAtOnce_RemovesTheEntriesOfTheFormerCaFromEachFolder(self):
+        self.renew("talker", "--permissions")
+        self.distribute()
+        for role, left in (("identity", [PERMISSIONS]), ("permissions", [])):
+            self.run_program("ca", "rotate", "demo", "--role", role)
+            for name in ("talker", "listener"):
+                self.assertEqual(self.labels(f"demo/{name}/renewed.pem"), left)
+        self.assertEqual(self.about(), [])
+
+    def test_TheEndOfAnOverlap_RemovesTheEntriesOfTheFormerCaFromEachFolder(self):
+        self.renew()
+        self.distribute()
+        self.run_program("ca", "rotate", "demo", "--role", "identity", "--overlap", "1d")
+        self.run_program("ca", "rotate", "demo", "--role", "identity", "--move")
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE], "both CAs count")
+        self.run_program("ca", "rotate", "demo", "--role", "identity", "--end")
+        self.assertEqual(self.labels("demo/listener/renewed.pem"), [])
+
+    def test_ARotationAtOnce_LeavesAListThatCannotBeRead(self):
+        (self.at / "demo/listener/renewed.pem").write_text("garbage")
+        self.run_program("ca", "rotate", "demo", "--role", "identity")
+        self.assertEqual((self.at / "demo/listener/renewed.pem").read_text(), "garbage")
+
     def test_Expiry_PassesOverTheList(self):
         self.renew()
         self.distribute()
