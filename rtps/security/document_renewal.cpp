@@ -64,9 +64,9 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
   if (!has_less) return;
   // It may also have the keys of topics of which it has no endpoints any more.
   if (*has_less) revision_.request(KeyReviser::RevisionReason::right_lost);
-  auto answer = authentication.accept_renewal(handshake, offer);
-  if (!answer) return;
-  exchange_.send_token(peer, message_class::kRenewalTaken, *std::move(answer));
+  // Without an answer the peer offers again. The new permissions count in any case.
+  if (auto answer = authentication.accept_renewal(handshake, offer))
+    exchange_.send_token(peer, message_class::kRenewalTaken, *std::move(answer));
   if (!access_control.check_remote_participant(permissions, core_.own->domain_id()))
     excluded_.push_back(peer.prefix());
   else

@@ -2,6 +2,7 @@
 #include <random>
 
 #include "tests/unit/rtps_security/document_files.hpp"
+#include "tests/unit/rtps_security/forwarding_authentication.hpp"
 #include "tests/unit/rtps_security/trio.hpp"
 
 namespace ddssec::rtps {
@@ -13,13 +14,15 @@ constexpr auto kEncrypt = ProtectionKind::encrypt;
 
 // Alice writes, and her documents are in files. Bob reads.
 struct Renewed {
-  // `b_is_ahead` is the error of bob's clock at the beginning.
+  // `b_is_ahead` is the error of bob's clock at the beginning. If there is a host, bob uses its
+  // plugins and its clock.
   explicit Renewed(Short first, const Rules& governance = everything(kEncrypt),
-                   std::chrono::hours b_is_ahead = 0h)
+                   std::chrono::hours b_is_ahead = 0h, Node* host_of_b = nullptr)
       : rules(governance),
         files(member("alice", rules, first)),
         a(1, files.in(member("alice", rules, first))),
-        b(2, member("bob", rules)) {
+        b(host_of_b == nullptr ? Node(2, member("bob", rules))
+                               : Node(2, member("bob", rules), *host_of_b)) {
     world.nodes = {&a, &b};
     b.clock.advance(b_is_ahead);
     auto qos = default_writer_qos();
@@ -155,6 +158,30 @@ TEST(DocumentRenewal, ALostRight_EndsTheMatchOnBothSides) {
   EXPECT_TRUE(two.world.run_until([&] { return two.b.events.has(Code::rtps_keys_revised); }, 1500))
       << two.text();
   EXPECT_TRUE(two.one_session());
+}
+
+// A plugin that judges a renewal and then cannot keep it, for example because memory runs out.
+class UnableToAccept final : public ForwardingAuthentication {
+ public:
+  using ForwardingAuthentication::ForwardingAuthentication;
+  Result<spi::Token> accept_renewal(spi::HandshakeHandle, const spi::Token&) override {
+    return fail(Code::out_of_memory);
+  }
+};
+
+// The permissions were replaced before the renewal could not be accepted.
+TEST(DocumentRenewal, ARightLostInARenewalThatIsNotAccepted_EndsTheMatch) {
+  Node host(200);
+  const PluginServices services{host.clock, host.random, host.events};
+  host.authentication =
+      std::make_unique<UnableToAccept>(authentication::make_authentication(services));
+  host.access_control = access_control::make_access_control(services);
+  host.cryptography = cryptography::make_cryptography(services);
+  Renewed two(Short::permissions, everything(kEncrypt), 0h, &host);
+  two.put_permissions({"Circle"});
+  EXPECT_TRUE(host.events.has(Code::announced_writer_not_allowed)) << host.events.text();
+  EXPECT_EQ(two.b.listener.matched, 0);
+  EXPECT_TRUE(two.one_session()) << two.text();
 }
 
 TEST(DocumentRenewal, ARightThatIsGivenAgain_MatchesAgain) {

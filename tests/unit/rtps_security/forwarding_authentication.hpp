@@ -60,6 +60,21 @@ class ForwardingAuthentication : public spi::Authentication {
   std::string authenticated_subject(spi::HandshakeHandle handshake) override {
     return real_->authenticated_subject(handshake);
   }
+  Result<std::optional<spi::Token>> offer_renewal(spi::HandshakeHandle handshake) override {
+    return real_->offer_renewal(handshake);
+  }
+  Result<spi::Token> judge_renewal(spi::HandshakeHandle handshake,
+                                   const spi::Token& offer) override {
+    return real_->judge_renewal(handshake, offer);
+  }
+  Result<spi::Token> accept_renewal(spi::HandshakeHandle handshake,
+                                    const spi::Token& offer) override {
+    return real_->accept_renewal(handshake, offer);
+  }
+  Result<spi::SessionFacts> note_renewal_accepted(spi::HandshakeHandle handshake,
+                                                  const spi::Token& answer) override {
+    return real_->note_renewal_accepted(handshake, answer);
+  }
   Status return_handshake_handle(spi::HandshakeHandle handshake) override {
     return real_->return_handshake_handle(handshake);
   }
