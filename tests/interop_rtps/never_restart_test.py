@@ -28,6 +28,7 @@ EMBEDDED = [f"e{i}" for i in range(1, 7)]
 CYCLONE = [f"c{i}" for i in range(1, 5)]
 TOPICS = ["Steady", "Video", "Mixed", "Ping", "Pong", "Narrow", "Left", "Raised", "Fleeting", "Denied"]
 JUDGED = ("Steady", "Mixed", "Further", "Raised", "Fleeting")  # no sample may be lost
+UNDISTURBED = ("Steady", "Video", "Raised", "Ping", "Pong")  # embedded writers: no instance may end
 RAISED = ["e1", "e2", "e3", "e4"]  # the participants that use the topic whose protection is raised
 ENDS = {"identity": ("identity_ca_renewed", "identity_renewed"),
         "permissions": ("permissions_ca_renewed", "permissions_renewed")}
@@ -394,6 +395,7 @@ def print_report(story, totals):
         print(f"| {name} | " + " | ".join(str(len(story.peers[name].events(event))) for event in names) + " |")
     print(f"\nagent: {story.agent.count('renewed')} certificates renewed, killed {story.agent.killed} times, "
           f"failures {dict(story.agent.failures())}")
+    print(f"told of the end of an instance (reader, topic, times): {ends_of(story) or 'none'}")
     print(f"slowest command of ddssec: {story.folders.slowest:.1f} s")
     print(f"restarts 0; {LEFT} out {story.figures['out']:.1f} s after its end; right lost after "
           f"{story.figures['narrowed']:.1f} s (in Cyclone DDS {story.figures['denied']:.1f} s), back after {story.figures['widened']:.1f} s; protection raised after "
@@ -412,7 +414,17 @@ def totals_of(pairs):
     return totals
 
 
+def ends_of(story):
+    """(reader, topic, samples that told it of the end of an instance)."""
+    return [(name, reader["topic"], reader["ends"]) for name in EMBEDDED + CYCLONE if name != LEFT
+            for reader in story.changing[name]["readers"] if reader["ends"]]
+
+
 def judge(story):
+    ended = [one for one in ends_of(story) if one[0] in EMBEDDED and one[1] in UNDISTURBED]
+    check(f"instances ended between embedded participants: {ended}", not ended)
+    told = {one[:2] for one in ends_of(story)}
+    check(f"a lost match tells readers of the end: {told}", {(NARROWED, "Narrow"), ("e1", "Left")} <= told)
     lost = [one for one in story.losses if is_embedded(*one[:3])]
     check(f"lost between embedded participants: {lost}", not lost)
     check(f"lost with Cyclone DDS on one side: {story.losses}", not story.losses)

@@ -31,7 +31,9 @@ class Cyclone final : public steady::Stack {
     std::optional<steady::Message> out;
     while (!out && dds_take(readers_[reader], &raw, &info, 1, 1) == 1) {
       const auto& shape = *static_cast<const interop_Shape*>(raw);
-      if (info.valid_data)
+      if (!info.valid_data)
+        note_end(reader);
+      else
         out = {shape.color,
                shape.x,
                {shape.payload._buffer, shape.payload._buffer + shape.payload._length}};

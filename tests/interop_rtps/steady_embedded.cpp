@@ -34,7 +34,10 @@ class Embedded final : public steady::Stack {
   }
   std::optional<steady::Message> take(std::size_t reader) override {
     auto taken = readers_[reader]->take_next_sample();
-    while (taken && !taken->info.valid_data) taken = readers_[reader]->take_next_sample();
+    while (taken && !taken->info.valid_data) {
+      note_end(reader);
+      taken = readers_[reader]->take_next_sample();
+    }
     if (!taken) return std::nullopt;
     return steady::Message{taken->data.color, taken->data.x, std::move(taken->data.payload)};
   }

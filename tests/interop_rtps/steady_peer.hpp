@@ -48,6 +48,18 @@ class Stack {
   virtual bool write(std::size_t writer, const Message& message) = 0;
   virtual std::optional<Message> take(std::size_t reader) = 0;
   virtual int matched(bool is_writer, std::size_t endpoint) = 0;
+  /// The samples without data that a reader has received: an instance was disposed, or has no
+  /// writer any more.
+  std::size_t ends(std::size_t reader) const {
+    const auto found = ends_.find(reader);
+    return found == ends_.end() ? 0 : found->second;
+  }
+
+ protected:
+  void note_end(std::size_t reader) { ++ends_[reader]; }
+
+ private:
+  std::map<std::size_t, std::size_t> ends_;
 };
 
 inline std::int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
@@ -224,7 +236,8 @@ class Peer {
     out << "], \"readers\": [";
     for (std::size_t i = 0; i < readers_.size(); ++i) {
       out << (i == 0 ? "" : ", ") << "{\"topic\": \"" << readers_[i].topic
-          << "\", \"matched\": " << stack_.matched(false, i) << ", \"streams\": {";
+          << "\", \"matched\": " << stack_.matched(false, i) << ", \"ends\": " << stack_.ends(i)
+          << ", \"streams\": {";
       bool is_first = true;
       for (auto& [writer, stream] : readers_[i].streams) {
         out << (is_first ? "" : ", ") << "\"" << writer << "\": {" << stream.report() << "}";
