@@ -104,7 +104,12 @@ Status OwnIdentity::adopt_lists(const std::vector<pki::Crl>& lists, TrustStores&
       check_renewal(lists, revocation_lists_.in_force(), former->anchors(), now));
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, stores.open(former->anchors(), lists));
   const auto own = renewed->verify(certificate(), now);
-  if (!own && own.error().code() != Code::certificate_revoked) return std::unexpected(own.error());
+  if (!own && own.error().code() != Code::certificate_revoked) {
+    // If the lists in force have the same fault, for example one that has ended, the new ones are
+    // not worse.
+    const auto before = former->verify(certificate(), now);
+    if (before || before.error().code() != own.error().code()) return std::unexpected(own.error());
+  }
   const std::scoped_lock lock(mutex_);
   own_trust_ = peer_trust_ = std::move(renewed);
   ++renewals_;

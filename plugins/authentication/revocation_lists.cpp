@@ -115,7 +115,13 @@ std::vector<pki::Crl> newest_of(const std::vector<pki::Crl>& lists,
 
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
                      const std::vector<pki::Certificate>& anchors, WallTime now) {
-  for (const auto& crl : lists) DDSSEC_RETURN_IF_ERROR(check_signed(crl, anchors, now));
+  // A list in force stays as it is, also if it has ended or its CA was replaced. If it were judged
+  // again, one CA without a new list would keep back the lists of all others.
+  for (const auto& crl : lists) {
+    const auto is_this = [&](const auto& held) { return is_same_list(held, crl); };
+    if (std::ranges::none_of(former, is_this))
+      DDSSEC_RETURN_IF_ERROR(check_signed(crl, anchors, now));
+  }
   // If a CA has been replaced by one of the same name, its list has no effect any more.
   for (const auto& held : former)
     if (std::ranges::any_of(anchors, [&](const auto& ca) { return held.is_signed_by(ca); }))

@@ -15,9 +15,9 @@
 namespace ddssec::authentication {
 
 /// Success if `lists` may replace `former`. Every list of an issuer among `anchors` must be signed
-/// by the issuer and valid now, and no list of these issuers may be lost or go back in time. Lists
-/// of other issuers have no effect and are skipped. Errors: those of Crl::check, crl_missing,
-/// crl_older.
+/// by the issuer and valid now, unless `former` has it, and no list of these issuers may be lost or
+/// go back in time. Lists of other issuers have no effect and are skipped. Errors: those of
+/// Crl::check, crl_missing, crl_older.
 Status check_renewal(const std::vector<pki::Crl>& lists, const std::vector<pki::Crl>& former,
                      const std::vector<pki::Certificate>& anchors, WallTime now);
 

@@ -305,6 +305,56 @@ TEST_F(TwoRevocationLists, ForgedList_ReplacesNone) {
   EXPECT_TRUE(ends());
 }
 
+TEST_F(TwoRevocationLists, ListOfOneCaThatHasEnded_KeepsNoOtherBack) {
+  const auto other = make_ca("CN=Other CA");
+  elsewhere.write("identity_ca.cert.pem",
+                  test_ca().certificate().pem() + other.certificate().pem());
+  folder.write("crl.pem", pem({1}));
+  elsewhere.write("crl.pem", pem({1, {}, kNow - 1h, kNow + 2h}, other));
+  ASSERT_OK(create());
+  plugin.clock.advance(3h);
+  told();
+  elsewhere.replace("crl.pem", pem({2, {}, kNow, kNow + 2h}, other));
+  EXPECT_THAT(told(), testing::ElementsAre(Code::crl_expired)) << "a new list must be valid";
+  folder.replace("crl.pem", revokes_alice());
+  EXPECT_TRUE(ends());
+}
+
+// The list of an intermediate CA counts although that of the CA above it has ended.
+TEST_F(TwoRevocationLists, ListOfTheCaAboveThatHasEnded_KeepsNoRevocationBack) {
+  const auto root = make_ca("CN=Root CA");
+  const auto below = root.subordinate("CN=Plant CA", {}, kYear, plugin.random).value();
+  const auto member = make_identity(below, "CN=alice,O=Example");
+  folder.replace("cert.pem", member.certificate.pem());
+  elsewhere.replace("identity_ca.cert.pem", below.certificate().pem() + root.certificate().pem());
+  folder.write("crl.pem", pem({1}, below));
+  elsewhere.write("crl.pem", pem({1, {}, kNow - 1h, kNow + 2h}, root));
+  ASSERT_OK(create());
+  plugin.clock.advance(3h);
+  ends();
+  plugin.events.all.clear();
+  folder.replace("crl.pem", pem({2, {member.certificate}}, below));
+  ends();
+  EXPECT_THAT(codes(), testing::Contains(Code::crl_renewed));
+}
+
+// The key of the CA was stolen, and its last list is still in one of the two places.
+TEST_F(TwoRevocationLists, ListOfAReplacedCa_StopsNoSuccessor) {
+  folder.write("crl.pem", pem({7}));
+  elsewhere.write("crl.pem", pem({7}));
+  ASSERT_OK(create());
+  told();
+  const auto successor = make_ca();
+  const auto next =
+      make_identity(successor, "CN=alice,O=Example", {}, {kNow, kYear.not_after}).certificate;
+  elsewhere.replace("crl.pem", pem({1}, successor));
+  folder.replace("cert.pem", next.pem());
+  elsewhere.replace("identity_ca.cert.pem", successor.certificate().pem());
+  EXPECT_THAT(told(), testing::IsSupersetOf({Code::identity_ca_renewed, Code::identity_renewed}));
+  elsewhere.replace("crl.pem", pem({2, {next}}, successor));
+  EXPECT_TRUE(ends());
+}
+
 TEST_F(TwoRevocationLists, ListsOfTwoCas_CountTogether) {
   const auto other = make_ca("CN=Other CA");
   elsewhere.write("identity_ca.cert.pem",
