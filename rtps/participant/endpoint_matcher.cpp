@@ -49,6 +49,16 @@ void suspend_pair(ParticipantCore& core, const EntityId& local, const Guid& remo
     core.security->keyring().unregister_pair(local, remote, AfterMatch::may_return);
 }
 
+// Whether a sample passes a filter shows in its inline QoS, or in a GAP in its place. So filters
+// would tell others what an encrypted payload holds, and a forged announcement could choose them.
+// The reader applies its filter in any case (RTPS 2.5, 8.7.3).
+bool may_filter(const ParticipantCore& core, const LocalWriter& writer) {
+  if (!core.security) return true;
+  const auto* attributes = core.security->keyring().attributes(writer.data.guid.entity);
+  return attributes == nullptr ||
+         !(is_encrypted(attributes->payload) || is_encrypted(attributes->submessage));
+}
+
 }  // namespace
 
 EndpointMatcher::EndpointMatcher(ParticipantCore& core, LocalEndpoints& local,
@@ -286,7 +296,9 @@ void EndpointMatcher::match(LocalWriter& writer, RemoteParticipant& remote,
   const auto* near =
       process_peer_of(local_, core_.config.process_peers.get(), writer.data.guid.entity, data.guid);
   const bool is_in_process = near != nullptr;
-  auto filter = data.content_filter && !is_in_process ? writer.listener->filter_for(data) : nullptr;
+  auto filter = data.content_filter && !is_in_process && may_filter(core_, writer)
+                    ? writer.listener->filter_for(data)
+                    : nullptr;
   if (known) {
     writer.protocol->set_filter(data.guid, std::move(filter));
     if (!writer.unready.contains(data.guid)) writer.listener->on_matched(data);

@@ -22,6 +22,15 @@ bool is_received(const ParticipantCore& core, const StatefulWriter& writer) {
   });
 }
 
+// A filter would tell what an encrypted payload holds (EndpointMatcher).
+void note_encryption(LocalWriter& writer) {
+  std::vector<Guid> filtered;
+  for (const auto& [guid, proxy] : writer.protocol->readers().all())
+    if (proxy.reader().filter) filtered.push_back(guid);
+  for (const auto& guid : filtered) writer.protocol->set_filter(guid, nullptr);
+}
+void note_encryption(LocalReader&) {}
+
 // From now on, a reader that took the key hash from beside the data computes it. Key hashes of
 // existing endpoints keep their form, because instances are identified by them. The governance
 // accepts such a change only if submessages or messages are encrypted.
@@ -36,8 +45,10 @@ void announce(ParticipantCore& core, LocalEndpoints& locals, std::map<EntityId, 
     if (announced->info == local.data.security_info) continue;
     local.data.security_info = announced->info;
     local.data.required_ciphers = announced->required_ciphers;
-    if (core.security->keyring().attributes(id)->is_payload_protected())
-      local.listener->on_payload_protected();
+    const auto& attributes = *core.security->keyring().attributes(id);
+    if (attributes.is_payload_protected()) local.listener->on_payload_protected();
+    if (is_encrypted(attributes.payload) || is_encrypted(attributes.submessage))
+      note_encryption(local);
     if (moves(core, id))
       locals.publish_moved(local.data);
     else

@@ -36,6 +36,35 @@ TEST(GovernanceChange, EndpointsMadeMeanwhile_MatchAndKeepTheirSamples) {
       << fleet.c.node.listener.changes.size() << " of " << fleet.written << fleet.text();
 }
 
+// Results of a filter would tell what an encrypted payload holds. Carol has the document, but does
+// not announce her reader again, because nothing is heard of her any more.
+TEST(GovernanceChange, FilterOfAReader_EndsWhenPayloadsAreEncrypted) {
+  for (const auto kind : {kSign, kEncrypt}) {
+    Fleet fleet(rules_of(kNone, kNone), "4");
+    fleet.a.node.listener.filter = std::make_shared<FixedFilter>(true);
+    auto description = square(default_reader_qos());
+    description.content_filter = ContentFilterProperty{
+        .content_filtered_topic_name = "Few", .related_topic_name = "Square", .filter = {"x = 1"}};
+    Listener filtered;
+    ASSERT_TRUE(fleet.c.node->create_reader(description, filtered, fleet.world.now));
+    const auto& readers = fleet.a.node->local_endpoints().writer(fleet.writer)->readers();
+    ASSERT_TRUE(fleet.world.run_until([&] { return readers.filtered() == 1; }));
+    MonotonicTime mute_from = kNever;
+    fleet.world.filter = [&](const Node& from, Bytes datagram) {
+      const bool is_mute = &from == &fleet.c.node && fleet.world.now > mute_from;
+      return is_mute ? std::vector<Bytes>{} : one(std::move(datagram));
+    };
+    fleet.put({&fleet.a, &fleet.b, &fleet.c}, rules_of(kind, kind), 2);
+    for (int i = 0; i < 10 && !fleet.a.node.events.has(Code::governance_renewed); ++i) {
+      fleet.run(1);
+      if (fleet.c.node.events.has(Code::governance_changing))
+        mute_from = std::min(mute_from, fleet.world.now);
+    }
+    EXPECT_TRUE(fleet.a.node.events.has(Code::governance_renewed)) << fleet.text();
+    EXPECT_EQ(readers.filtered(), kind == kEncrypt ? 0u : 1u) << fleet.text();
+  }
+}
+
 TEST(GovernanceChange, WithoutTimeToWait_TheNewProtectionCountsAtOnce) {
   Fleet fleet(rules_of(kSign, kSign), "0");
   fleet.put({&fleet.a}, rules_of(kEncrypt, kEncrypt), 2);

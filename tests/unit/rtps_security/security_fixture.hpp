@@ -58,6 +58,21 @@ struct Listener final : EndpointListener {
   }
   std::map<Guid, std::shared_ptr<LivelinessSignal>> signals;
   void on_acknowledged() override {}
+  std::shared_ptr<ChangeFilter> filter_for(const EndpointData& reader) override {
+    return reader.content_filter ? filter : nullptr;
+  }
+  /// What a writer's owner makes of any content filter.
+  std::shared_ptr<ChangeFilter> filter;
+};
+
+/// A filter with one result for all changes.
+class FixedFilter final : public ChangeFilter {
+ public:
+  explicit FixedFilter(bool passes) : passes_(passes) {}
+  std::optional<bool> passes(const Change&) override { return passes_; }
+
+ private:
+  const bool passes_;
 };
 
 /// Returns a set with any domain tag, because tests that run at the same time use different tags.
