@@ -45,16 +45,16 @@ const sockaddr* generic(const sockaddr_un& address) {
 
 Result<std::unique_ptr<StatusServer>> StatusServer::start(const std::string& folder,
                                                           Answer answer) {
-  const auto refused = [&](std::string expected, std::string found) {
+  const auto folder_error = [&](std::string expected, std::string found) {
     return fail(Code::status_not_served,
                 {.document = folder, .expected = std::move(expected), .found = std::move(found)});
   };
-  if (!folder.starts_with('/')) return refused("an absolute path", "a relative one");
+  if (!folder.starts_with('/')) return folder_error("an absolute path", "a relative one");
   auto opened = open_guarded(folder, O_PATH);
   if (!opened)
-    return refused("links in the path that only root and this user can change",
-                   opened.error().message());
-  if (!*opened) return refused("a folder", errno_text(errno));
+    return folder_error("links in the path that only root and this user can change",
+                        opened.error().message());
+  if (!*opened) return folder_error("a folder", errno_text(errno));
   std::unique_ptr<StatusServer> out(
       new StatusServer(folder, *std::move(opened), std::move(answer)));
   DDSSEC_RETURN_IF_ERROR(out->check_folder());

@@ -227,15 +227,15 @@ Status ReadContext::count(XmlElement at) {
 
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name) {
   const XmlElement root = document.root();
-  const auto refuse = [&](XmlElement at, std::string_view expected) {
+  const auto document_kind_error = [&](XmlElement at, std::string_view expected) {
     return fail(
         Code::document_kind,
         {.line = at.line(), .expected = in_brackets(expected), .found = in_brackets(at.name())});
   };
-  if (root.name() != "dds") return refuse(root, "dds");
+  if (root.name() != "dds") return document_kind_error(root, "dds");
   DDSSEC_RETURN_IF_ERROR(root.check_attributes());
   for (XmlElement child = root.first_child(); child; child = child.next_sibling()) {
-    if (child.name() != name && !child.may_be_ignored()) return refuse(child, name);
+    if (child.name() != name && !child.may_be_ignored()) return document_kind_error(child, name);
   }
   const ChildSpec specs[] = {{name}};
   DDSSEC_ASSIGN_OR_RETURN(const auto xml_children, XmlChildren::of(root, specs));

@@ -113,7 +113,7 @@ class MarkupCheck {
   std::string_view rest() const { return all_.substr(at_); }
   int line() const { return line_at(all_, at_); }
 
-  std::unexpected<Error> refuse(Code code, std::string found) const {
+  std::unexpected<Error> line_error(Code code, std::string found) const {
     return fail(code, {.line = line(), .found = std::move(found)});
   }
   std::unexpected<Error> malformed_error(std::string expected, std::string found) const {
@@ -188,8 +188,8 @@ class MarkupCheck {
     const std::string_view here = rest();
     if (here.starts_with("<!--")) return comment();
     if (here.starts_with("<![CDATA[")) return cdata();
-    if (here.starts_with("<!")) return refuse(Code::xml_doctype, "<!");
-    if (here.starts_with("<?")) return refuse(Code::xml_processing_instruction, "<?");
+    if (here.starts_with("<!")) return line_error(Code::xml_doctype, "<!");
+    if (here.starts_with("<?")) return line_error(Code::xml_processing_instruction, "<?");
     return here.starts_with("</") ? end_tag() : start_tag();
   }
 
@@ -225,11 +225,11 @@ class MarkupCheck {
   Status reference() {
     if (depth_ == 0) return malformed_error("nothing outside the root element", "text");
     const auto end = all_.find(';', at_);
-    if (end == all_.npos || end - at_ > 12) return refuse(Code::xml_entity, "&");
+    if (end == all_.npos || end - at_ > 12) return line_error(Code::xml_entity, "&");
     const std::string_view name = all_.substr(at_ + 1, end - at_ - 1);
     constexpr std::array<std::string_view, 5> kKnown = {"lt", "gt", "amp", "quot", "apos"};
     if (!std::ranges::count(kKnown, name) && !is_character_number(name))
-      return refuse(Code::xml_entity, "another one");
+      return line_error(Code::xml_entity, "another one");
     at_ = end + 1;
     return {};
   }

@@ -72,7 +72,7 @@ BytesView self_test_message() { return as_bytes("ddssec: does this key fit this 
 // OpenSSL's reason says where the decrypted octets made no sense ("pkcs12 cipherfinal error"),
 // which does not help. Another cause is only an algorithm that OpenSSL does not support.
 std::unexpected<Error> passphrase_error(Code code) {
-  auto failure = openssl_failure(code);
+  auto failure = openssl_error(code);
   const auto& error = failure.error();
   if (error.code() != code || error.details().note.contains("unsupported")) return failure;
   return fail(code);
@@ -94,7 +94,7 @@ Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphr
   if (request.asked)
     return passphrase_error(passphrase == nullptr ? Code::passphrase_missing
                                                   : Code::passphrase_wrong);
-  if (!is_der(pem)) return openssl_failure(Code::private_key_malformed);
+  if (!is_der(pem)) return openssl_error(Code::private_key_malformed);
   take_openssl_reason();
   return fail(Code::private_key_malformed,
               {.expected = "PEM",
@@ -120,7 +120,7 @@ Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {
   PkeyPtr pkey(kind == KeyKind::rsa
                    ? EVP_PKEY_Q_keygen(nullptr, nullptr, "RSA", static_cast<std::size_t>(bits))
                    : EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", group));
-  if (!pkey) return openssl_failure(Code::internal);
+  if (!pkey) return openssl_error(Code::internal);
   return finish(std::move(pkey));
 }
 
@@ -132,7 +132,7 @@ Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
   const EVP_CIPHER* cipher = passphrase != nullptr ? EVP_aes_256_cbc() : nullptr;
   if (!bio || PEM_write_bio_PKCS8PrivateKey(bio.get(), impl_->pkey.get(), cipher, nullptr, 0,
                                             give_passphrase, &request) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   if (passphrase != nullptr) wipe_stack();
   return KeyPem::copy_of(bio_octets(bio));
 }
@@ -147,7 +147,7 @@ Status PrivateKey::matches(const Certificate& certificate) const {
                              .found = to_string(algorithm()) + " of another pair"};
   EVP_PKEY* expected = X509_get0_pubkey(impl_of(certificate).x509.get());
   if (EVP_PKEY_eq(impl_->pkey.get(), expected) != 1)
-    return openssl_failure(Code::key_mismatch, details);
+    return openssl_error(Code::key_mismatch, details);
   // A key file may contain the right public half with a wrong private half.
   const auto signature = sign(*this, self_test_message());
   if (!signature || !verify(certificate, self_test_message(), *signature))

@@ -40,7 +40,7 @@ class AccessControlPlugin final : public spi::AccessControl {
                                                        const spi::PropertyList& properties,
                                                        std::string_view domain_tag) override {
     auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
-    if (!holder) return refuse_local(holder.error());
+    if (!holder) return report_local_error(holder.error());
     DDSSEC_ASSIGN_OR_RETURN(const auto handle, add(*holder));
     note_documents(handle);
     return handle;
@@ -186,30 +186,30 @@ class AccessControlPlugin final : public spi::AccessControl {
   LoadContext context() { return {documents_, options_, services_.clock.calendar_seconds()}; }
 
   // Raises the one event of a refusal.
-  std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {},
-                                const std::string& peer_guid = {}) {
+  std::unexpected<Error> report_error(const Error& error, const std::string& peer_subject = {},
+                                      const std::string& peer_guid = {}) {
     services_.events.raise(event_about(peer_subject, error, peer_guid));
     return std::unexpected(error);
   }
 
   // Does the same for a call of the application, which gets the error.
-  std::unexpected<Error> refuse_local(const Error& error) {
+  std::unexpected<Error> report_local_error(const Error& error) {
     services_.events.raise(Event::of_returned(error));
     return std::unexpected(error);
   }
-  std::unexpected<Error> refuse(const Error& error, const PermissionsHolder& holder) {
-    return holder.remote() ? refuse(error, holder.peer_subject()) : refuse_local(error);
+  std::unexpected<Error> report_error(const Error& error, const PermissionsHolder& holder) {
+    return holder.remote() ? report_error(error, holder.peer_subject()) : report_local_error(error);
   }
 
   Result<PermissionsHandle> add(Holder holder) {
     auto handle = handles_.add(std::move(holder));
-    if (!handle) return refuse(handle.error());
+    if (!handle) return report_error(handle.error());
     return handle;
   }
 
   Result<Holder> find_or_refuse(PermissionsHandle handle) {
     if (Holder holder = handles_.find(handle)) return holder;
-    return refuse(Error(Code::unknown_permissions_handle));
+    return report_error(Error(Code::unknown_permissions_handle));
   }
 
   // Finds the holder, lets `judge` decide, and raises an event for a refusal.
@@ -221,7 +221,7 @@ class AccessControlPlugin final : public spi::AccessControl {
         own == domain_id ? judge(*holder)
                          : Status(fail(Code::other_domain, {.expected = std::to_string(own),
                                                             .found = std::to_string(domain_id)}));
-    if (!status) return refuse(status.error(), *holder);
+    if (!status) return report_error(status.error(), *holder);
     return {};
   }
 
@@ -253,13 +253,13 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
     spi::IdentityHandle local_identity, spi::IdentityHandle remote_identity,
     const spi::Token& permissions_token, const spi::Token& credential) {
   const Holder local = handles_.find_local(local_identity);
-  if (!local) return refuse(Error(Code::unknown_local_identity));
+  if (!local) return report_error(Error(Code::unknown_local_identity));
   const auto& participant = local->participant();
   // The domain's algorithms apply with and without join access control.
   HolderSubject subject;
   if (const auto status = check_remote_algorithms(*participant, credential, subject); !status)
-    return refuse(status.error().with_default_document(participant->governance_name),
-                  subject.shown);
+    return report_error(status.error().with_default_document(participant->governance_name),
+                        subject.shown);
   auto judged = judge_remote(context(), *participant, permissions_token, credential, subject);
   const std::string name = subject.shown.empty() ? "permissions of a peer without certificate"
                                                  : "permissions of " + subject.shown;
@@ -267,7 +267,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   if (judged) {
     document = *std::move(judged);
   } else {
-    auto refused = refuse(judged.error().with_default_document(name), subject.shown);
+    auto refused = report_error(judged.error().with_default_document(name), subject.shown);
     // Without join access control such a peer may still use unprotected topics.
     if (participant->judging_documents()->governance->domain_rule().enable_join_access_control)
       return refused;
@@ -294,12 +294,12 @@ Result<bool> AccessControlPlugin::renew_remote_permissions(PermissionsHandle rem
   const auto& name = holder->document_name();
   HolderSubject subject;
   if (const auto status = check_remote_algorithms(participant, credential, subject); !status)
-    return refuse(status.error().with_default_document(participant.governance_name), *holder);
+    return report_error(status.error().with_default_document(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
-  if (!judged) return refuse(judged.error().with_default_document(name), *holder);
+  if (!judged) return report_error(judged.error().with_default_document(name), *holder);
   const auto now = services_.clock.calendar_seconds();
   const auto rights = holder->adopt_presented(*std::move(judged), now);
-  if (!rights) return refuse(rights.error().with_default_document(name), *holder);
+  if (!rights) return report_error(rights.error().with_default_document(name), *holder);
   if (*rights == PresentedRights::same) return false;
   const auto ends = holder->ends();
   const auto shown = ends ? to_string(*ends) : std::string();
@@ -313,7 +313,7 @@ Status AccessControlPlugin::note_presented(PermissionsHandle remote,
                                            const spi::SessionFacts& facts) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   const Holder local = handles_.find_local(holder->participant()->identity);
-  if (!local) return refuse(Error(Code::unknown_local_identity));
+  if (!local) return report_error(Error(Code::unknown_local_identity));
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   return {};
 }
@@ -324,8 +324,7 @@ Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Mat
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
   const auto status = judgement_.endpoint(*own, action, match.local);
-  if (!status) services_.events.raise(event_about({}, status.error()));
-  return status;
+  return status ? status : report_error(status.error());
 }
 
 Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const Match& match) {
@@ -337,7 +336,8 @@ Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const M
   if (status) return {};
   const auto guid =
       match.remote ? Guid{*match.remote, kEntityIdParticipant}.to_string() : std::string();
-  return refuse(match_denied(status.error(), action, match), holder->peer_subject(), guid);
+  return report_error(match_denied_error(status.error(), action, match), holder->peer_subject(),
+                      guid);
 }
 
 Result<spi::AccessControl::RemoteDatareader> AccessControlPlugin::check_remote_datareader(
@@ -367,9 +367,9 @@ Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(Permissi
     return *builtin;
   const auto found = participant.judging_documents_for(topic);
   if (!found)
-    return refuse(found.error().with_default_document(participant.governance_name), *holder);
+    return report_error(found.error().with_default_document(participant.governance_name), *holder);
   if (const auto* rule = (*found)->governance->topic_rule(topic)) return endpoint_attributes(*rule);
-  return refuse(topic_not_covered(participant, topic), *holder);
+  return report_error(topic_not_covered_error(participant, topic), *holder);
 }
 
 std::optional<WallTime> AccessControlPlugin::next_expiry() {

@@ -28,7 +28,7 @@ Status AccessDecisions::participant(PermissionsHolder& holder) const {
   if (!documents->governance->domain_rule().enable_join_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto decision = grant->judge_participant();
-  if (!decision.allowed) return std::unexpected(participant_denied(holder, *grant, decision));
+  if (!decision.allowed) return std::unexpected(participant_denied_error(holder, *grant, decision));
   return {};
 }
 
@@ -37,12 +37,12 @@ Status AccessDecisions::topic(PermissionsHolder& holder, std::string_view name) 
   const auto& participant = *holder.participant();
   const auto documents = participant.judging_documents();
   const auto* rule = documents->governance->topic_rule(name);
-  if (!rule) return std::unexpected(topic_not_covered(participant, name));
+  if (!rule) return std::unexpected(topic_not_covered_error(participant, name));
   if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto publish = grant->judge_topic(Action::publish, name);
   if (publish.allowed || grant->judge_topic(Action::subscribe, name).allowed) return {};
-  return std::unexpected(topic_denied(holder, *grant, publish, name));
+  return std::unexpected(topic_denied_error(holder, *grant, publish, name));
 }
 
 Status AccessDecisions::endpoint(PermissionsHolder& holder, Action action,
@@ -55,13 +55,13 @@ Status AccessDecisions::by(const governance::CompiledGovernance& rules, Permissi
                            Action action, const EndpointRequest& request) const {
   const auto& participant = *holder.participant();
   const auto* rule = rules.topic_rule(request.topic_name);
-  if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
+  if (!rule) return std::unexpected(topic_not_covered_error(participant, request.topic_name));
   if (!is_access_controlled(*rule, action)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto tags = data_tags_of(request);
   const auto decision = grant->judge(action, {request.topic_name, request.partitions, tags});
   if (!decision.allowed)
-    return std::unexpected(endpoint_denied(holder, *grant, decision, action, request));
+    return std::unexpected(endpoint_denied_error(holder, *grant, decision, action, request));
   return {};
 }
 

@@ -75,17 +75,17 @@ Result<Ending> check_inline_qos(const DiscoveryTopic& topic, const Owner& owner,
 Status check_other_inline_qos(BytesView submessage) {
   constexpr std::uint8_t kInlineQosFlag = 2;
   if ((submessage[1] & kInlineQosFlag) == 0) return {};
-  const auto refused = [](std::string_view why) {
+  const auto inline_qos_error = [](std::string_view why) {
     return fail(Code::inline_qos_refused, {.document = "a sample", .note = std::string(why)});
   };
   const auto piece = read_data_piece(submessage);
-  if (!piece) return refused("its lengths contradict one another");
+  if (!piece) return inline_qos_error("its lengths contradict one another");
   Reader in(piece->inline_qos, piece->endian);
   while (!in.at_end()) {
     const auto parameter = next_parameter(in);
     if (!parameter || !*parameter) break;  // it was read once already
     if (is_deprecated_address((*parameter)->id))
-      return refused("it has an address in the form of RTPS 1");
+      return inline_qos_error("it has an address in the form of RTPS 1");
   }
   return {};
 }

@@ -42,7 +42,7 @@ class ReceiverPlaces {
   }
 
  private:
-  std::unexpected<Error> refuse(std::size_t limit, std::string_view whose) const;
+  std::unexpected<Error> limit_error(std::size_t limit, std::string_view whose) const;
 
   std::size_t max_;
   std::string_view of_;

@@ -18,7 +18,7 @@ bool begins_protected(BytesView message) {
 Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesView message,
                                                    MutableBytes scratch, MonotonicTime now) {
   if (!begins_protected(message)) {
-    if (pre_shared_.are_due()) return pre_shared_.refuse_bare(header, now);
+    if (pre_shared_.are_due()) return pre_shared_.missing_protection_error(header, now);
     return OpenMessage{message};
   }
   if (spi::has_pre_shared_key_flag(message)) {
@@ -32,10 +32,11 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
     return fail(Code::session_reset_by_peer);
   }
   const auto remote = remotes_.find(header.prefix);
-  if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), header.prefix);
+  if (remote == remotes_.end())
+    return undecodable_error(Error(Code::crypto_not_matched), header.prefix);
   const auto opened =
       phases_.messages().open(remote->second.crypto, message, scratch, remote->second.says_next);
-  if (!opened) return undecodable(opened.error(), header.prefix);
+  if (!opened) return undecodable_error(opened.error(), header.prefix);
   return OpenMessage{scratch.first(opened->size), true, opened->age};
 }
 
