@@ -144,7 +144,7 @@ void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders
                       const doctor::Settings& settings, Report& report) {
   for (const auto* folder : folders) {
     doctor::Diagnosis readings(settings.lineup);
-    doctor::check_readings(*folder, settings, readings);
+    doctor::diagnose_readings(*folder, settings, readings);
     for (const auto& one : readings.checks())
       for (auto finding : one.findings) {
         finding.severity = Severity::warning;
@@ -161,7 +161,7 @@ void warn_of_renewal_lists(
   for (const auto& [folder, product] : sides) {
     if (product != doctor::Product::ddssec) continue;
     doctor::Diagnosis lists(settings.lineup);
-    check_renewal_list(*folder, settings, lists);
+    diagnose_renewal_list(*folder, settings, lists);
     for (const auto& one : lists.checks())
       report.findings.insert(report.findings.end(), one.findings.begin(), one.findings.end());
   }

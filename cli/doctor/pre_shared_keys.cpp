@@ -146,8 +146,8 @@ void refuse_topics(const doctor::Party& a, const doctor::Party& b, doctor::Meeti
 
 }  // namespace
 
-void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& settings,
-                           doctor::Diagnosis& out) {
+void diagnose_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& settings,
+                              doctor::Diagnosis& out) {
   const auto kind = required_protection(folder, settings.domain);
   if (!is_protected(kind)) return;
   out.pass(Rule::DOC091);

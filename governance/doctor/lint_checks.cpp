@@ -41,7 +41,7 @@ void add(std::vector<Finding> findings, const std::filesystem::path& file, std::
 
 }  // namespace
 
-void check_lint(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_lint(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto* governance = folder.governance.model.get();
   if (governance != nullptr)
     add(lint(*governance, {.domain = settings.domain}), folder.paths.governance, "governance", out);

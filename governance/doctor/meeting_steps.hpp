@@ -37,7 +37,7 @@ void add_finding(const MeetingScene& scene, Rule rule, const PartyDecision& judg
 
 /// Judges whether a party starts on its own, and whether the CA has revoked it without its peers
 /// knowing.
-void judge_start(const MeetingScene& scene, int index);
+void diagnose_start(const MeetingScene& scene, int index);
 
 /// Returns the names to check if none are given; sets topics_complete.
 std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene);

@@ -221,7 +221,7 @@ void report(const Loss& loss, Product product, const std::filesystem::path& docu
 
 }  // namespace
 
-void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto* const rule =
       folder.governance.model ? folder.governance.model->find(settings.domain) : nullptr;
   const auto* const grant = grant_of(folder, settings.now);

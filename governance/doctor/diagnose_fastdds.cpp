@@ -202,6 +202,8 @@ bool may_set_default_participant(std::string_view text) {
   return !document || has_default_participant(document->root());
 }
 
-void check_profile(const CheckedProfile& question, Diagnosis& out) { Checks(question, out).run(); }
+void diagnose_profile(const CheckedProfile& question, Diagnosis& out) {
+  Checks(question, out).run();
+}
 
 }  // namespace ddssec::governance::doctor
