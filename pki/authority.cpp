@@ -324,7 +324,7 @@ Result<Authority> Authority::load(Certificate certificate, PrivateKey key) {
   if (!certificate.is_ca())
     return fail(Code::not_a_ca,
                 {.field = certificate.subject(), .expected = "basicConstraints CA:TRUE"});
-  DDSSEC_RETURN_IF_ERROR(key.matches(certificate));
+  DDSSEC_RETURN_IF_ERROR(key.check_fits(certificate));
   return Authority(Credential{std::move(certificate), std::move(key)});
 }
 

@@ -54,7 +54,7 @@ Status add(const X509* x509, Copies& to) {
   return {};
 }
 
-Status judge(const Copies& copies) {
+Status check_copies(const Copies& copies) {
   if (copies.octets <= kMaxDistributionPointOctets) return {};
   return fail(Code::certificate_distribution_points,
               {.field = "cRLDistributionPoints",
@@ -121,7 +121,7 @@ Status check_signed_data(PKCS7* pkcs7) {
   const int inside = certificates != nullptr ? sk_X509_num(certificates) : 0;
   for (int i = 0; i < inside; ++i)
     DDSSEC_RETURN_IF_ERROR(add(sk_X509_value(certificates, i), copies));
-  return judge(copies);
+  return check_copies(copies);
 }
 
 }  // namespace
@@ -129,7 +129,7 @@ Status check_signed_data(PKCS7* pkcs7) {
 Status check_distribution_points(const X509* x509) {
   Copies copies;
   DDSSEC_RETURN_IF_ERROR(add(x509, copies));
-  return judge(copies);
+  return check_copies(copies);
 }
 
 Status verify_cms(CMS_ContentInfo* cms, STACK_OF(X509) * trusted, BIO* content, unsigned flags,

@@ -141,7 +141,7 @@ KeyAlgorithm PrivateKey::algorithm() const { return impl_->algorithm; }
 
 bool PrivateKey::in_token() const { return impl_->is_in_token; }
 
-Status PrivateKey::matches(const Certificate& certificate) const {
+Status PrivateKey::check_fits(const Certificate& certificate) const {
   const ErrorDetails details{.field = "private key for " + certificate.subject(),
                              .expected = to_string(certificate.key_algorithm()),
                              .found = to_string(algorithm()) + " of another pair"};

@@ -241,7 +241,7 @@ std::string ca_of_key(const fs::path& path, const LoadedFolder& folder) {
   for (const auto* cas : {&folder.identity_cas, &folder.permissions_cas}) {
     if (!*cas) continue;
     for (const auto& ca : **cas)
-      if (key->matches(ca)) return ca.subject();
+      if (key->check_fits(ca)) return ca.subject();
   }
   return {};
 }

@@ -126,7 +126,7 @@ void diagnose_digests(const LoadedFolder& folder, const Lineup& lineup, Diagnosi
 
 void diagnose_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
   if (!folder.key || !folder.certificate) return;
-  if (folder.key->matches(*folder.certificate)) return out.pass(Rule::DOC012);
+  if (folder.key->check_fits(*folder.certificate)) return out.pass(Rule::DOC012);
   auto outcomes = measured(Variant::key_of_another, lineup);
   outcomes.ddssec = Outcome::fail;
   out.report(outcomes,

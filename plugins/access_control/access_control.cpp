@@ -237,7 +237,7 @@ class AccessControlPlugin final : public spi::AccessControl {
   void note_documents(PermissionsHandle local) noexcept;
   void note_end(const PermissionsHolder& local, const Error& why, WallTime now);
   void forget_documents(const PermissionsHolder& gone);
-  Status judge_own(const PermissionsHolder& remote, const Match& match);
+  Status check_own_match(const PermissionsHolder& remote, const Match& match);
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
 
@@ -319,7 +319,7 @@ Status AccessControlPlugin::note_presented(PermissionsHandle remote,
 }
 
 // Our endpoint was judged when it was created, but renewed permissions may allow less.
-Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Match& match) {
+Status AccessControlPlugin::check_own_match(const PermissionsHolder& remote, const Match& match) {
   const Holder own = handles_.find_local(remote.participant()->identity);
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
@@ -329,7 +329,7 @@ Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Mat
 
 Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const Match& match) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
-  DDSSEC_RETURN_IF_ERROR(judge_own(*holder, match));
+  DDSSEC_RETURN_IF_ERROR(check_own_match(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
   if (!match.remote_hides && judgement_.may_as_announced(*holder, action, match.local)) return {};
   const auto status = judgement_.endpoint(*holder, action, match.local);

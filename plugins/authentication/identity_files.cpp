@@ -112,7 +112,7 @@ Result<pki::AuthorityWatch> watch_authorities(const spi::PropertyList& propertie
 }
 
 Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certificate) {
-  return with_property(key.matches(certificate), property::kPrivateKey);
+  return with_property(key.check_fits(certificate), property::kPrivateKey);
 }
 
 }  // namespace

@@ -241,7 +241,7 @@ Result<bool> RevocationLists::poll_place(Place& place, const Question& question)
   const auto content = octets ? sha256(*octets) : Sha256Digest{};
   Result<bool> taken = false;
   if (!octets && !not_yet) taken = std::unexpected(octets.error());
-  if (octets && content != place.content) taken = judge(*octets, place, question);
+  if (octets && content != place.content) taken = adopt_lists(*octets, place, question);
   if (taken && octets) place.content = content;
   if (taken && !*taken)
     if (const auto behind = check_current(place, question); !behind)
@@ -264,7 +264,8 @@ Result<RevocationLists> RevocationLists::read(const std::vector<pki::Certificate
 }
 
 // Judges the octets of a place. Returns true if other lists came into force.
-Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Question& question) {
+Result<bool> RevocationLists::adopt_lists(BytesView octets, Place& place,
+                                          const Question& question) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, place.watch.uri()));
   std::swap(place.lists, lists);
   Rollback back([&] { std::swap(place.lists, lists); });

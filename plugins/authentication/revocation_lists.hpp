@@ -105,7 +105,7 @@ class RevocationLists {
   static Status read_first(Place& place, std::string_view name, bool may_come_later);
   std::vector<pki::Crl> together(const std::vector<pki::Certificate>& anchors, WallTime now) const;
   Result<bool> poll_place(Place& place, const Question& question);
-  Result<bool> judge(BytesView octets, Place& place, const Question& question);
+  Result<bool> adopt_lists(BytesView octets, Place& place, const Question& question);
   Status check_current(const Place& place, const Question& question) const;
   Result<bool> refuse(Place& place, const Error& error, const Sha256Digest& content);
 

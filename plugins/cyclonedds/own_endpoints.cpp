@@ -55,7 +55,7 @@ Status OwnEndpoints::ask(const Endpoint& endpoint, spi::AccessControl& plugin) {
       {.topic_name = endpoint.topic, .partitions = partitions, .data_tags = endpoint.data_tags});
 }
 
-std::optional<Error> OwnEndpoints::judge(spi::PermissionsHandle local, spi::AccessControl& plugin) {
+std::optional<Error> OwnEndpoints::poll(spi::PermissionsHandle local, spi::AccessControl& plugin) {
   const auto renewals = plugin.renewals(local);
   const std::lock_guard lock(mutex_);
   auto& losses = losses_[local];

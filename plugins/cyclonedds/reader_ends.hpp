@@ -43,7 +43,7 @@ class ReaderEnds {
 
   /// Checks the host's entities once. Returns true if something is missing that the next check must
   /// confirm.
-  bool check(const HostEntities& host);
+  bool poll(const HostEntities& host);
 
  private:
   void run(const std::stop_token& stop);

@@ -87,7 +87,7 @@ std::shared_ptr<ChangeFilter> AnyDataWriter::filter_for(const EndpointData& read
 }
 
 void AnyDataWriter::on_time(MonotonicTime now) {
-  instances_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
+  instances_->expire_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   durability_.clean_up(context_.moment());
   lifespan_.expire(now, [&](SequenceNumber change) { protocol().discard(change); });
   call_at(next_work(now));

@@ -440,8 +440,8 @@ void ReaderCache::set_deadline(Duration period, MonotonicTime now) {
 }
 
 // All periods are equal, so appending keeps the list in the order of deadlines.
-void ReaderCache::check_deadlines(MonotonicTime now,
-                                  const std::function<void(InstanceHandle)>& missed) {
+void ReaderCache::expire_deadlines(MonotonicTime now,
+                                   const std::function<void(InstanceHandle)>& missed) {
   while (!due_.empty() && due_.front()->deadline <= now) {
     auto& instance = *due_.front();
     instance.owner.reset();

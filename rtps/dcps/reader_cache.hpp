@@ -76,8 +76,8 @@ class ReaderCache {
   /// Removes what LIFESPAN or READER_DATA_LIFECYCLE has ended. Returns true if it removed anything.
   bool expire(MonotonicTime now);
   /// Calls `missed` for each instance whose DEADLINE passed, and removes its owner.
-  void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
-  /// Returns the next time at which expire or check_deadlines has work.
+  void expire_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
+  /// Returns the next time at which expire or expire_deadlines has work.
   MonotonicTime next_tick() const;
   void set_deadline(Duration period, MonotonicTime now);
   /// Sets the policy for instances that end from now on.

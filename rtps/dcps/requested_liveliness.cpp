@@ -33,7 +33,7 @@ LivelinessChangedStatus RequestedLiveliness::read_status() {
 
 void RequestedLiveliness::on_time(MonotonicTime now) {
   std::vector<Guid> ended;
-  monitor_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
+  monitor_.expire(now, [&](const Guid& writer, LivelinessSignal* signal) {
     if (signal != nullptr) signal->notify(reader_, writer);
     ended.push_back(writer);
   });

@@ -302,7 +302,7 @@ void SampleReception::on_time(MonotonicTime now) {
   presentation_.release(now, freed);
   schedule_presenter();
   if (cache.release(context_.moment())) note_data();
-  cache.check_deadlines(now, reports_.deadline_missed);
+  cache.expire_deadlines(now, reports_.deadline_missed);
   call_at(cache.next_tick());
 }
 

@@ -58,8 +58,8 @@ void WriterInstances::disposed(const KeyHash& key) {
   if (const auto at = by_key_.find(key); at != by_key_.end()) at->second.due.leave();
 }
 
-void WriterInstances::check_deadlines(MonotonicTime now,
-                                      const std::function<void(InstanceHandle)>& missed) {
+void WriterInstances::expire_deadlines(MonotonicTime now,
+                                       const std::function<void(InstanceHandle)>& missed) {
   while (!due_.empty() && due_.front()->deadline <= now) {
     auto& instance = *due_.front();
     instance.deadline = now + deadline_;

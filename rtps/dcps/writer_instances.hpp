@@ -36,7 +36,7 @@ class WriterInstances {
   void written(const KeyHash& key, MonotonicTime now);
   /// Notes that the instance was disposed: it has no deadline until it is written again.
   void disposed(const KeyHash& key);
-  void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
+  void expire_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   MonotonicTime next_deadline() const;
   void set_deadline(Duration period, MonotonicTime now);
 

@@ -346,7 +346,7 @@ void KeptTopic::on_time(MonotonicTime now) {
     [[maybe_unused]] const auto changed = context_.protocol().change_qos(
         writer_, serving_qos(first_writer_.qos, longest_lifespan_), now);
   }
-  liveliness_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
+  liveliness_.expire(now, [&](const Guid& writer, LivelinessSignal* signal) {
     if (signal != nullptr) signal->notify(*this, writer);
     owners_->note_lease_ended(writer);
   });

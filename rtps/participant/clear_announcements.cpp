@@ -106,7 +106,7 @@ bool ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpo
     note_change(remote.announcement_refresh);
     may_return = has_keys({remote.prefix(), endpoint});
     if (may_return && !remote.announcement_refresh.note_end(endpoint, core_.now)) {
-      matcher_.check_end(remote, endpoint);
+      matcher_.note_unproven_end(remote, endpoint);
       return false;
     }
   }

@@ -73,8 +73,8 @@ void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& bui
   readdress(core, matcher, builtin, remote);
 }
 
-void check_ends(EndpointMatcher& matcher, RemoteParticipant& remote) {
-  for (const auto& [id, endpoint] : remote.endpoints) matcher.check_end(remote, id);
+void note_unproven_ends(EndpointMatcher& matcher, RemoteParticipant& remote) {
+  for (const auto& [id, endpoint] : remote.endpoints) matcher.note_unproven_end(remote, id);
 }
 
 void note_heard(RemoteParticipants& remotes, BuiltinMatcher& builtin, const Guid& of) {
@@ -255,7 +255,7 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
   const bool is_authenticated = core_.is_authenticated(prefix);
   const auto& vendor = remote->data.vendor;
   if (is_authenticated && (vendor == kVendorFastDds || vendor == kVendorCyclone))
-    check_ends(parts_.matcher, *remote);
+    note_unproven_ends(parts_.matcher, *remote);
   else if (is_authenticated || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
   else
@@ -340,7 +340,7 @@ void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
       return;
     }
     ++core_.counters.refused_discovery;
-    return parts_.matcher.check_end(*remote, key.entity);
+    return parts_.matcher.note_unproven_end(*remote, key.entity);
   }
   auto data = is_of_writers(topic) ? read_publication_data(change.payload.view())
                                    : read_subscription_data(change.payload.view());
@@ -369,7 +369,8 @@ void Discovery::on_secure_participant(const Change& change) {
   if (remote == nullptr) return;
   const bool is_proven = core_.is_participant_data_proven(remote->prefix());
   if (!change.is_alive())
-    return is_proven ? gone_.push_back(remote->prefix()) : check_ends(parts_.matcher, *remote);
+    return is_proven ? gone_.push_back(remote->prefix())
+                     : note_unproven_ends(parts_.matcher, *remote);
   auto data = read_participant_data(change.payload.view());
   if (!data || data->guid.prefix != remote->prefix()) {
     ++core_.counters.refused_discovery;

@@ -7,7 +7,7 @@ namespace ddssec::rtps {
 
 // Disposes and unregistrations are sent to all readers. 8.7.4 requires less, but only the reader
 // knows whether it ever saw the instance.
-bool FilteredWriting::judge(const Change& change, bool in_memory) {
+bool FilteredWriting::select_readers(const Change& change, bool in_memory) {
   results_.clear();
   wanted_.clear();
   wanted_in_memory_.clear();
@@ -33,7 +33,7 @@ bool FilteredWriting::judge(const Change& change, bool in_memory) {
 // A reader that shares a locator with a reader that gets the sample receives the sample too. It
 // drops the sample, which carries the filter result, and its own filter also rejects it.
 void FilteredWriting::send(const Change& change, const std::optional<MemoryReference>& memory) {
-  const bool all = judge(change, memory.has_value());
+  const bool all = select_readers(change, memory.has_value());
   for (auto& [guid, proxy] : readers_.all())
     if (proxy.wanted) send_gap(proxy, change.sequence_number);
   if (all && !memory)

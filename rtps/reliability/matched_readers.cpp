@@ -44,12 +44,12 @@ void MatchedReaders::acknowledge(ReaderProxy& proxy, SequenceNumber through) {
   if (!proxy.timeliness.is_late()) in_time_.set(proxy.place_in_time, through);
 }
 
-void MatchedReaders::check_timeliness(SequenceNumber written, MonotonicTime now) {
+void MatchedReaders::update_timeliness(SequenceNumber written, MonotonicTime now) {
   if (now < next_check_) return;
   next_check_ = now + kCheckPeriod;
   for (auto& [guid, proxy] : proxies_) {
     if (!proxy.acknowledges()) continue;
-    proxy.timeliness.check(proxy.acknowledged(), written, now);
+    proxy.timeliness.update(proxy.acknowledged(), written, now);
     if (proxy.timeliness.is_late())
       in_time_.remove(proxy.place_in_time);
     else

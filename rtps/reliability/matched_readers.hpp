@@ -48,7 +48,7 @@ class MatchedReaders {
   const AcknowledgedNumbers& acknowledged() const { return acknowledged_; }
   /// Finds out which readers acknowledge in time (Timeliness). Costs time for each reader, so it
   /// does nothing if it was called less than kCheckPeriod ago.
-  void check_timeliness(SequenceNumber written, MonotonicTime now);
+  void update_timeliness(SequenceNumber written, MonotonicTime now);
   /// Returns the acknowledged numbers of the readers that acknowledge in time.
   const AcknowledgedNumbers& acknowledged_in_time() const { return in_time_; }
 

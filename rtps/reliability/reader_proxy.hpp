@@ -35,7 +35,7 @@ class Timeliness {
   static constexpr MonotonicTime kMaxDelay = std::chrono::milliseconds(500);
 
   /// Checks whether the reader is late. `written` is the last number that was written.
-  void check(SequenceNumber acknowledged, SequenceNumber written, MonotonicTime now) {
+  void update(SequenceNumber acknowledged, SequenceNumber written, MonotonicTime now) {
     if (acknowledged >= awaited_) {
       awaited_ = written;
       due_ = now + kMaxDelay;

@@ -16,7 +16,7 @@ Destination destination_of(const WriterProxy& proxy) {
 
 // Reports what the message contradicts.
 template <class... Message>
-void check(WriterProxy& proxy, const Message&... message) {
+void note_contradictions(WriterProxy& proxy, const Message&... message) {
   if (proxy.contradictions && proxy.contradictions->note(message...))
     proxy.writer().contradicted(proxy.writer().guid);
 }
@@ -113,7 +113,7 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   sender_.note_sample();
   auto* proxy = find({from, data.writer});
   if (proxy == nullptr) return false;
-  check(*proxy, data, proxy->next());
+  note_contradictions(*proxy, data, proxy->next());
   if (data.sequence_number < proxy->next()) return false;
   // DDS 1.4 has no instance state for samples that did not pass a filter, so there is nothing to
   // report.
@@ -131,7 +131,7 @@ bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
                                   const std::optional<Time>& time, bool is_marked, KeyAge age) {
   auto* proxy = find({from, frag.writer});
   if (proxy == nullptr) return false;
-  check(*proxy, frag, proxy->next());
+  note_contradictions(*proxy, frag, proxy->next());
   if (!proxy->lacks(frag.sequence_number)) return false;
   if (!has_place(*proxy, frag, time, age)) return false;
   const bool is_new = proxy->partial().insert(frag);
@@ -181,7 +181,7 @@ bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heart
                                   bool is_protected, KeyAge age) {
   auto* proxy = find({from, heartbeat.writer});
   if (proxy == nullptr) return false;
-  check(*proxy, heartbeat);
+  note_contradictions(*proxy, heartbeat);
   if (!proxy->on_heartbeat(heartbeat, is_protected, age)) return false;
   if (!proxy->is_reliable()) return true;
   if (heartbeat.group && proxy->next() > heartbeat.last && on_group_)

@@ -314,7 +314,7 @@ bool StatefulWriter::is_ahead(MonotonicTime now) {
   if (!qos_.is_reliable() || readers_.size() == 0 || qos_.durability != DurabilityKind::volatile_ ||
       history_.octets() <= kHighWater)
     return false;
-  readers_.check_timeliness(history_.last(), now);
+  readers_.update_timeliness(history_.last(), now);
   const auto in_time = readers_.acknowledged_in_time().lowest();
   return in_time && history_.octets_after(*in_time, kHighWater) > kHighWater;
 }

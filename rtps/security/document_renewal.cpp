@@ -70,11 +70,11 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
   if (!access_control.check_remote_participant(permissions, core_.own->domain_id()))
     excluded_.push_back(peer.prefix());
   else
-    judge_endpoints_of(GuidPrefix(peer.prefix()));
+    rematch_endpoints_of(GuidPrefix(peer.prefix()));
 }
 
 // A reader that no longer matches still has the keys of its writers, so the keys are revised.
-void DocumentRenewal::judge_endpoints_of(const GuidPrefix& prefix) {
+void DocumentRenewal::rematch_endpoints_of(const GuidPrefix& prefix) {
   if (core_.host.on_rights_changed(prefix))
     revision_.request(KeyReviser::RevisionReason::right_lost);
 }
@@ -83,7 +83,7 @@ void DocumentRenewal::on_own_rights_changed() {
   std::vector<GuidPrefix> prefixes;
   for (const auto& [prefix, peer] : core_.peers)
     if (peer.state.joined() != nullptr) prefixes.push_back(prefix);
-  for (const auto& prefix : prefixes) judge_endpoints_of(prefix);
+  for (const auto& prefix : prefixes) rematch_endpoints_of(prefix);
 }
 
 void DocumentRenewal::on_taken(Peer& peer, const spi::Token& answer) {

@@ -27,7 +27,7 @@ class DocumentRenewal {
   void offer(Peer& peer);
   void report_too_large(const Peer& peer, const spi::Token& offer);
   void on_offer(Peer& peer, const spi::Token& offer);
-  void judge_endpoints_of(const GuidPrefix& prefix);
+  void rematch_endpoints_of(const GuidPrefix& prefix);
   void on_taken(Peer& peer, const spi::Token& answer);
 
   SecurityCore& core_;

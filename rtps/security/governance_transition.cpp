@@ -59,7 +59,7 @@ void GovernanceTransition::each_joined(F&& f) {
 // ---- phases
 
 void GovernanceTransition::tick() {
-  if (phase_ != Phase::draining) check();
+  if (phase_ != Phase::draining) poll_document();
   each_joined([&](Peer& peer) { send_again(peer); });
   if (phase_ == Phase::none) return send_to_all();
   // The protections are added before the reports are sent, because peers that receive a report send
@@ -84,7 +84,7 @@ void GovernanceTransition::tick() {
   }
 }
 
-void GovernanceTransition::check() {
+void GovernanceTransition::poll_document() {
   const auto next =
       core_.own->plugins().access_control.pending_governance(core_.own->permissions());
   if (phase_ == Phase::accepting && next != target_)
@@ -146,7 +146,7 @@ void GovernanceTransition::change() {
   deadline_ = core_.now + core_.own->governance_change_time() + kMargin;
   send_to_all();
   admission_.announce_protection();
-  judge_matches();
+  rematch();
 }
 
 void GovernanceTransition::end() {
@@ -161,7 +161,7 @@ void GovernanceTransition::end() {
   deadline_ = kNever;
   each_joined([&](Peer& peer) { refresh(peer); });
   send_to_all();
-  judge_matches();
+  rematch();
   if (std::exchange(has_lost_any_, false))
     revision_.request(KeyReviser::RevisionReason::right_lost);
   for (const auto& prefix : former) core_.host.on_ended(prefix);
@@ -184,7 +184,7 @@ void GovernanceTransition::want_keys() {
       if (core_.keyring.phases().messages().has_second()) association->governance.message_keys = 0;
       association->governance.lacks_keys = true;
     }
-  judge_matches();
+  rematch();
 }
 
 Status GovernanceTransition::add_second_protections() {
@@ -285,7 +285,7 @@ void GovernanceTransition::report_behind() {
   });
 }
 
-void GovernanceTransition::judge_matches() {
+void GovernanceTransition::rematch() {
   std::vector<GuidPrefix> prefixes;
   each_joined([&](Peer& peer) { prefixes.push_back(peer.prefix()); });
   for (const auto& prefix : prefixes)

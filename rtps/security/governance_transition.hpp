@@ -42,7 +42,7 @@ class GovernanceTransition {
     draining,   ///< both are accepted, the new one is sent
   };
 
-  void check();
+  void poll_document();
   bool may_begin();
   void begin(const Version& next);
   void change();
@@ -66,7 +66,7 @@ class GovernanceTransition {
   void send_to_all();
   void on_message(Peer& peer, const spi::Token& report);
   void report_behind();
-  void judge_matches();
+  void rematch();
   void note_all_former();
   /// Those that were there when the domain changed, and have not taken the document since.
   std::vector<GuidPrefix> peers_of_former();

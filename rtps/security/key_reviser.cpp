@@ -65,7 +65,7 @@ void KeyReviser::finish() {
                   EventOrigin::its_keys);
 }
 
-void KeyReviser::check_key_life() {
+void KeyReviser::poll_key_life() {
   if (!is_enabled()) return;
   if (core_.keyring.end_former_keys()) request();
 }

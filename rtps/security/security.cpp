@@ -246,8 +246,8 @@ void Security::expire() {
     for (const auto& prefix : gone) distrust(prefix);
   if (all) dormant_.drop_all();
   dormant_.distrust_if(ended);
-  revision_.check_absent(ended);
-  revision_.check_key_life();
+  revision_.poll_absent(ended);
+  revision_.poll_key_life();
   if (auto* const keys = own.pre_shared_keys()) keys->refresh();
   for (const auto& prefix : gone) core_.host.on_ended(prefix);
   if (all) return;

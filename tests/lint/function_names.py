@@ -19,12 +19,25 @@ NO_TYPE = {"return", "co_return", "else", "new", "case", "throw", "using", "dele
 SPECIFIERS = re.compile(r"\b(static|virtual|inline|friend|constexpr|explicit|ddssec::)\b|\[\[nodiscard\]\]|\bddssec::")
 MAKES_ERROR = re.compile(r"(std::unexpected<Error>|Error)$")
 ERROR_NAME = re.compile(r"(\w+_)?(error|event)$|with_\w+$")
+# (the verb, the results that its functions have, what to do about others)
+VERBS = [
+    ("check", re.compile(r"(Status|(\w+::)*(Memory)?Result<.+>)$"),
+     "check_ returns a Status or a Result; a condition is is_ or has_, and what adds findings is diagnose_"),
+    ("diagnose", re.compile(r"(void|Diagnosis)$"), "diagnose_ adds findings and returns nothing"),
+    ("judge", re.compile(r"(?!(void|bool|Status|Result<bool>)$).+$"), "judge returns a verdict: a type of its own"),
+]
 
 # Functions that make an error and have another name.
 OTHER_NAMES = {
     ("base/result.hpp", "fail"): "the short word for all of them",
     ("base/renewal_refusals.hpp", "note"): "records the error, and returns it",
+    ("cli/commands/check_commands.cpp", "check_commands"): "the commands of the group \"check\"",
+    ("cli/commands/groups.hpp", "check_commands"): "the commands of the group \"check\"",
+    ("governance/doctor/diagnosis.cpp", "check_for"): "the check, a noun",
+    ("governance/doctor/diagnosis.hpp", "check_for"): "the check, a noun",
 }
+# The host's interface in C prescribes these names and their result.
+PRESCRIBED = re.compile(r"plugins/cyclonedds/\w+_adapter\.cpp$"), "DDS_Security_boolean"
 
 
 def files_in(root):
@@ -44,6 +57,9 @@ def fault_of(kind, name):
     """What is wrong with the name of a function that returns `kind`, or nothing."""
     if MAKES_ERROR.fullmatch(kind) and not ERROR_NAME.fullmatch(name):
         return "it makes an error: end the name in _error"
+    for verb, results, advice in VERBS:
+        if re.match(verb + r"(_|$)", name) and not results.fullmatch(kind):
+            return advice
     return ""
 
 
@@ -57,6 +73,14 @@ EXAMPLES = [
     ("  const Error& error() const;", True),
     ("  Error first;", True),
     ("  return refuse(Code::internal);", True),
+    ("Status check_name(std::string_view name);", True),
+    ("Result<Admission::Permission> Admission::check_permissions(const Guid& peer) {", True),
+    ("  void check_deadlines(MonotonicTime now);", False),
+    ("bool Header::check(const void* node) {", False),
+    ("void diagnose_files(const LoadedFolder& folder, Diagnosis& out);", True),
+    ("Status diagnose_files(const LoadedFolder& folder);", False),
+    ("Decision judge(const ParticipantData& data);", True),
+    ("  Status judge(BytesView file);", False),
 ]
 
 
@@ -71,6 +95,8 @@ def main():
         for line, kind, name in functions_in(path.read_text(encoding="utf-8")):
             count += 1
             fault = fault_of(kind, name)
+            if PRESCRIBED[0].match(file) and kind == PRESCRIBED[1]:
+                continue
             if fault and (file, name) in OTHER_NAMES:
                 used.add((file, name))
             elif fault:

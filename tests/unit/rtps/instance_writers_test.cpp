@@ -49,7 +49,7 @@ TEST_F(ReaderCacheTest, Ownership_PassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
   put(1, 0, kUnregister, 2);
   EXPECT_TRUE(weak_is_heard());
   now += milliseconds(150);
-  cache().check_deadlines(now, [](InstanceHandle) {});
+  cache().expire_deadlines(now, [](InstanceHandle) {});
   EXPECT_TRUE(weak_is_heard());
   EXPECT_THAT(take({.instance = kNotAlive}), IsEmpty());  // a weaker writer existed all the time
 }

@@ -287,7 +287,7 @@ TEST_F(ReaderCacheTest, Samples_ExpireInAnyOrderAndWhenTheyAreTaken) {
 TEST_F(ReaderCacheTest, Deadlines_AreOfEachInstance) {
   qos.deadline = Duration::from(milliseconds(100));
   std::vector<InstanceHandle> missed;
-  const auto check = [&] { cache().check_deadlines(now, [&](auto i) { missed.push_back(i); }); };
+  const auto check = [&] { cache().expire_deadlines(now, [&](auto i) { missed.push_back(i); }); };
   put(1, 10);
   now += milliseconds(60);
   put(2, 20);

@@ -45,7 +45,7 @@ TEST(WriterInstances, Deadlines_RunFromTheLastWrite) {
   EXPECT_EQ(instances.next_deadline(), milliseconds(150));
   std::vector<InstanceHandle> missed;
   const auto check = [&](MonotonicTime now) {
-    instances.check_deadlines(now, [&](auto instance) { missed.push_back(instance); });
+    instances.expire_deadlines(now, [&](auto instance) { missed.push_back(instance); });
   };
   check(milliseconds(155));
   EXPECT_THAT(missed, ElementsAre(two));
