@@ -29,7 +29,7 @@ class AccessControlPlugin final : public spi::AccessControl {
   AccessControlPlugin(const PluginServices& services, AccessControlOptions options)
       : services_(services),
         options_(std::move(options)),
-        judgement_(services_.clock, options_.accept_relays),
+        decisions_(services_.clock, options_.accept_relays),
         documents_(options_.one_partition_suffices ? governance::PartitionMatch::one
                                                    : governance::PartitionMatch::all,
                    kMaxCachedDocuments, kMaxCachedOctets),
@@ -57,24 +57,22 @@ class AccessControlPlugin final : public spi::AccessControl {
   Status note_presented(PermissionsHandle remote, const spi::SessionFacts& facts) override;
 
   Status check_create_participant(PermissionsHandle local, DomainId domain_id) override {
-    return check(local, domain_id, [&](PermissionsHolder& h) { return judgement_.participant(h); });
+    return check(local, domain_id, [&](auto& h) { return decisions_.check_participant(h); });
   }
   Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
-    return check(local, domain_id, [&](PermissionsHolder& h) {
-      return judgement_.announced(h, Action::publish, request);
-    });
+    return check(local, domain_id,
+                 [&](auto& h) { return decisions_.check_announced(h, Action::publish, request); });
   }
   Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
-    return check(local, domain_id, [&](PermissionsHolder& h) {
-      return judgement_.announced(h, Action::subscribe, request);
+    return check(local, domain_id, [&](auto& h) {
+      return decisions_.check_announced(h, Action::subscribe, request);
     });
   }
   Status check_create_topic(PermissionsHandle local, DomainId domain_id,
                             std::string_view topic_name) override {
-    return check(local, domain_id,
-                 [&](PermissionsHolder& h) { return judgement_.topic(h, topic_name); });
+    return check(local, domain_id, [&](auto& h) { return decisions_.check_topic(h, topic_name); });
   }
 
   // A peer is judged like a local participant: by the local governance and its own permissions.
@@ -142,7 +140,8 @@ class AccessControlPlugin final : public spi::AccessControl {
                             const EndpointRequest& request) override {
     const Holder holder = handles_.find(local);
     if (!holder || holder->remote()) return fail(Code::unknown_permissions_handle);
-    return judgement_.endpoint(*holder, writes ? Action::publish : Action::subscribe, request);
+    return decisions_.check_endpoint(*holder, writes ? Action::publish : Action::subscribe,
+                                     request);
   }
 
   std::optional<GovernanceVersion> governance_version(PermissionsHandle local) override {
@@ -243,7 +242,7 @@ class AccessControlPlugin final : public spi::AccessControl {
 
   const PluginServices services_;
   const AccessControlOptions options_;
-  const AccessDecisions judgement_;
+  const AccessDecisions decisions_;
   DocumentCache documents_;
   HandleTable handles_;
   std::mutex noting_mutex_;  // prevents a participant that has left from being noted again
@@ -280,7 +279,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   // With this, next_expiry knows the end before the first check. An error comes again at that
   // check.
-  if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
+  if (holder->has_document()) static_cast<void>(decisions_.grant_now(*holder));
   if (const auto listed = holder->follow_list(services_.clock.calendar_seconds()))
     services_.events.raise(event_about(holder->peer_subject(), *listed));
   return add(std::move(holder));
@@ -323,7 +322,7 @@ Status AccessControlPlugin::check_own_match(const PermissionsHolder& remote, con
   const Holder own = handles_.find_local(remote.participant()->identity);
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
-  const auto status = judgement_.endpoint(*own, action, match.local);
+  const auto status = decisions_.check_endpoint(*own, action, match.local);
   return status ? status : report_error(status.error());
 }
 
@@ -331,8 +330,8 @@ Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const M
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   DDSSEC_RETURN_IF_ERROR(check_own_match(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
-  if (!match.remote_hides && judgement_.may_as_announced(*holder, action, match.local)) return {};
-  const auto status = judgement_.endpoint(*holder, action, match.local);
+  if (!match.remote_hides && decisions_.may_as_announced(*holder, action, match.local)) return {};
+  const auto status = decisions_.check_endpoint(*holder, action, match.local);
   if (status) return {};
   const auto guid =
       match.remote ? Guid{*match.remote, kEntityIdParticipant}.to_string() : std::string();
@@ -344,7 +343,7 @@ Result<spi::AccessControl::RemoteDatareader> AccessControlPlugin::check_remote_d
     PermissionsHandle remote, DomainId domain_id, const EndpointRequest& request) {
   RemoteDatareader answer;
   DDSSEC_RETURN_IF_ERROR(check(remote, domain_id, [&](PermissionsHolder& holder) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(answer, judgement_.reader(holder, request));
+    DDSSEC_ASSIGN_OR_RETURN(answer, decisions_.check_announced_reader(holder, request));
     return {};
   }));
   return answer;
@@ -355,7 +354,7 @@ std::optional<spi::AccessControl::RemoteDatareader> AccessControlPlugin::pending
     PermissionsHandle remote, bool writes, const EndpointRequest& request) {
   const Holder holder = handles_.find(remote);
   if (!holder || !holder->remote()) return std::nullopt;
-  return judgement_.pending(*holder, writes ? Action::publish : Action::subscribe, request);
+  return decisions_.judge_pending(*holder, writes ? Action::publish : Action::subscribe, request);
 }
 
 Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(PermissionsHandle local,
