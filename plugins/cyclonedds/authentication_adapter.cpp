@@ -83,7 +83,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
                             adapter.plugin().validate_local_identity(domain_id, properties,
                                                                      guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
-    adapter.farewells().add_local(local.handle, local.adjusted_guid.prefix);
+    adapter.dispose_announcements().add_local(local.handle, local.adjusted_guid.prefix);
     *handle = local.handle.value;
     *adjusted_guid = cyclonedds::to_c(local.adjusted_guid);
     return DDS_SECURITY_VALIDATION_OK;
@@ -329,7 +329,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
     } else {
       for (const auto& reset : adapter.lost_sessions().remove_local(identity(handle)))
         send_datagram(reset.message, reset.to);
-      adapter.farewells().remove_local(identity(handle));
+      adapter.dispose_announcements().remove_local(identity(handle));
     }
     adapter.secrets().drop(identity(handle));
     adapter.watch().forget(identity(handle));
@@ -385,9 +385,10 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 }
 
 void AuthenticationAdapter::present_renewed_permissions() {
-  const auto locals = farewells_.locals();
+  const auto locals = dispose_announcements_.locals();
   const auto is_gone = [&](const auto& entry) {
-    return std::ranges::find(locals, entry.first, &Farewells::Local::handle) == locals.end();
+    return std::ranges::find(locals, entry.first, &DisposeAnnouncements::Local::handle) ==
+           locals.end();
   };
   std::erase_if(renewals_, is_gone);
   std::erase_if(losses_, is_gone);
@@ -411,7 +412,7 @@ void AuthenticationAdapter::present_renewed_permissions() {
 }
 
 bool AuthenticationAdapter::has_others(spi::IdentityHandle local) const {
-  return std::ranges::any_of(farewells_.locals(), [&](const auto& other) {
+  return std::ranges::any_of(dispose_announcements_.locals(), [&](const auto& other) {
     return other.handle != local && !remotes_.has_ended(other.handle) &&
            !holds(GovernanceFact::cut_off, other.handle);
   });

@@ -5,8 +5,8 @@
 
 #include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/core_timer.hpp"
+#include "plugins/cyclonedds/dispose_announcements.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
-#include "plugins/cyclonedds/farewells.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/cyclonedds/lost_sessions.hpp"
@@ -35,7 +35,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
     return core_timer_.stop(call) ? stopped : runs;
   }
   LostSessions& lost_sessions() { return lost_sessions_; }
-  Farewells& farewells() { return farewells_; }
+  DisposeAnnouncements& dispose_announcements() { return dispose_announcements_; }
 
   /// Sets the listener. nullptr stops the timer; the call returns when no revocation is running any
   /// more.
@@ -57,7 +57,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// Makes the host begin again with peers whose handshake does not finish.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
   /// Makes a peer that does not answer begin again too.
-  void send_farewell(const Guid& peer);
+  void send_dispose_announcement(const Guid& peer);
   /// Makes the host begin again with peers that have lost their session with a local participant.
   /// If `resets_peers`, peers are to be reset in any case.
   void follow_resets(const std::stop_token& stop, const Revoke& revoke, bool resets_peers);
@@ -78,7 +78,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   const CoreTimer core_timer_;
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
-  Farewells farewells_;
+  DisposeAnnouncements dispose_announcements_;
   /// The number of times that the permissions of local participants were renewed; for the timer's
   /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;

@@ -18,11 +18,13 @@ constexpr const char* kOnce = "this is done once; then the handshake waits for t
 }  // namespace
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
-  constexpr int kMaxFarewells = 32;  // per second: attackers can invent peers that never answer
-  int farewells = 0;
+  // Per second: attackers can invent peers that never answer.
+  constexpr int kMaxDisposeAnnouncements = 32;
+  int announcements = 0;
   for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
     if (stop.stop_requested()) return;
-    if (!stuck.lacks_endpoints && ++farewells <= kMaxFarewells) send_farewell(stuck.guid);
+    if (!stuck.lacks_endpoints && ++announcements <= kMaxDisposeAnnouncements)
+      send_dispose_announcement(stuck.guid);
     if (stuck.is_first) {
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
       const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
@@ -50,12 +52,12 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
 
 // No dispose announcement is sent if unauthenticated participants are admitted, because the peer
 // may be matched as one of them.
-void AuthenticationAdapter::send_farewell(const Guid& peer) {
-  for (const auto& local : farewells_.locals()) {
+void AuthenticationAdapter::send_dispose_announcement(const Guid& peer) {
+  for (const auto& local : dispose_announcements_.locals()) {
     if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle)) continue;
-    const auto farewell = write_farewell(local.prefix, peer.prefix);
-    send_to_discovery(farewell);
-    send_datagram(farewell, lost_sessions_.addresses_of(peer));
+    const auto announcement = write_dispose_announcement(local.prefix, peer.prefix);
+    send_to_discovery(announcement);
+    send_datagram(announcement, lost_sessions_.addresses_of(peer));
   }
 }
 
@@ -138,7 +140,7 @@ bool AuthenticationAdapter::is_settled(const Guid& guid, EndedSession& end) {
   constexpr std::chrono::seconds kPatience{4}, kMemory{60};
   const auto now = host_->clock().monotonic();
   bool is_met = false, is_in_session = false;
-  for (const auto& local : farewells_.locals()) {
+  for (const auto& local : dispose_announcements_.locals()) {
     is_met = is_met || remotes_.has_met(local.handle, guid);
     is_in_session = is_in_session || lost_sessions_.has_session(local.handle, guid);
   }
@@ -175,7 +177,7 @@ void AuthenticationAdapter::send_resets() {
     // The local host may not meet the peer because it believes that the peer has no security. The
     // peer's host may believe the same about the local participant.
     if (!reset.is_meeting && !admits_unauthenticated(reset.local))
-      send_datagram(write_farewell(reset.own, reset.remote.prefix), reset.to);
+      send_datagram(write_dispose_announcement(reset.own, reset.remote.prefix), reset.to);
   }
 }
 

@@ -26,6 +26,7 @@ RULES = [
     (re.compile(r"\bk(Most|Longest|Largest|Greatest|Highest|Deepest|Newest|"
                 r"Least|Fewest|Smallest|Shortest|Lowest|Oldest)([A-Z]|\b)"),
      "a bound is called kMax or kMin", lambda name: True),
+    (re.compile(r"[Ff]arewell"), "the term is dispose announcement", lambda name: True),
     (re.compile(r"\bthrow\b"), "we throw nothing", lambda name: True),
     (re.compile(r"\bstd::j?thread\s*[({]|\bpthread_create\b|\bstd::async\b"),
      "a thread that takes the host's signals: use start_background_thread",

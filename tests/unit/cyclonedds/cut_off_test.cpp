@@ -56,8 +56,8 @@ TEST(CutOffIdentity, OwnIdentityEnded_IsNotToldToTheHost) {
 TEST(CutOffIdentity, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
-  harness.adapter.farewells().add_local(kOwn, {{1}});
-  harness.adapter.farewells().add_local({6}, {{2}});
+  harness.adapter.dispose_announcements().add_local(kOwn, {{1}});
+  harness.adapter.dispose_announcements().add_local({6}, {{2}});
   ON_CALL(*harness.plugin, poll).WillByDefault([](auto) { return std::vector{kOwn}; });
   static std::atomic<DDS_Security_IdentityHandle> revoked{0};
   const dds_security_authentication_listener listener{
@@ -76,8 +76,8 @@ TEST(CutOffIdentity, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
 TEST(CutOffIdentity, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
-  harness.adapter.farewells().add_local(kOwn, {{1}});
-  harness.adapter.farewells().add_local({6}, {{2}});
+  harness.adapter.dispose_announcements().add_local(kOwn, {{1}});
+  harness.adapter.dispose_announcements().add_local({6}, {{2}});
   harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
   ended_in_access_control = 6;
   ON_CALL(*harness.plugin, poll).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
