@@ -85,7 +85,7 @@ bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
   if (announced.empty()) return false;
   const PartitionNames ours(local.partitions);
   return std::ranges::any_of(announced, [&](const AllowedEndpoints::One& one) {
-    if (!one->partitions.meet(ours)) return false;
+    if (!one->partitions.overlap(ours)) return false;
     const auto partitions = one->partitions.views();
     return check_endpoint(holder, action, {one->topic, partitions, one->data_tags}).has_value();
   });

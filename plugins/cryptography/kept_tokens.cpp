@@ -80,8 +80,8 @@ Result<Judgement> judge(const CryptographyState& state, const RemoteEndpointCryp
   // endpoints.
   if (!noted) return Judgement{{Kind::hidden}, std::move(noted).error()};
   const auto passage = *noted;
-  // The host logs it. No event is raised, because honest peers that met again after a loss send
-  // such messages.
+  // The host logs it. No event is raised, because honest peers that discovered each other again
+  // after a loss send such messages.
   if (passage.kind == Kind::later) return fail(Code::crypto_tokens_repeated);
   if (passage.kind != Kind::repeated) return Judgement{passage};
   return Judgement{

@@ -132,13 +132,13 @@ struct DiscoveredPeer {
 // temporary. An error would end the core's handshake for as long as the peer is present. So the
 // core asks again until the watch makes it discover the peer again. If governance admits
 // unauthenticated participants, the core treats the peer as one.
-Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& met,
+Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& discovered,
                              Error refusal, CIdentity& remote_handle) {
   if (is_final(refusal) || admits_unauthenticated(identity(local)) ||
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
-  const auto of_host = adapter.remotes().note_refused(met.guid);
-  adapter.watch().not_admitted({identity(local), of_host}, met.guid, met.timer);
+  const auto of_host = adapter.remotes().note_refused(discovered.guid);
+  adapter.watch().not_admitted({identity(local), of_host}, discovered.guid, discovered.timer);
   remote_handle = of_host.value;
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
@@ -166,9 +166,10 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       DDSSEC_RETURN_IF_ERROR(copy_token(spi::Token{}, *local_auth_request));
     DDSSEC_RETURN_IF_ERROR(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
-    const DiscoveredPeer met{guid_from(*remote_guid),
-                             adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
-    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), met.guid));
+    const DiscoveredPeer discovered{
+        guid_from(*remote_guid),
+        adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
+    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), discovered.guid));
     // The peer's own auth_request is not used, because it can be forged. The plugin would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
     // of the handshake are sufficient proof. The core asks once, so the local auth_request is
@@ -176,21 +177,23 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const auto token = token_from(remote_token);
     if (!token) {
       adapter.host().refused(token.error(), info(token.error().code()).severity);
-      return not_admitted(adapter, local_handle, met, token.error(), *remote_handle);
+      return not_admitted(adapter, local_handle, discovered, token.error(), *remote_handle);
     }
-    const auto admitted = adapter.plugin().validate_remote_identity(identity(local_handle),
-                                                                    std::nullopt, *token, met.guid);
+    const auto admitted = adapter.plugin().validate_remote_identity(
+        identity(local_handle), std::nullopt, *token, discovered.guid);
     if (!admitted)
-      return not_admitted(adapter, local_handle, met, admitted.error(), *remote_handle);
+      return not_admitted(adapter, local_handle, discovered, admitted.error(), *remote_handle);
     const auto& remote = *admitted;
-    const auto of_host = adapter.remotes().note(identity(local_handle), met.guid, remote.handle);
+    const auto of_host =
+        adapter.remotes().note(identity(local_handle), discovered.guid, remote.handle);
     if (remote.local_auth_request) {
       CToken sent{};
       DDSSEC_RETURN_IF_ERROR(copy_token(*remote.local_auth_request, sent));
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
-    adapter.watch().note_met({identity(local_handle), of_host}, met.guid, met.timer);
+    adapter.watch().note_discovered({identity(local_handle), of_host}, discovered.guid,
+                                    discovered.timer);
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });

@@ -68,7 +68,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   void revoke_stranded(const std::stop_token& stop, const Revoke& revoke);
   /// Makes peers begin again whose session the local host has lost.
   void send_resets();
-  /// Reports peers that ended their session a while ago and are met again, without a new session.
+  /// Reports peers that ended their session a while ago and are discovered again, without a new
+  /// session.
   void report_ended_by_peer();
 
   std::unique_ptr<Host> host_;
@@ -97,8 +98,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// A remote participant that has proven the end of its session, and what happened after that.
   struct EndedSession {
     std::chrono::nanoseconds at;
-    bool is_dropped = false;                           ///< the host has dropped it, too
-    std::optional<std::chrono::nanoseconds> met = {};  ///< when the host met it again
+    bool is_dropped = false;                                  ///< the host has dropped it, too
+    std::optional<std::chrono::nanoseconds> discovered = {};  ///< when the host discovered it again
   };
   std::map<Guid, EndedSession> ended_by_peer_;  ///< for the timer's thread
   /// Reports such a participant, if it is time. Returns true if there is nothing more to report.

@@ -48,8 +48,9 @@ class HandshakeWatch {
   };
   /// Tells whether the core's own timer still runs for the handshake.
   enum class CoreTimerState { stopped, runs };
-  /// Notes that the host has met a remote participant.
-  void note_met(WatchedPair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
+  /// Notes that the host has discovered a remote participant.
+  void note_discovered(WatchedPair pair, const Guid& guid,
+                       CoreTimerState timer = CoreTimerState::stopped);
   /// Notes that an announcement in its name was refused. The host asks again, and the wait
   /// continues.
   void not_admitted(WatchedPair pair, const Guid& guid,
@@ -112,7 +113,7 @@ class HandshakeWatch {
  private:
   /// The handshake of one local participant with a remote one.
   struct LocalHandshake {
-    Duration met;
+    Duration discovered;
     CoreTimerState timer;
     /// The time when the host asked again about a peer that is not admitted.
     std::optional<Duration> asked_again = {};
@@ -120,8 +121,8 @@ class HandshakeWatch {
   };
   struct Remote {
     Guid guid;
-    Duration met;
-    Duration since = met;  ///< time of the last progress
+    Duration discovered;
+    Duration since = discovered;  ///< time of the last progress
     bool keeps_session = false;
     bool was_disturbed = false;
     bool is_under_way = false;  ///< true if a request or a reply was sent

@@ -21,9 +21,9 @@ void PeersWithKeys::add_local(spi::ParticipantCryptoHandle local,
   }
 }
 
-void PeersWithKeys::note_met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
-                             spi::ParticipantCryptoHandle local,
-                             std::uint32_t builtin_endpoints) noexcept {
+void PeersWithKeys::note_discovered(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                                    spi::ParticipantCryptoHandle local,
+                                    std::uint32_t builtin_endpoints) noexcept {
   const std::lock_guard lock(mutex_);
   try {
     const auto [known, is_new] = peers_.try_emplace(peer.value, Peer{identity.value});

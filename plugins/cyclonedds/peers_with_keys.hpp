@@ -25,10 +25,11 @@ class PeersWithKeys {
 
   /// Adds a local participant. If memory runs out, no peer counts as one that sent it keys.
   void add_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity) noexcept;
-  /// Notes that the local participant `local` met the peer, which signed that it has these builtin
-  /// endpoints. If memory runs out, the peer stays unknown and counts as one without keys.
-  void note_met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
-                spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
+  /// Notes that the local participant `local` discovered the peer, which signed that it has these
+  /// builtin endpoints. If memory runs out, the peer stays unknown and counts as one without keys.
+  void note_discovered(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                       spi::ParticipantCryptoHandle local,
+                       std::uint32_t builtin_endpoints) noexcept;
   /// Notes that the peer sent keys. If memory runs out, the keys count for no local participant.
   void note_keys_sent(spi::ParticipantCryptoHandle peer,
                       spi::ParticipantCryptoHandle local) noexcept;
@@ -63,7 +64,7 @@ class PeersWithKeys {
     bool has_sent_keys = false;
     bool has_all_endpoints = false;
     std::chrono::nanoseconds last_heard{};
-    std::set<std::int64_t> locals = {};     ///< local participants that met it
+    std::set<std::int64_t> locals = {};     ///< local participants that discovered it
     std::set<std::int64_t> with_keys = {};  ///< those for which it sent keys
     /// The matched local builtin endpoints, one entry for each endpoint of the peer.
     std::multiset<std::int64_t> matched = {};

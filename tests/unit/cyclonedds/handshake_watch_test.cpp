@@ -34,7 +34,7 @@ struct HandshakeWatchTest : testing::Test {
 };
 
 TEST_F(HandshakeWatchTest, RefusedPeer_IsGivenUpSoon) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2400ms).empty());
   const auto stuck = after(200ms);
@@ -60,7 +60,7 @@ TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncement_DoesNotProlongTh
 }
 
 TEST_F(HandshakeWatchTest, PeerWithoutARefusal_IsGivenUpAfterTwentySeconds) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   EXPECT_TRUE(after(19s).empty());
   watch.progressed({local, remote}, handshake);  // the wait begins here
   EXPECT_TRUE(after(19900ms).empty());
@@ -70,7 +70,7 @@ TEST_F(HandshakeWatchTest, PeerWithoutARefusal_IsGivenUpAfterTwentySeconds) {
 }
 
 TEST_F(HandshakeWatchTest, Progress_StartsTheWaitAnew) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.refused(remote);
   EXPECT_TRUE(after(2s).empty());
   watch.progressed({local, remote}, handshake);
@@ -86,7 +86,7 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
   ask.has_keys = [](auto) { return false; };
   HandshakeWatch::Duration heard{};
   ask.last_heard = [&](auto) { return heard; };
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   for (int i = 0; i < 5; ++i) {
@@ -101,7 +101,7 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
 TEST_F(HandshakeWatchTest, NoHandshake_LivesAsLongAsTheTimerOfTheCore) {
   ask.has_keys = [](auto) { return false; };
   ask.last_heard = [&](auto) { return clock.monotonic(); };
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   for (int i = 0; i < 7; ++i) {
     watch.progressed({local, remote}, handshake);
     EXPECT_TRUE(after(10s).empty());
@@ -116,7 +116,7 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWas
   bool sent = false;
   ask.has_keys = [&](auto) { return sent; };
   const auto meet = [&] {
-    watch.note_met({local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
     watch.note_session_kept(handshake);
@@ -134,7 +134,7 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWas
 }
 
 TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
   watch.finished(handshake);
@@ -146,13 +146,13 @@ TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
 TEST_F(HandshakeWatchTest, APeerWithoutKeys_DidNotFinishItsHalf) {
   bool sent = false;
   ask.has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.refused(handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(19900ms).empty());  // after the long wait only
   EXPECT_EQ(after(200ms).size(), 1u);
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, second);
   watch.finished(second);
   EXPECT_TRUE(after(30s).empty());
@@ -169,7 +169,7 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
   ask.has_keys = [](auto) { return true; };
   ask.is_matched = [&](spi::IdentityHandle asked) { return asked == remote && matched; };
   const auto meet = [&] {
-    watch.note_met({local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
   };
@@ -191,7 +191,7 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
 TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatched_IsSettled) {
   bool matched = false;
   ask.is_matched = [&](auto) { return matched; };
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(10s).empty());
@@ -209,7 +209,7 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
   bool matched = true, sent_keys = true;
   ask.has_keys = [&](auto) { return sent_keys; };
   ask.is_matched = [&](auto) { return matched; };
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(300s).empty());
@@ -233,7 +233,7 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
 TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
   for (const auto wait : {20s, 40s, 80s}) {
     EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
-    watch.note_met({local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
     EXPECT_EQ(after(wait + 1s).size(), 1u);
   }
   EXPECT_TRUE(watch.was_unanswered(guid_of(1)));
@@ -246,7 +246,7 @@ TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
 TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
   ask.is_matched = [](auto) { return false; };
   for (int i = 0; i < 5; ++i) {
-    watch.note_met({local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
     EXPECT_EQ(after(81s).size(), 1u);
@@ -256,12 +256,12 @@ TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
 
 // The host removes a remote participant for all local participants at once.
 struct SharedPeerTest : HandshakeWatchTest {
-  // The peer authenticates the first local participant, and the second one meets it.
+  // The peer authenticates the first local participant, and the second one discovers it.
   void meet() {
-    watch.note_met({local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
-    watch.note_met({second_local, remote}, guid_of(1));
+    watch.note_discovered({second_local, remote}, guid_of(1));
   }
 };
 
@@ -269,7 +269,7 @@ TEST_F(SharedPeerTest, WaitForIt_IsLongerThanForAnother) {
   meet();
   watch.progressed({second_local, remote}, second);
   watch.refused(second);
-  watch.note_met({{3}, remote}, guid_of(1));  // a third participant meets it
+  watch.note_discovered({{3}, remote}, guid_of(1));  // a third participant discovers it
   EXPECT_TRUE(after(79s).empty());
   watch.finished(second);
   const auto stuck = after(2s);
@@ -331,13 +331,13 @@ TEST_F(SharedPeerTest, PeerThatKeepsItsSession_IsNotGivenUpForAnother) {
 // Otherwise the core's timer would end the handshake after 100 s, and damage memory.
 TEST_F(SharedPeerTest, PeerWhileTheCoresTimerRuns_IsGivenUpEachTime) {
   for (int i = 0; i < 3; ++i) {
-    watch.note_met({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
+    watch.note_discovered({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     watch.progressed({local, remote}, handshake);
     watch.finished(handshake);
     watch.note_session_kept(handshake);
     watch.not_admitted({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     EXPECT_TRUE(after(40s).empty());
-    watch.note_met({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
+    watch.note_discovered({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     EXPECT_TRUE(after(39900ms).empty()) << "the timer began when it was first asked";
     const auto stuck = after(200ms);
     ASSERT_EQ(stuck.size(), 1u);
@@ -371,8 +371,8 @@ TEST_F(SharedPeerTest, KeysToOneOnly_AreNotEnough) {
 // A peer finishes one handshake at the last moment, and then lacks endpoints.
 TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
   ask.is_matched = [](auto) { return false; };
-  watch.note_met({local, remote}, guid_of(1));
-  watch.note_met({second_local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_discovered({second_local, remote}, guid_of(1));
   for (int i = 0; i < 5; ++i) {
     watch.progressed({local, remote}, handshake);
     EXPECT_TRUE(after(15s).empty());
@@ -384,21 +384,21 @@ TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
 // For example, the revocation list of the second participant is out of date. The host asks once a
 // second.
 TEST_F(SharedPeerTest, PeerThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoes) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   for (int i = 0; i < 1000; ++i) {
     watch.not_admitted({second_local, remote}, guid_of(1));
     ASSERT_TRUE(after(1s).empty()) << "the session of the first one stays";
   }
-  watch.note_met({second_local, remote}, guid_of(1));
+  watch.note_discovered({second_local, remote}, guid_of(1));
   EXPECT_TRUE(after(79s).empty()) << "counted from here";
   EXPECT_EQ(after(2s).size(), 1u);
 }
 
 // A request that came immediately made the host wait for another one.
 TEST_F(SharedPeerTest, PeerThatTheHostDoesNotAskAboutAgain_IsGivenUpOnce) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.finished(handshake);
   watch.not_admitted({second_local, remote}, guid_of(1));
@@ -415,7 +415,7 @@ TEST_F(SharedPeerTest, EndedParticipant_DoesNotGiveItUp) {
 TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   std::vector<std::chrono::nanoseconds> waits;
   for (int i = 0; i < 8; ++i) {
-    watch.note_met({local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
     watch.refused(remote);
     const auto stuck = after(81s);
     ASSERT_EQ(stuck.size(), 1u);
@@ -425,11 +425,11 @@ TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   EXPECT_EQ(waits,
             (std::vector<std::chrono::nanoseconds>{2500ms, 5s, 10s, 20s, 40s, 80s, 80s, 80s}));
   // Another peer has a count of its own, and the count of this peer is forgotten after a while.
-  watch.note_met({local, other}, guid_of(2));
+  watch.note_discovered({local, other}, guid_of(2));
   watch.refused(other);
   EXPECT_EQ(after(3s).size(), 1u);
   EXPECT_TRUE(after(HandshakeWatch::kForgetAfter).empty());
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.refused(remote);
   const auto again = after(3s);
   ASSERT_EQ(again.size(), 1u);
@@ -437,13 +437,13 @@ TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
 }
 
 TEST_F(HandshakeWatchTest, WhatTheHostReturns_IsForgotten) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, handshake);
   watch.forget(remote);
   watch.refused(handshake);
   watch.finished(handshake);
   EXPECT_TRUE(after(300s).empty());
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   watch.progressed({local, remote}, second);
   watch.forget(second);
   watch.finished(second);  // the handshake is not of this peer any more
@@ -452,18 +452,18 @@ TEST_F(HandshakeWatchTest, WhatTheHostReturns_IsForgotten) {
 
 TEST_F(HandshakeWatchTest, ManyInventedPeers_OnlyTheLatestAreRemembered) {
   const auto give_up = [&](std::uint32_t number) {
-    watch.note_met({local, {number}}, guid_of(number));
+    watch.note_discovered({local, {number}}, guid_of(number));
     watch.refused(spi::IdentityHandle{number});
     clock.advance(2500ms);
     return watch.give_up();
   };
   EXPECT_TRUE(give_up(1).at(0).is_first);
-  watch.note_met({local, {1}}, guid_of(1));
+  watch.note_discovered({local, {1}}, guid_of(1));
   watch.refused(spi::IdentityHandle{1});
   EXPECT_TRUE(give_up(2).at(0).is_first);
   EXPECT_FALSE(after(5s).at(0).is_first);
   for (std::uint32_t number = 10; number < 10 + HandshakeWatch::kMaxPeers; ++number) {
-    watch.note_met({local, {number}}, guid_of(number));
+    watch.note_discovered({local, {number}}, guid_of(number));
     watch.refused(spi::IdentityHandle{number});
   }
   clock.advance(2500ms);

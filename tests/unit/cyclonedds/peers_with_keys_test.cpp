@@ -11,12 +11,12 @@ constexpr auto kAll = PeersWithKeys::kSecureEndpoints;
 TEST(PeersWithKeys, PeersWhoseKeysCame_AreContained) {
   PeersWithKeys peers;
   EXPECT_FALSE(peers.contains({7}));
-  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_discovered({70}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
   peers.note_keys_sent({71}, kLocal);  // another peer, which no participant met
   EXPECT_FALSE(peers.contains({7}));
   peers.note_keys_sent({70}, kLocal);
-  peers.note_met({70}, {7}, kLocal, kAll);  // a second local participant meets it
+  peers.note_discovered({70}, {7}, kLocal, kAll);  // a second local participant meets it
   EXPECT_TRUE(peers.contains({7}));
   EXPECT_FALSE(peers.contains({70}));
   peers.note_left({71});
@@ -31,8 +31,8 @@ TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
   peers.add_local(kLocal, {21});
   peers.add_local(kSecond, {22});
   EXPECT_FALSE(peers.has_sent_keys({7}, {21}));
-  peers.note_met({70}, {7}, kLocal, kAll);
-  peers.note_met({70}, {7}, kSecond, kAll);
+  peers.note_discovered({70}, {7}, kLocal, kAll);
+  peers.note_discovered({70}, {7}, kSecond, kAll);
   peers.note_keys_sent({70}, kLocal);
   EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
   EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
@@ -47,9 +47,9 @@ TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
 
 TEST(PeersWithKeys, ALaterPeerOfTheSameIdentity_StartsWithout) {
   PeersWithKeys peers;
-  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_discovered({70}, {7}, kLocal, kAll);
   peers.note_keys_sent({70}, kLocal);
-  peers.note_met({71}, {7}, kLocal, kAll);
+  peers.note_discovered({71}, {7}, kLocal, kAll);
   EXPECT_FALSE(peers.contains({7}));
   peers.note_left({70});
   peers.note_keys_sent({71}, kLocal);
@@ -60,7 +60,7 @@ TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
   using namespace std::chrono_literals;
   PeersWithKeys peers;
   EXPECT_FALSE(peers.awaits_keys());
-  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_discovered({70}, {7}, kLocal, kAll);
   peers.note_matched(700, {70}, 1);
   EXPECT_TRUE(peers.awaits_keys());
   EXPECT_EQ(peers.last_heard({7}), 0s);
@@ -74,7 +74,7 @@ TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
   peers.note_keys_sent({70}, kLocal);
   peers.note_keys_sent({70}, kLocal);
   EXPECT_FALSE(peers.awaits_keys());
-  peers.note_met({71}, {8}, kLocal, kAll);
+  peers.note_discovered({71}, {8}, kLocal, kAll);
   peers.note_left({71});
   EXPECT_FALSE(peers.awaits_keys());
   peers.note_left({70});
@@ -87,7 +87,7 @@ TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   peers.add_builtin(12, kLocal);
   peers.add_builtin(21, kSecond);
   EXPECT_TRUE(peers.is_matched({7}));  // no participant met it
-  peers.note_met({70}, {7}, kLocal, kAll | 0x3f);
+  peers.note_discovered({70}, {7}, kLocal, kAll | 0x3f);
   EXPECT_FALSE(peers.is_matched({7}));
   peers.note_matched(700, {70}, 11);
   peers.note_matched(701, {70}, 99);  // an application's endpoint
@@ -95,7 +95,7 @@ TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   EXPECT_FALSE(peers.is_matched({7}));
   peers.note_matched(703, {70}, 12);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.note_met({70}, {7}, kSecond, kAll);
+  peers.note_discovered({70}, {7}, kSecond, kAll);
   EXPECT_FALSE(peers.is_matched({7}));
   peers.forget(21);  // the second participant is gone
   EXPECT_TRUE(peers.is_matched({7}));
@@ -106,7 +106,7 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
   peers.add_builtin(11, kLocal);
   peers.add_builtin(12, kLocal);
   for (const std::int64_t peer : {70, 80}) {
-    peers.note_met({peer}, {peer / 10}, kLocal, kAll);
+    peers.note_discovered({peer}, {peer / 10}, kLocal, kAll);
     peers.note_matched(10 * peer, {peer}, 11);
     peers.note_matched(10 * peer + 1, {peer}, 12);
   }
@@ -128,9 +128,9 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
 TEST(PeersWithKeys, FewerBuiltinEndpointsThanOurs_AreEnough) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
-  peers.note_met({70}, {7}, kLocal, kAll & ~0x00010000u);
+  peers.note_discovered({70}, {7}, kLocal, kAll & ~0x00010000u);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.note_met({71}, {8}, kLocal, 0);  // its endpoints are not known
+  peers.note_discovered({71}, {8}, kLocal, 0);  // its endpoints are not known
   EXPECT_TRUE(peers.is_matched({8}));
 }
 
