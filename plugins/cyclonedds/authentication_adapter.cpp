@@ -138,7 +138,7 @@ Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Discovered
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
   const auto of_host = adapter.remotes().note_refused(discovered.guid);
-  adapter.watch().not_admitted({identity(local), of_host}, discovered.guid, discovered.timer);
+  adapter.watch().note_not_admitted({identity(local), of_host}, discovered.guid, discovered.timer);
   remote_handle = of_host.value;
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
@@ -202,13 +202,13 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
 // Does nothing for a local participant that is cut off, because the host drops a peer for all its
 // participants.
 void note_refused(Adapter& adapter, spi::IdentityHandle local, spi::IdentityHandle remote) {
-  if (!adapter.remotes().has_ended(local)) adapter.watch().refused(remote);
+  if (!adapter.remotes().has_ended(local)) adapter.watch().note_refused(remote);
 }
 void note_refused(Adapter& adapter, spi::HandshakeHandle handshake) {
   const auto pair = adapter.secrets().pair_of(handshake);
   const auto& remotes = adapter.remotes();
   if (pair && (remotes.has_ended(pair->first) || remotes.has_ended(pair->second))) return;
-  adapter.watch().refused(handshake);
+  adapter.watch().note_refused(handshake);
 }
 
 CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* message,
@@ -225,7 +225,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     if (!begun) adapter.watch().forget(identity(replier));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
-    adapter.watch().progressed({identity(initiator), identity(replier)}, step.handle);
+    adapter.watch().note_progress({identity(initiator), identity(replier)}, step.handle);
     DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -247,7 +247,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     if (!begun) note_refused(adapter, identity(replier), identity(initiator));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
-    adapter.watch().progressed({identity(replier), identity(initiator)}, step.handle);
+    adapter.watch().note_progress({identity(replier), identity(initiator)}, step.handle);
     DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message_out));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -266,7 +266,7 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
     DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message_out));
     if (step.result == spi::ValidationResult::ok ||
         step.result == spi::ValidationResult::ok_final_message)
-      adapter.watch().finished(handshake(handle));
+      adapter.watch().note_finished(handshake(handle));
     return to_c(step.result);
   });
 }

@@ -17,7 +17,7 @@ void HandshakeWatch::note_discovered(WatchedPair pair, const Guid& guid, CoreTim
   if (timer == CoreTimerState::stopped) half.discovered = now;
 }
 
-void HandshakeWatch::not_admitted(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
+void HandshakeWatch::note_not_admitted(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
@@ -32,7 +32,7 @@ bool HandshakeWatch::was_unanswered(const Guid& remote) const {
   return past != past_.end() && past->second.was_longest;
 }
 
-void HandshakeWatch::progressed(WatchedPair pair, HandshakeHandle handshake) {
+void HandshakeWatch::note_progress(WatchedPair pair, HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   const auto known = remotes_.find(pair.remote);
   if (known == remotes_.end()) return;
@@ -48,18 +48,18 @@ HandshakeWatch::Remote* HandshakeWatch::of(HandshakeHandle handshake) {
   return remote == remotes_.end() ? nullptr : &remote->second;
 }
 
-void HandshakeWatch::refused(IdentityHandle remote) {
+void HandshakeWatch::note_refused(IdentityHandle remote) {
   const std::lock_guard lock(mutex_);
   if (const auto known = remotes_.find(remote); known != remotes_.end())
     known->second.was_disturbed = true;
 }
 
-void HandshakeWatch::refused(HandshakeHandle handshake) {
+void HandshakeWatch::note_refused(HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   if (auto* const remote = of(handshake)) remote->was_disturbed = true;
 }
 
-void HandshakeWatch::finished(HandshakeHandle handshake) {
+void HandshakeWatch::note_finished(HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   auto* const remote = of(handshake);
   if (remote == nullptr) return;

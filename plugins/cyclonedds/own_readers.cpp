@@ -164,7 +164,7 @@ std::uint64_t OwnReaders::count() const {
   return count_;
 }
 
-void OwnReaders::ended(const Guid& reader) {
+void OwnReaders::note_ended(const Guid& reader) {
   const std::lock_guard lock(mutex_);
   note_end(reader);
 }

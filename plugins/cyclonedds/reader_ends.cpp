@@ -78,7 +78,7 @@ bool ReaderEnds::poll(const HostEntities& host) {
     } else if (!is_owned) {
       readers_.forget(reader.prefix);
     } else if (host.carry_end(*owner, reader)) {
-      readers_.ended(reader);
+      readers_.note_ended(reader);
     } else {
       missing.insert(reader);
     }

@@ -33,7 +33,7 @@ void SessionResets::forget(spi::ParticipantCryptoHandle participant) {
   });
 }
 
-bool SessionResets::received(const spi::Reset& reset) {
+bool SessionResets::note_reset(const spi::Reset& reset) {
   spi::ResetName name{};
   std::ranges::copy(reset.name, name.begin());
   const std::lock_guard lock(mutex_);

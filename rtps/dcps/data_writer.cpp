@@ -207,9 +207,9 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
                                 MonotonicTime now) {
   const bool alive = status == StatusInfo{};
   if (alive)
-    instances_->written(key, now);
+    instances_->note_written(key, now);
   else
-    instances_->disposed(key);
+    instances_->note_disposed(key);
   if (status.unregistered) instances_->remove(key);
   if (alive) lifespan_.add(number, qos_.lifespan, now);
   lifespan_.forget_dropped(protocol().history());

@@ -76,7 +76,7 @@ void LivelinessMonitor::remove(const Guid& writer) {
   count(writer, was_alive ? -1 : 0, was_alive ? 0 : -1);
 }
 
-void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
+void LivelinessMonitor::note_alive(const Guid& writer, MonotonicTime now) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
   at->second.asserted = now;

@@ -47,7 +47,7 @@ class LivelinessMonitor {
   void follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void remove(const Guid& writer);
   /// Notes that the writer asserted its liveliness.
-  void alive(const Guid& writer, MonotonicTime now);
+  void note_alive(const Guid& writer, MonotonicTime now);
   /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
   using OnEnd = std::function<void(const Guid&, LivelinessSignal*)>;
   void expire(MonotonicTime now, const OnEnd& ended);

@@ -53,7 +53,7 @@ void Presenter::note_presented(Source& source, const StreamKey& key) {
   const auto at = source.leaving.find(key);
   if (at == source.leaving.end() || --at->second > 0) return;
   source.leaving.erase(at);
-  key.first->left(key.second);
+  key.first->note_left(key.second);
 }
 
 // Returns an iterator to the next source.
@@ -183,7 +183,7 @@ void Presenter::give_up_batch(Batch& batch, const Source& source, PresentedReade
     if (is_cause)
       reader->give_up(its.writer, its.room.samples, limit);
     else
-      reader->lose(its.room.samples);
+      reader->note_lost(its.room.samples);
   }
 }
 
@@ -229,7 +229,7 @@ void Presenter::add_to_set(Source& source, const StreamKey& key, Change& change,
 
 // Samples of a set that cannot become complete are counted as lost and not kept.
 void Presenter::add_item(Source& source, Set& set, Item item) {
-  if (set.is_broken) return item.reader->lose(1);
+  if (set.is_broken) return item.reader->note_lost(1);
   charge_open(source, set, price_of(item));
   set.items.push_back(std::move(item));
 }
@@ -284,7 +284,7 @@ void Presenter::lose_items(const Source& source, Set& set,
     if (limit)
       reader->give_up(its.writer, its.room.samples, *limit);
     else
-      reader->lose(its.room.samples);
+      reader->note_lost(its.room.samples);
   }
 }
 

@@ -33,9 +33,9 @@ class PresentedReader {
   virtual bool present(Change& change) = 0;
   /// Notes that a writer has left: it was removed while its samples waited for room, and the last
   /// of them was presented.
-  virtual void left(const Guid& writer) = 0;
+  virtual void note_left(const Guid& writer) = 0;
   /// Reports samples of a set that will never be complete.
-  virtual void lose(std::size_t samples) = 0;
+  virtual void note_lost(std::size_t samples) = 0;
   /// Reports samples of a set of that writer that is given up because of a limit.
   virtual void give_up(const Guid& writer, std::size_t samples, Limit limit) = 0;
 };

@@ -20,7 +20,7 @@ void RequestedLiveliness::on_signal(const Guid& writer, std::shared_ptr<Liveline
 }
 
 void RequestedLiveliness::on_alive(const Guid& writer, MonotonicTime now) {
-  monitor_.alive(writer, now);
+  monitor_.note_alive(writer, now);
   update();
 }
 

@@ -59,7 +59,7 @@ void SampleReception::remove_writer(const Guid& writer) {
     if (is_exclusive_ && samples_.cache().lose_writer(writer, false, context_.now())) note_data();
     return;
   }
-  left(writer);
+  note_left(writer);
   present_again();
 }
 
@@ -68,7 +68,7 @@ void SampleReception::present_again() {
   schedule_presenter();
 }
 
-void SampleReception::left(const Guid& writer) {
+void SampleReception::note_left(const Guid& writer) {
   if (samples_.cache().lose_writer(writer, true, context_.now())) note_data();
   call_at(cache().next_tick());
 }

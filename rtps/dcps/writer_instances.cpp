@@ -46,7 +46,7 @@ void WriterInstances::remove(const KeyHash& key) {
   by_key_.erase(at);
 }
 
-void WriterInstances::written(const KeyHash& key, MonotonicTime now) {
+void WriterInstances::note_written(const KeyHash& key, MonotonicTime now) {
   if (deadline_ == kNever) return;
   const auto at = by_key_.find(key);
   if (at == by_key_.end()) return;
@@ -54,7 +54,7 @@ void WriterInstances::written(const KeyHash& key, MonotonicTime now) {
   at->second.due.append_to(due_);
 }
 
-void WriterInstances::disposed(const KeyHash& key) {
+void WriterInstances::note_disposed(const KeyHash& key) {
   if (const auto at = by_key_.find(key); at != by_key_.end()) at->second.due.leave();
 }
 
@@ -78,7 +78,7 @@ void WriterInstances::set_deadline(Duration period, MonotonicTime now) {
   for (auto& [key, instance] : by_key_) {
     const bool expected = had_none || instance.due.linked();
     instance.due.leave();
-    if (expected && deadline_ != kNever) written(key, now);
+    if (expected && deadline_ != kNever) note_written(key, now);
   }
 }
 

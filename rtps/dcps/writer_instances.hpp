@@ -33,9 +33,9 @@ class WriterInstances {
   std::vector<std::pair<KeyHash, Bytes>> keys() const;
 
   /// Notes that the instance was written at `now`: its DEADLINE period starts again.
-  void written(const KeyHash& key, MonotonicTime now);
+  void note_written(const KeyHash& key, MonotonicTime now);
   /// Notes that the instance was disposed: it has no deadline until it is written again.
-  void disposed(const KeyHash& key);
+  void note_disposed(const KeyHash& key);
   void expire_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   MonotonicTime next_deadline() const;
   void set_deadline(Duration period, MonotonicTime now);

@@ -300,7 +300,7 @@ void KeptTopic::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> 
 void KeptTopic::on_alive(const Guid& writer) {
   if (!owners_ || !writers_.contains(writer)) return;
   const auto now = context_.now();
-  liveliness_.alive(writer, now);
+  liveliness_.note_alive(writer, now);
   schedule_next_call(now);
 }
 

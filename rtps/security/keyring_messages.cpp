@@ -28,7 +28,7 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
   // The peer has ended the session. With ddssec's plugins in Cyclone DDS it answers every message
   // in this way after a revocation or an expiry. This is not a damaged message.
   if (const auto reset = spi::read_reset(message)) {
-    own_.session_ends().received(header.prefix, *reset, now);
+    own_.session_ends().note_reset(header.prefix, *reset, now);
     return fail(Code::session_reset_by_peer);
   }
   const auto remote = remotes_.find(header.prefix);

@@ -161,7 +161,7 @@ TEST_F(SessionResetTest, ReceivedReset_MakesTheHostBeginAnew) {
   EXPECT_GE(questions, before + 2);
   EXPECT_EQ(revoked, 0);
   const auto message = spi::write_reset(kRemote, spi::derive_reset_token(*secret(), kRemote));
-  EXPECT_TRUE(resets.received(*spi::read_reset(message)));
+  EXPECT_TRUE(resets.note_reset(*spi::read_reset(message)));
   for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(revoked, remote);
   EXPECT_EQ(std::ranges::count(harness.events, Code::session_reset_by_peer,
@@ -178,7 +178,7 @@ struct EndedByPeer : SessionResetTest {
     auto& resets = SessionResets::of_process();
     resets.expect({{70}, {1}}, {remote}, spi::derive_reset_token(*secret(), kRemote));
     const auto message = spi::write_reset(kRemote, spi::derive_reset_token(*secret(), kRemote));
-    EXPECT_TRUE(resets.received(*spi::read_reset(message)));
+    EXPECT_TRUE(resets.note_reset(*spi::read_reset(message)));
     for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
     EXPECT_EQ(revoked, remote);
     resets.forget({70});

@@ -16,7 +16,7 @@ spi::ResetToken token_of(std::uint8_t session) {
 Bytes message_of(std::uint8_t session) { return spi::write_reset(kPeer, token_of(session)); }
 
 bool receive(SessionResets& resets, const Bytes& message) {
-  return resets.received(*spi::read_reset(message));
+  return resets.note_reset(*spi::read_reset(message));
 }
 
 SessionReset take(SessionResets& resets, spi::IdentityHandle peer) {

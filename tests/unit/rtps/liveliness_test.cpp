@@ -38,7 +38,7 @@ TEST(LivelinessMonitor, AliveAndLostWriters_AreCounted) {
   EXPECT_TRUE(monitor.take_changed());
   EXPECT_FALSE(monitor.take_changed());
   EXPECT_EQ(monitor.next_tick(), milliseconds(1000));
-  monitor.alive(a, milliseconds(500));
+  monitor.note_alive(a, milliseconds(500));
   std::vector<Guid> ended;
   const auto check = [&](MonotonicTime now) {
     monitor.expire(now, [&](const Guid& guid, LivelinessSignal*) { ended.push_back(guid); });
@@ -53,14 +53,14 @@ TEST(LivelinessMonitor, AliveAndLostWriters_AreCounted) {
   EXPECT_EQ(monitor.status().not_alive_count, 1);
   EXPECT_EQ(monitor.status().last_remote, a);
   monitor.reset_changes();
-  monitor.alive(a, milliseconds(2000));
+  monitor.note_alive(a, milliseconds(2000));
   EXPECT_EQ(monitor.status().alive_count_change, 1);
   EXPECT_EQ(monitor.status().not_alive_count_change, -1);
   monitor.remove(a);
   monitor.remove(a);
   EXPECT_EQ(monitor.status().alive_count, 1);
   EXPECT_EQ(monitor.status().not_alive_count, 0);
-  monitor.alive(a, milliseconds(2000));  // the monitor does not have this writer any more
+  monitor.note_alive(a, milliseconds(2000));  // the monitor does not have this writer any more
   EXPECT_EQ(monitor.next_tick(), kNever);
 }
 
@@ -84,7 +84,7 @@ TEST(LivelinessMonitor, ASignal_AssertsAllThatFollowIt) {
     expire(milliseconds(time + 500));
   }
   EXPECT_THAT(ended, ::testing::IsEmpty());
-  monitor.alive(a, milliseconds(3000));  // asserted by the writer itself
+  monitor.note_alive(a, milliseconds(3000));  // asserted by the writer itself
   expire(milliseconds(3700));
   EXPECT_THAT(ended, ElementsAre(b));
   expire(milliseconds(4000));

@@ -39,10 +39,10 @@ struct Reader final : PresentedReader {
     return true;
   }
   std::vector<Guid> gone = {};
-  void left(const Guid& writer) override { gone.push_back(writer); }
-  void lose(std::size_t samples) override { lost += samples; }
+  void note_left(const Guid& writer) override { gone.push_back(writer); }
+  void note_lost(std::size_t samples) override { lost += samples; }
   void give_up(const Guid&, std::size_t samples, Limit limit) override {
-    lose(samples);
+    note_lost(samples);
     limits.push_back(limit);
   }
 };

@@ -25,8 +25,8 @@ struct Presented final : PresentedReader {
     seen.push_back(change.sequence_number.value);
     return true;
   }
-  void left(const Guid&) override {}
-  void lose(std::size_t) override {}
+  void note_left(const Guid&) override {}
+  void note_lost(std::size_t) override {}
   void give_up(const Guid&, std::size_t, Limit) override {}
 };
 

@@ -200,7 +200,7 @@ std::uint64_t work_of_leases(int writers) {
     signal->assert_at(milliseconds(1));
     EXPECT_EQ(monitor.next_tick(), milliseconds(1000));
     monitor.expire(milliseconds(999), {});
-    monitor.alive({GuidPrefix::from(Bytes(12, 1)), {{0, 5, 0, 2}}}, milliseconds(999));
+    monitor.note_alive({GuidPrefix::from(Bytes(12, 1)), {{0, 5, 0, 2}}}, milliseconds(999));
   });
 }
 

@@ -39,9 +39,9 @@ TEST(WriterInstances, Deadlines_RunFromTheLastWrite) {
   qos.deadline = Duration::from(milliseconds(100));
   WriterInstances instances(qos);
   const auto one = instances.enter(kOne, nullptr), two = instances.enter(kTwo, nullptr);
-  instances.written(kOne, milliseconds(0));
-  instances.written(kTwo, milliseconds(50));
-  instances.written(kOne, milliseconds(60));
+  instances.note_written(kOne, milliseconds(0));
+  instances.note_written(kTwo, milliseconds(50));
+  instances.note_written(kOne, milliseconds(60));
   EXPECT_EQ(instances.next_deadline(), milliseconds(150));
   std::vector<InstanceHandle> missed;
   const auto check = [&](MonotonicTime now) {
@@ -49,7 +49,7 @@ TEST(WriterInstances, Deadlines_RunFromTheLastWrite) {
   };
   check(milliseconds(155));
   EXPECT_THAT(missed, ElementsAre(two));
-  instances.disposed(kTwo);
+  instances.note_disposed(kTwo);
   check(milliseconds(300));
   EXPECT_THAT(missed, ElementsAre(two, one));
   instances.set_deadline(Duration::from(milliseconds(10)), milliseconds(300));
