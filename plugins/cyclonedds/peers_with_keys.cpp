@@ -123,7 +123,7 @@ std::chrono::nanoseconds PeersWithKeys::last_heard(spi::IdentityHandle identity)
   return peer == nullptr ? std::chrono::nanoseconds{} : peer->last_heard;
 }
 
-bool PeersWithKeys::contains(spi::IdentityHandle identity) const {
+bool PeersWithKeys::has_sent_keys(spi::IdentityHandle identity) const {
   const std::lock_guard lock(mutex_);
   const auto* const peer = find(identity);
   return peer != nullptr && peer->has_sent_keys;
@@ -136,8 +136,8 @@ bool PeersWithKeys::has_sent_keys(spi::IdentityHandle identity, spi::IdentityHan
   return peer != nullptr && known != local_of_.end() && peer->with_keys.contains(known->second);
 }
 
-bool PeersWithKeys::has_keys_for(spi::ParticipantCryptoHandle peer,
-                                 spi::ParticipantCryptoHandle local) const {
+bool PeersWithKeys::has_sent_keys(spi::ParticipantCryptoHandle peer,
+                                  spi::ParticipantCryptoHandle local) const {
   const std::lock_guard lock(mutex_);
   const auto known = peers_.find(peer.value);
   return known != peers_.end() && known->second.with_keys.contains(local.value);

@@ -48,10 +48,11 @@ class PeersWithKeys {
   void note_heard(std::int64_t endpoint, std::chrono::nanoseconds now);
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
-  bool contains(spi::IdentityHandle identity) const;
-  /// True if its keys arrived for that local participant.
+  /// True if keys of that peer arrived, for any local participant.
+  bool has_sent_keys(spi::IdentityHandle identity) const;
+  /// True if they arrived for that local participant.
   bool has_sent_keys(spi::IdentityHandle identity, spi::IdentityHandle local) const;
-  bool has_keys_for(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) const;
+  bool has_sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) const;
   /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
   /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;

@@ -350,7 +350,7 @@ bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& cha
       message->destination_participant != core_.own->guid())
     return true;
   if (message->message_class == message_class::kRenewal ||
-      message->message_class == message_class::kRenewalTaken) {
+      message->message_class == message_class::kRenewalAccepted) {
     renewal_listener_(*peer, *message);
     return true;
   }

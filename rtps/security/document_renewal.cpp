@@ -17,17 +17,17 @@ DocumentRenewal::DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchan
   exchange.on_renewal([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() != 1 || peer.state.joined() == nullptr) return;
     if (message.message_class == message_class::kRenewal) return on_offer(peer, message.data[0]);
-    on_taken(peer, message.data[0]);
+    on_accepted(peer, message.data[0]);
   });
 }
 
-void DocumentRenewal::offer() {
+void DocumentRenewal::offer_to_all() {
   for (auto& [prefix, peer] : core_.peers)
-    if (peer.state.joined() != nullptr && peer.data.vendor == kVendorDdssec) offer(peer);
+    if (peer.state.joined() != nullptr && peer.data.vendor == kVendorDdssec) offer_to(peer);
 }
 
 // Does nothing if the plugin cannot make the offer; the next try follows in a second.
-void DocumentRenewal::offer(Peer& peer) {
+void DocumentRenewal::offer_to(Peer& peer) {
   auto& next_offer = peer.state.association()->renewal.next_offer;
   if (core_.now < next_offer || !exchange_.has_room(peer)) return;
   auto& authentication = core_.own->plugins().authentication;
@@ -66,7 +66,7 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
   if (*has_less) revision_.request(KeyReviser::RevisionReason::right_lost);
   auto answer = authentication.accept_renewal(handshake, offer);
   if (!answer) return;
-  exchange_.send_token(peer, message_class::kRenewalTaken, *std::move(answer));
+  exchange_.send_token(peer, message_class::kRenewalAccepted, *std::move(answer));
   if (!access_control.check_remote_participant(permissions, core_.own->domain_id()))
     excluded_.push_back(peer.prefix());
   else
@@ -86,7 +86,7 @@ void DocumentRenewal::on_own_rights_changed() {
   for (const auto& prefix : prefixes) rematch_endpoints_of(prefix);
 }
 
-void DocumentRenewal::on_taken(Peer& peer, const spi::Token& answer) {
+void DocumentRenewal::on_accepted(Peer& peer, const spi::Token& answer) {
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
   const auto facts = authentication.note_renewal_accepted(peer.state.handshake()->handle(), answer);
   if (!facts) return;

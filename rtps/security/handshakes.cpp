@@ -134,7 +134,7 @@ void Handshakes::send(Peer& peer, const PeerHandshake::Messages& messages) {
   for (const auto& message : messages) {
     has_asked |= message.message_class == message_class::kAuthRequest;
     const auto held_back = send_one(message);
-    if (handshake.begins()) peer.deferred_octets = std::max(peer.deferred_octets, held_back);
+    if (handshake.is_initiator()) peer.deferred_octets = std::max(peer.deferred_octets, held_back);
   }
   if (peer.deferred_octets == 0) return;
   const auto own = handshake.auth_request();
@@ -169,10 +169,10 @@ void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   const bool ours = message && message->identity.source.prefix == source &&
                     message->destination_participant == core_.own->guid();
   if (!ours) return;
-  if (!handshake->started() && !has_place(*peer)) return;
+  if (!handshake->is_started() && !has_place(*peer)) return;
   handshake->note_heard();
   handshake->note_sign(core_.now);
-  if (!std::exchange(peer->has_spoken, true) && !handshake->started())
+  if (!std::exchange(peer->has_spoken, true) && !handshake->is_started())
     handshake->start_at(core_.now);
   if (message->message_class == message_class::kAuthRequest)
     on_auth_request(*peer, *message);
@@ -197,7 +197,7 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   const auto repeated = handshake.receive_auth_request(message, out);
   if (core_.sender.amplification_limit().prove(peer.prefix(), repeated)) note_credit(peer, 0);
   if (!out.empty()) send(peer, out);
-  if (!handshake.begins()) return;
+  if (!handshake.is_initiator()) return;
   if (peer.state.association() == nullptr) return request_resend(peer);
   const auto* joined = peer.state.joined();
   if (joined == nullptr || core_.now < joined->next_probe) return;
@@ -213,7 +213,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   if (assessment.effort == Effort::request) make_room_for_answer(core_, account_);
   const bool taken =
       may_spend(peer, assessment.effort) && handshake.receive(message, assessment, core_.now, out);
-  if (handshake.started()) peer.state.on_handshake_begun();
+  if (handshake.is_started()) peer.state.on_handshake_begun();
   if (!taken) return request_resend(peer);
   if (handshake.refusals() > 0 && peer.state.association() == nullptr) note_failure(peer);
   // A final message is sent once the keys are ready for what the peer sends next.
@@ -241,7 +241,7 @@ void Handshakes::request_resend(const Peer& peer) {
 
 bool Handshakes::advance(Peer& peer) {
   auto& handshake = *peer.state.handshake();
-  if (handshake.started()) peer.state.on_handshake_begun();
+  if (handshake.is_started()) peer.state.on_handshake_begun();
   if (handshake.failure()) {
     refuse(peer);
     return false;

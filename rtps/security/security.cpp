@@ -261,7 +261,7 @@ void Security::expire() {
     renewal_.on_own_rights_changed();
     handshakes_.try_all_again();
   }
-  renewal_.offer();
+  renewal_.offer_to_all();
   change_.tick();
   if (change_.take_changed_domain()) handshakes_.try_all_again();
 }

@@ -115,7 +115,7 @@ struct SecurityCore {
   std::optional<std::string> proven_subject(const Peer& peer) const {
     if (const auto* association = peer.state.association()) return association->subject;
     const auto* handshake = peer.state.handshake();
-    if (handshake == nullptr || !handshake->finished()) return std::nullopt;
+    if (handshake == nullptr || !handshake->is_finished()) return std::nullopt;
     return own->plugins().authentication.authenticated_subject(handshake->handle());
   }
 

@@ -10,19 +10,19 @@ constexpr auto kAll = PeersWithKeys::kSecureEndpoints;
 
 TEST(PeersWithKeys, PeersWhoseKeysCame_AreContained) {
   PeersWithKeys peers;
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_discovered({70}, {7}, kLocal, kAll);
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_keys_sent({71}, kLocal);  // another peer, which no participant met
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_keys_sent({70}, kLocal);
   peers.note_discovered({70}, {7}, kLocal, kAll);  // a second local participant meets it
-  EXPECT_TRUE(peers.contains({7}));
-  EXPECT_FALSE(peers.contains({70}));
+  EXPECT_TRUE(peers.has_sent_keys({7}));
+  EXPECT_FALSE(peers.has_sent_keys({70}));
   peers.note_left({71});
-  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_TRUE(peers.has_sent_keys({7}));
   peers.note_left({70});
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_left({70});
 }
 
@@ -30,19 +30,19 @@ TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
   PeersWithKeys peers;
   peers.add_local(kLocal, {21});
   peers.add_local(kSecond, {22});
-  EXPECT_FALSE(peers.has_sent_keys({7}, {21}));
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {21}));
   peers.note_discovered({70}, {7}, kLocal, kAll);
   peers.note_discovered({70}, {7}, kSecond, kAll);
   peers.note_keys_sent({70}, kLocal);
-  EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
-  EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
-  EXPECT_FALSE(peers.has_sent_keys({7}, {23}));
+  EXPECT_TRUE(peers.has_sent_keys(spi::IdentityHandle{7}, {21}));
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {22}));
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {23}));
   peers.note_keys_sent({70}, kSecond);
-  EXPECT_TRUE(peers.has_sent_keys({7}, {22}));
+  EXPECT_TRUE(peers.has_sent_keys(spi::IdentityHandle{7}, {22}));
   peers.note_left(kSecond);
-  EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
-  EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
-  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {22}));
+  EXPECT_TRUE(peers.has_sent_keys(spi::IdentityHandle{7}, {21}));
+  EXPECT_TRUE(peers.has_sent_keys({7}));
 }
 
 TEST(PeersWithKeys, ALaterPeerOfTheSameIdentity_StartsWithout) {
@@ -50,10 +50,10 @@ TEST(PeersWithKeys, ALaterPeerOfTheSameIdentity_StartsWithout) {
   peers.note_discovered({70}, {7}, kLocal, kAll);
   peers.note_keys_sent({70}, kLocal);
   peers.note_discovered({71}, {7}, kLocal, kAll);
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_left({70});
   peers.note_keys_sent({71}, kLocal);
-  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_TRUE(peers.has_sent_keys({7}));
 }
 
 TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
