@@ -12,8 +12,8 @@ std::size_t octets_of(const spi::Token& token) {
 }  // namespace
 
 DocumentRenewal::DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange,
-                                 KeyReviser& revision)
-    : core_(core), exchange_(exchange), revision_(revision) {
+                                 KeyReviser& key_reviser)
+    : core_(core), exchange_(exchange), key_reviser_(key_reviser) {
   exchange.on_renewal([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() != 1 || peer.state.joined() == nullptr) return;
     if (message.message_class == message_class::kRenewal) return on_offer(peer, message.data[0]);
@@ -63,7 +63,7 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
       permissions, peer.data.permissions_token.value_or(spi::Token{}), *credential);
   if (!has_less) return;
   // It may also have the keys of topics of which it has no endpoints any more.
-  if (*has_less) revision_.request(KeyReviser::RevisionReason::right_lost);
+  if (*has_less) key_reviser_.request(KeyReviser::RevisionReason::right_lost);
   auto answer = authentication.accept_renewal(handshake, offer);
   if (!answer) return;
   exchange_.send_token(peer, message_class::kRenewalAccepted, *std::move(answer));
@@ -76,7 +76,7 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
 // A reader that no longer matches still has the keys of its writers, so the keys are revised.
 void DocumentRenewal::rematch_endpoints_of(const GuidPrefix& prefix) {
   if (core_.host.on_rights_changed(prefix))
-    revision_.request(KeyReviser::RevisionReason::right_lost);
+    key_reviser_.request(KeyReviser::RevisionReason::right_lost);
 }
 
 void DocumentRenewal::on_own_rights_changed() {

@@ -13,7 +13,7 @@ class DocumentRenewal {
   /// A peer that does not answer is shown the documents again after this time.
   static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(10);
 
-  DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& revision);
+  DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& key_reviser);
 
   /// Shows the peers the documents that were renewed. Call it once a second.
   void offer_to_all();
@@ -32,7 +32,7 @@ class DocumentRenewal {
 
   SecurityCore& core_;
   CryptoTokenExchange& exchange_;
-  KeyReviser& revision_;
+  KeyReviser& key_reviser_;
   std::vector<GuidPrefix> excluded_;
 };
 

@@ -11,7 +11,7 @@ bool DormantPeers::can_keep(const GuidPrefix& prefix) const {
   const auto* peer = core_.find(prefix);
   if (peer == nullptr || !CryptoTokenExchange::is_trusted(*peer)) return false;
   return peer->data.vendor != kVendorDdssec && !peer->state.association()->reset &&
-         !revision_.is_busy() && !core_.governance_changes;
+         !key_reviser_.is_busy() && !core_.governance_changes;
 }
 
 void DormantPeers::keep(const GuidPrefix& prefix) {
@@ -85,12 +85,12 @@ std::optional<Peer> DormantPeers::take(const GuidPrefix& prefix) {
 void DormantPeers::drop(const GuidPrefix& prefix) {
   const auto at = core_.dormant.find(prefix);
   if (at == core_.dormant.end()) return;
-  revision_.note_absent(at->second.peer);
+  key_reviser_.note_absent(at->second.peer);
   core_.dormant.erase(at);
 }
 
 void DormantPeers::distrust(const GuidPrefix& prefix) {
-  if (core_.dormant.erase(prefix) > 0) revision_.request();
+  if (core_.dormant.erase(prefix) > 0) key_reviser_.request();
 }
 
 std::vector<GuidPrefix> DormantPeers::prefixes() const {

@@ -43,8 +43,8 @@ std::optional<GovernanceReport> report_in(const spi::Token& token) {
 }  // namespace
 
 GovernanceTransition::GovernanceTransition(SecurityCore& core, Admission& admission,
-                                           CryptoTokenExchange& exchange, KeyReviser& revision)
-    : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {
+                                           CryptoTokenExchange& exchange, KeyReviser& key_reviser)
+    : core_(core), admission_(admission), exchange_(exchange), key_reviser_(key_reviser) {
   exchange.on_governance([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() == 1) on_message(peer, message.data[0]);
   });
@@ -99,7 +99,8 @@ void GovernanceTransition::poll_document() {
 // An insider may cause revisions without end, so it waits no longer than its own time.
 bool GovernanceTransition::may_begin() {
   if (!waits_since_) waits_since_ = core_.now;
-  return !revision_.is_busy() || core_.now >= *waits_since_ + core_.own->governance_change_time();
+  return !key_reviser_.is_busy() ||
+         core_.now >= *waits_since_ + core_.own->governance_change_time();
 }
 
 // Keys of the next protection are revised with the present ones, so the first phase goes on: a
@@ -163,7 +164,7 @@ void GovernanceTransition::end() {
   send_to_all();
   rematch();
   if (std::exchange(has_lost_any_, false))
-    revision_.request(KeyReviser::RevisionReason::right_lost);
+    key_reviser_.request(KeyReviser::RevisionReason::right_lost);
   for (const auto& prefix : former) core_.host.on_ended(prefix);
 }
 

@@ -24,7 +24,7 @@ class GovernanceTransition {
   static constexpr MonotonicTime kMargin = std::chrono::seconds(5);
 
   GovernanceTransition(SecurityCore& core, Admission& admission, CryptoTokenExchange& exchange,
-                       KeyReviser& revision);
+                       KeyReviser& key_reviser);
 
   /// Call it once a second.
   void tick();
@@ -76,7 +76,7 @@ class GovernanceTransition {
   SecurityCore& core_;
   Admission& admission_;
   CryptoTokenExchange& exchange_;
-  KeyReviser& revision_;
+  KeyReviser& key_reviser_;
   Phase phase_ = Phase::none;
   /// The document of the change under way, or of the last one.
   std::optional<Version> target_;

@@ -54,7 +54,7 @@ std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData&
       PeerHandshake::Sides{own.guid(), data.guid, own.identity(),
                            data.identity_token.value_or(spi::Token{}),
                            data.vendor != kVendorFastDds, data.vendor == kVendorDdssec,
-                           revision_.identity_of_absent(data.guid.prefix)},
+                           key_reviser_.identity_of_absent(data.guid.prefix)},
       core_.own_data, account_, core_.now);
 }
 
@@ -256,7 +256,7 @@ bool Handshakes::advance(Peer& peer) {
   if (!peer.state.on_handshake_finished()) return false;
   auto association = associate(peer);
   if (!association) {
-    if (had_keys) revision_.request();
+    if (had_keys) key_reviser_.request();
     if (spi::refusal_passes(association.error().code()))
       try_later(peer);
     else
@@ -267,8 +267,8 @@ bool Handshakes::advance(Peer& peer) {
   if (was_admitted) core_.host.on_replaced(GuidPrefix(peer.prefix()));
   // The peer has earlier keys of local endpoints, whether it left or not. It may have fewer rights,
   // but no peer has lost trust.
-  revision_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
-  if (had_endpoint_keys) revision_.request(KeyReviser::RevisionReason::right_lost);
+  key_reviser_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
+  if (had_endpoint_keys) key_reviser_.request(KeyReviser::RevisionReason::right_lost);
   fragments_.forget(peer.prefix());
   core_.sender.amplification_limit().end(peer.prefix());
   return peer.state.on_permissions_validated(std::move(*association), core_.now);
@@ -290,7 +290,7 @@ Result<Association> Handshakes::associate(Peer& peer) {
 bool Handshakes::wake(Peer peer) {
   const auto prefix = peer.prefix();
   if (!subjects_.has_place(prefix)) {
-    revision_.note_absent(peer);
+    key_reviser_.note_absent(peer);
     return false;
   }
   peer.state.association()->place = place_of(subjects_, prefix);
@@ -381,7 +381,7 @@ Status Handshakes::adopt_proven_data(Peer& peer) {
 
 void Handshakes::refuse(Peer& peer) {
   const bool was_admitted = peer.state.is_admitted();
-  if (peer.state.association() != nullptr) revision_.request();
+  if (peer.state.association() != nullptr) key_reviser_.request();
   if (!peer.state.on_refusal(admission_.admits_unauthenticated())) return;
   note_failure(peer);
   peer.refused_at = core_.now;

@@ -55,11 +55,11 @@ class Handshakes {
   static constexpr MonotonicTime kMaxRefusedPause = std::chrono::seconds(60);
 
   Handshakes(SecurityCore& core, const Admission& admission, CryptoTokenExchange& exchange,
-             KeyReviser& revision, DormantPeers& dormant)
+             KeyReviser& key_reviser, DormantPeers& dormant)
       : core_(core),
         admission_(admission),
         exchange_(exchange),
-        revision_(revision),
+        key_reviser_(key_reviser),
         dormant_(dormant) {}
 
   /// Adds a participant that can authenticate, and that announced itself for the first time.
@@ -132,7 +132,7 @@ class Handshakes {
   SecurityCore& core_;
   const Admission& admission_;
   CryptoTokenExchange& exchange_;
-  KeyReviser& revision_;
+  KeyReviser& key_reviser_;
   DormantPeers& dormant_;
   HandshakeAccount account_;
   HandshakeSender messages_{core_.sender};

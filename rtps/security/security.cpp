@@ -116,7 +116,7 @@ void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
 std::optional<Bytes> Security::lost(const GuidPrefix& prefix) {
   std::optional<Bytes> reset;
   if (auto* peer = core_.find(prefix)) {
-    revision_.note_absent(*peer);
+    key_reviser_.note_absent(*peer);
     const auto* ended = peer->state.distrusted();
     if (ended != nullptr && ended->former && ended->former->reset)
       reset = spi::write_reset(core_.own->guid().prefix, *ended->former->reset);
@@ -182,17 +182,17 @@ void Security::note_key_exchange(const GuidPrefix& prefix) {
 // ---- trust
 
 void Security::distrust(const GuidPrefix& prefix) {
-  revision_.drop_absent(prefix, KeyReviser::RevisionReason::trust_lost);
+  key_reviser_.drop_absent(prefix, KeyReviser::RevisionReason::trust_lost);
   dormant_.distrust(prefix);
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
-  if (peer->state.association() != nullptr) revision_.request();
+  if (peer->state.association() != nullptr) key_reviser_.request();
   peer->state.on_trust_ended();
 }
 
 Status Security::revise_keys() {
-  if (!revision_.is_enabled()) return fail(Code::rtps_key_revision_disabled);
-  revision_.request();
+  if (!key_reviser_.is_enabled()) return fail(Code::rtps_key_revision_disabled);
+  key_reviser_.request();
   return {};
 }
 
@@ -202,14 +202,14 @@ void Security::tick(MonotonicTime now) {
   exchange_.tick();
   // This comes before expire(). A revision that expire() requests begins in the next tick, when the
   // peers that have ended are removed.
-  if (revision_.is_busy()) change_.note_revision();
-  revision_.tick();
+  if (key_reviser_.is_busy()) change_.note_revision();
+  key_reviser_.tick();
   if (memory_) memory_->serve(now);
   if (now >= next_expiry_) expire();
 }
 
 MonotonicTime Security::next_tick() const {
-  return std::min({next_expiry_, revision_.next_tick(), handshakes_.next_tick(),
+  return std::min({next_expiry_, key_reviser_.next_tick(), handshakes_.next_tick(),
                    exchange_.next_tick(), memory_ ? memory_->next_tick() : kNever});
 }
 
@@ -246,8 +246,8 @@ void Security::expire() {
     for (const auto& prefix : gone) distrust(prefix);
   if (all) dormant_.drop_all();
   dormant_.distrust_if(ended);
-  revision_.poll_absent(ended);
-  revision_.poll_key_life();
+  key_reviser_.poll_absent(ended);
+  key_reviser_.poll_key_life();
   if (auto* const keys = own.pre_shared_keys()) keys->refresh();
   for (const auto& prefix : gone) core_.host.on_ended(prefix);
   if (all) return;

@@ -136,11 +136,11 @@ class Security {
   SecurityCore core_;
   Admission admission_{core_};
   CryptoTokenExchange exchange_{core_};
-  KeyReviser revision_{core_, exchange_};
-  DormantPeers dormant_{core_, exchange_, revision_};
-  Handshakes handshakes_{core_, admission_, exchange_, revision_, dormant_};
-  DocumentRenewal renewal_{core_, exchange_, revision_};
-  GovernanceTransition change_{core_, admission_, exchange_, revision_};
+  KeyReviser key_reviser_{core_, exchange_};
+  DormantPeers dormant_{core_, exchange_, key_reviser_};
+  Handshakes handshakes_{core_, admission_, exchange_, key_reviser_, dormant_};
+  DocumentRenewal renewal_{core_, exchange_, key_reviser_};
+  GovernanceTransition change_{core_, admission_, exchange_, key_reviser_};
   std::unique_ptr<MemoryExchange> memory_;  ///< nullptr: shared memory is off
   MonotonicTime next_expiry_{};
 };
