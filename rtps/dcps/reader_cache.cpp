@@ -397,8 +397,8 @@ bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime no
   return ends || changes;
 }
 
-bool ReaderCache::lose_writer(const Guid& writer, bool unmatched, MonotonicTime now) {
-  if (unmatched) writers_.erase(writer);
+bool ReaderCache::lose_writer(const Guid& writer, WriterLoss loss, MonotonicTime now) {
+  if (loss == WriterLoss::unmatched) writers_.erase(writer);
   bool changed = false;
   for (const auto handle : held_.joined_by(writer))
     changed = leave(*held_.find(handle), writer, now) || changed;

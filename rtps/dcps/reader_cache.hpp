@@ -31,9 +31,10 @@ class ReaderCache {
   /// counted.
   void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
                   const std::optional<GuidPrefix>& identity = {});
-  /// Removes a writer that was unmatched or is no longer alive from all its instances. Returns true
-  /// if any state changed.
-  bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
+  /// Why a writer is lost. One that is not alive may return, with the same settings.
+  enum class WriterLoss : std::uint8_t { unmatched, not_alive };
+  /// Removes a writer from all its instances. Returns true if any state changed.
+  bool lose_writer(const Guid& writer, WriterLoss loss, MonotonicTime now);
 
   /// Returns the time at which the LIFESPAN of its writer ends the change, or kNever.
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;

@@ -385,8 +385,8 @@ void Discovery::on_secure_participant(const Change& change) {
     follow(core_, parts_.matcher, builtin_, *remote, std::move(*data));
 }
 
-void Discovery::on_addresses_changed(bool all) {
-  if (all)
+void Discovery::on_addresses_changed(ChangedAddresses changed) {
+  if (changed == ChangedAddresses::all)
     while (!parts_.remotes.all().empty()) remove(GuidPrefix(parts_.remotes.all().begin()->first));
   for (const auto& [prefix, known] : parts_.remotes.all())
     if (auto& remote = *parts_.remotes.find(prefix); choose_addresses_of(core_, remote))

@@ -30,10 +30,12 @@ class Discovery final : public MessageListener, public SecurityHost {
   void on_builtin(BuiltinTopic topic, const Change& change);
   /// Removes a participant, as if it had never been found.
   void remove(const GuidPrefix& prefix);
-  /// Chooses addresses again, because those of this machine have changed and other addresses of the
-  /// participants may be nearest. With `all`, removes the participants, because none of them can
-  /// reach this one any more.
-  void on_addresses_changed(bool all);
+  /// Which addresses of this machine have changed. After `all`, no other participant can reach this
+  /// one any more.
+  enum class ChangedAddresses : std::uint8_t { some, all };
+  /// Chooses addresses again, because other addresses of the participants may be nearest. After
+  /// `all`, removes the participants.
+  void on_addresses_changed(ChangedAddresses changed);
   /// Removes participants that left, when none of their data is being processed any more. Brings
   /// back dormant ones that have answered.
   void remove_gone();

@@ -201,7 +201,8 @@ void RtpsParticipant::change_own(OwnChange change, MonotonicTime now) {
     const bool any_stays = adopt_addresses(core_, std::move(*change.addresses));
     const bool is_new = !any_stays && !core_.security;
     if (is_new) announcer_.leave(remotes_);
-    discovery_.on_addresses_changed(is_new);
+    discovery_.on_addresses_changed(is_new ? Discovery::ChangedAddresses::all
+                                           : Discovery::ChangedAddresses::some);
     announcer_.announce_often();
   }
   // This cannot fail here: the data can be too long only when the participant is created.

@@ -44,7 +44,7 @@ TEST_F(ReaderCacheTest, Ownership_PassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
   };
   EXPECT_TRUE(weak_is_heard());
   EXPECT_FALSE(weak_is_heard());
-  cache().lose_writer(writer(2), false, now);
+  cache().lose_writer(writer(2), ReaderCache::WriterLoss::not_alive, now);
   EXPECT_TRUE(weak_is_heard());
   put(1, 0, kUnregister, 2);
   EXPECT_TRUE(weak_is_heard());
