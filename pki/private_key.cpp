@@ -58,7 +58,7 @@ Result<PrivateKey> from_token(std::string_view uri, const Passphrase* pin) {
   DDSSEC_ASSIGN_OR_RETURN(auto pkey, token_private_key(uri, pin));
   DDSSEC_ASSIGN_OR_RETURN(const auto algorithm, judge_token_key(pkey.get()));
   return PkiAccess::make<PrivateKey>(
-      std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm, true));
+      std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm, KeyPlace::token));
 }
 
 Result<PrivateKey> from_uri(std::string_view uri, const Passphrase* passphrase) {
@@ -139,7 +139,7 @@ Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
 
 KeyAlgorithm PrivateKey::algorithm() const { return impl_->algorithm; }
 
-bool PrivateKey::in_token() const { return impl_->is_in_token; }
+bool PrivateKey::in_token() const { return impl_->place == KeyPlace::token; }
 
 Status PrivateKey::check_fits(const Certificate& certificate) const {
   const ErrorDetails details{.field = "private key for " + certificate.subject(),
