@@ -139,20 +139,22 @@ void append(std::vector<std::string_view>& to, const std::vector<std::string_vie
 }
 
 void diagnose_half_denied(LintFindings& out, const GrantPlace& place, std::size_t at,
-                          bool publish) {
+                          Action action) {
   const auto& rules = place.grant().rules;
-  const auto half = [](const GrantRule& rule, bool first) {
-    return texts_of(first ? rule.publish : rule.subscribe);
+  const auto half = [](const GrantRule& rule, Action of) {
+    return texts_of(of == Action::publish ? rule.publish : rule.subscribe);
   };
-  HalfDenial lists{half(rules[at], publish), half(rules[at], !publish), {}, {}};
+  const bool publish = action == Action::publish;
+  const Action other = publish ? Action::subscribe : Action::publish;
+  HalfDenial lists{half(rules[at], action), half(rules[at], other), {}, {}};
   if (lists.denied.empty()) return;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (i < at) append(lists.named_before, half(rules[i], true));
-    if (i < at) append(lists.named_before, half(rules[i], false));
-    if (i > at && rules[i].allow) append(lists.allowed_later, half(rules[i], !publish));
+    if (i < at) append(lists.named_before, half(rules[i], Action::publish));
+    if (i < at) append(lists.named_before, half(rules[i], Action::subscribe));
+    if (i > at && rules[i].allow) append(lists.allowed_later, half(rules[i], other));
     // If a topic is also denied in the other direction before any rule allows it, it is really
     // denied.
-    if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], !publish));
+    if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], other));
   }
   const auto witness = lists.witness(out.effort());
   if (!witness) return;
@@ -171,8 +173,8 @@ void diagnose_denials(LintFindings& out, const GrantPlace& place) {
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].allow || ++denials > kMaxDenyRules) continue;
-    diagnose_half_denied(out, place, i, true);
-    diagnose_half_denied(out, place, i, false);
+    diagnose_half_denied(out, place, i, Action::publish);
+    diagnose_half_denied(out, place, i, Action::subscribe);
   }
 }
 

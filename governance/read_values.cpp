@@ -265,18 +265,20 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
   return value;
 }
 
-Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic) {
+Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element,
+                                            AllowedKinds allowed) {
   DDSSEC_ASSIGN_OR_RETURN(const std::string text, element.nonempty_text());
   note_refused_padding(context, element);
   const std::string upper = ascii_upper(text);
   const auto kind = protection_kind_from(upper);
-  if (!kind || (basic && is_origin_authenticated(*kind))) {
+  if (!kind || (allowed == AllowedKinds::basic && is_origin_authenticated(*kind))) {
     return fail(Code::value_not_protection_kind,
                 {.line = element.line(),
                  .field = in_brackets(element.name()),
-                 .expected = basic ? "NONE, SIGN or ENCRYPT"
-                                   : "NONE, SIGN, ENCRYPT, SIGN_WITH_ORIGIN_AUTHENTICATION or "
-                                     "ENCRYPT_WITH_ORIGIN_AUTHENTICATION",
+                 .expected = allowed == AllowedKinds::basic
+                                 ? "NONE, SIGN or ENCRYPT"
+                                 : "NONE, SIGN, ENCRYPT, SIGN_WITH_ORIGIN_AUTHENTICATION or "
+                                   "ENCRYPT_WITH_ORIGIN_AUTHENTICATION",
                  .found = text});
   }
   if (upper != text)

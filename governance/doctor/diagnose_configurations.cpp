@@ -307,9 +307,11 @@ void diagnose_cyclonedds(const LoadedFolder& folder, const Settings& settings, c
   const auto name = name_of(file);
   const auto security = effective_security(text, settings.domain, ConfigurationPlace::file);
   diagnose_judged(folder,
-                  {name, file, kCycloneFails,
-                   named_by_cyclonedds(without_comments(text), security, settings.domain), false,
-                   settings.may_run_elsewhere},
+                  {.name = name,
+                   .document = file,
+                   .outcomes = kCycloneFails,
+                   .files = named_by_cyclonedds(without_comments(text), security, settings.domain),
+                   .may_run_elsewhere = settings.may_run_elsewhere},
                   out);
   diagnose_effective_security(
       {name, file, folder, settings.domain, security, settings.may_run_elsewhere}, out);
@@ -318,8 +320,12 @@ void diagnose_cyclonedds(const LoadedFolder& folder, const Settings& settings, c
 void diagnose_fastdds(const LoadedFolder& folder, const CheckedProfile& question, Diagnosis& out,
                       bool may_run_elsewhere = false) {
   diagnose_judged(folder,
-                  {question.name, question.document, kFastFails, named_by_fastdds(question.text),
-                   true, may_run_elsewhere},
+                  {.name = question.name,
+                   .document = question.document,
+                   .outcomes = kFastFails,
+                   .files = named_by_fastdds(question.text),
+                   .is_fastdds = true,
+                   .may_run_elsewhere = may_run_elsewhere},
                   out);
   diagnose_profile(question, out);
 }

@@ -28,20 +28,23 @@ std::string dates_wrong(const fs::path& path, const pki::Certificate& certificat
                      to_string(now));
 }
 
+enum class CertificateOf : std::uint8_t { participant, ca };
+
 // The variant for a kind of key that not every product accepts.
-std::optional<Variant> unusual_key(pki::KeyAlgorithm key, bool is_ca) {
+std::optional<Variant> unusual_key(pki::KeyAlgorithm key, CertificateOf whose) {
   if (key == pki::KeyAlgorithm{pki::KeyKind::rsa, 2048} || key.kind == pki::KeyKind::ec_p256)
     return std::nullopt;
   if (key.kind == pki::KeyKind::rsa) return Variant::rsa_3072;
-  return is_ca ? Variant::ca_p384 : Variant::p384;
+  return whose == CertificateOf::ca ? Variant::ca_p384 : Variant::p384;
 }
 
 // Calls `look` for the identity certificate and for each CA of its file.
 template <class Look>
 void for_each_certificate(const LoadedFolder& folder, Look look) {
-  if (folder.certificate) look(*folder.certificate, folder.paths.certificate, false);
+  if (folder.certificate)
+    look(*folder.certificate, folder.paths.certificate, CertificateOf::participant);
   if (!folder.identity_cas) return;
-  for (const auto& ca : *folder.identity_cas) look(ca, folder.paths.identity_ca, true);
+  for (const auto& ca : *folder.identity_cas) look(ca, folder.paths.identity_ca, CertificateOf::ca);
 }
 
 // "Cyclone DDS 0.10.2", "Cyclone DDS 0.10.2 and Fast DDS 2.9.1": the products that refuse.
@@ -55,9 +58,9 @@ std::string who_refuses(const Outcomes& outcomes, const Lineup& lineup) {
 
 void diagnose_key_types(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
   for_each_certificate(folder, [&](const pki::Certificate& certificate, const fs::path& path,
-                                   bool is_ca) {
+                                   CertificateOf whose) {
     const auto key = certificate.key_algorithm();
-    const auto variant = unusual_key(key, is_ca);
+    const auto variant = unusual_key(key, whose);
     const auto outcomes = variant ? measured(*variant, lineup) : Outcomes();
     if (outcomes.all_ok()) return out.pass(Rule::DOC014);
     out.report(outcomes, {.rule = Rule::DOC014,
@@ -246,8 +249,8 @@ void diagnose_chain(const LoadedFolder& folder, const Settings& settings, Diagno
   const auto proof =
       verifier ? verifier->verify(*folder.certificate, time_to_judge(folder, settings.now))
                : Result<pki::ValidChain>(std::unexpected(verifier.error()));
-  const auto outcomes =
-      chain_outcomes(*folder.certificate, *folder.identity_cas, proof, true, settings.lineup);
+  const auto outcomes = chain_outcomes(*folder.certificate, *folder.identity_cas, proof,
+                                       WrongDates::reported_elsewhere, settings.lineup);
   if (outcomes.all_ok()) return out.pass(Rule::DOC020);
   const bool only_stock = outcomes.ddssec == Outcome::ok;
   out.report(outcomes, {.rule = Rule::DOC020,

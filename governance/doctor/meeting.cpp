@@ -32,8 +32,8 @@ Status check_certificate(const Party& judge, const Party& subject, WallTime now)
   const auto verifier = judge.folder.chain(judge.product);
   const auto proof = verifier ? verifier->verify(*certificate, now)
                               : Result<pki::ValidChain>(std::unexpected(verifier.error()));
-  const auto outcomes =
-      chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);
+  const auto outcomes = chain_outcomes(*certificate, *judge.folder.identity_cas, proof,
+                                       WrongDates::count, judge.lineup);
   if (outcomes.of(judge.product) == Outcome::ok) return {};
   if (!proof) return std::unexpected(proof.error());
   return fail(Code::issuer_unknown,
