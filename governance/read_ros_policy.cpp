@@ -173,9 +173,9 @@ Status require(const Node& node, bool there, std::string_view what) {
 }
 
 // Reads the policy's elements from the outside in.
-class Reader {
+class PolicyReader {
  public:
-  explicit Reader(Policies& policies) : policies_(policies) {}
+  explicit PolicyReader(Policies& policies) : policies_(policies) {}
 
   Result<RosPolicy> policy(const Node& root) {
     if (root.element.name() != "policy")
@@ -265,7 +265,7 @@ class Reader {
 Result<RosPolicy> read_ros_policy(const fs::path& file, const ReadFile& read) {
   Policies policies(read);
   DDSSEC_ASSIGN_OR_RETURN(const auto root, policies.open(file));
-  return Reader(policies).policy(root);
+  return PolicyReader(policies).policy(root);
 }
 
 }  // namespace ddssec::governance

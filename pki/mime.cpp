@@ -49,7 +49,7 @@ std::string_view take_line(std::string_view& text) {
   return without_carriage_returns(line);
 }
 
-struct Header {
+struct MimeHeader {
   std::string name;   // lower case
   std::string value;  // unfolded
 };
@@ -81,8 +81,8 @@ bool may_continue(std::string_view value) {
 }
 
 // Reads the header lines up to the blank line, and moves `text` past it.
-Result<std::vector<Header>> take_headers(std::string_view& text) {
-  std::vector<Header> headers;
+Result<std::vector<MimeHeader>> take_headers(std::string_view& text) {
+  std::vector<MimeHeader> headers;
   const std::size_t before = text.size();
   for (std::size_t number = 1; !text.empty(); ++number) {
     const auto left = text.size();
@@ -112,7 +112,7 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
 
 // Returns the value of the only header with that name. Two are refused, because different parsers
 // would use different ones.
-Result<std::string> only_header(const std::vector<Header>& headers, std::string_view name) {
+Result<std::string> only_header(const std::vector<MimeHeader>& headers, std::string_view name) {
   std::optional<std::string> value;
   for (const auto& header : headers) {
     if (header.name != name) continue;
@@ -125,10 +125,10 @@ Result<std::string> only_header(const std::vector<Header>& headers, std::string_
 // A value such as: type/subtype; name=value; name="value".
 struct MediaType {
   std::string type;  // lower case
-  std::vector<Header> parameters;
+  std::vector<MimeHeader> parameters;
 
   std::string parameter(std::string_view name) const {
-    const auto found = std::ranges::find(parameters, name, &Header::name);
+    const auto found = std::ranges::find(parameters, name, &MimeHeader::name);
     return found != parameters.end() ? found->value : "";
   }
 };
@@ -184,7 +184,7 @@ Result<MediaType> parse_media_type(std::string_view text) {
     rest = trimmed(rest.substr(equals + 1));
     auto value = take_parameter_value(rest);
     const bool twice =
-        std::ranges::find(out.parameters, name, &Header::name) != out.parameters.end();
+        std::ranges::find(out.parameters, name, &MimeHeader::name) != out.parameters.end();
     if (!value || twice) return bad();
     out.parameters.push_back({std::move(name), *std::move(value)});
   }
@@ -196,7 +196,7 @@ bool is_pkcs7_signature(std::string_view type) {
 }
 
 // Returns the boundary that a message header announces.
-Result<std::string> boundary_of(const std::vector<Header>& headers) {
+Result<std::string> boundary_of(const std::vector<MimeHeader>& headers) {
   DDSSEC_ASSIGN_OR_RETURN(const auto text, only_header(headers, "content-type"));
   DDSSEC_ASSIGN_OR_RETURN(const auto type, parse_media_type(text));
   if (type.type != "multipart/signed")
