@@ -19,7 +19,7 @@ class Report(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             base = pathlib.Path(folder)
             ran = subprocess.run([sys.executable, PROGRAM, "--build", BUILD, "--rounds", "1", "--count", "200", "--only",
-                                  "^(UDP|ours|Cyclone, best effort, wait)", "--json", base / "json", "--svg", base / "svg"],
+                                  "^(UDP|ddssec|Cyclone, best effort, wait)", "--json", base / "json", "--svg", base / "svg"],
                                  text=True, capture_output=True, timeout=55)
             self.assertEqual(ran.returncode, 0, ran.stderr)
             rows = [line for line in ran.stdout.splitlines() if line.startswith("| ")]
