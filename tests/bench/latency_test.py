@@ -15,7 +15,7 @@ KEYS = ["median_us", "p90_us", "p99_us", "p999_us", "p9999_us"]
 
 
 class Report(unittest.TestCase):
-    def test_ShortRun_PrintsAndDrawsEveryVariant(self):
+    def test_short_run_prints_and_draws_every_variant(self):
         with tempfile.TemporaryDirectory() as folder:
             base = pathlib.Path(folder)
             ran = subprocess.run([sys.executable, PROGRAM, "--build", BUILD, "--rounds", "1", "--count", "200", "--only",
