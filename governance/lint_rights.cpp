@@ -194,14 +194,14 @@ void diagnose_open_denial(LintFindings& out, const GrantPlace& place,
   int comparisons = 0;
   for (const auto& entry : entries) {
     if (entry.rule->allow || entry.criteria->partitions) continue;
-    const auto meets = [&](const GrantEntry* other) {
+    const auto overlaps = [&](const GrantEntry* other) {
       if (++comparisons > kMaxComparisons) return false;
       const std::string_view a[] = {entry.topic->text};
       const std::string_view b[] = {other->topic->text};
       return overlap(a, b, kLimits.sharing(out.effort())).kind == SetAnswer::Kind::yes;
     };
     const auto first = std::ranges::upper_bound(allowed, entry.rule_number, {}, number_of);
-    const auto found = std::find_if(first, allowed.end(), meets);
+    const auto found = std::find_if(first, allowed.end(), overlaps);
     if (comparisons > kMaxComparisons) return;
     if (found == allowed.end()) continue;
     const auto* later = *found;
@@ -382,7 +382,7 @@ class TopicExpressionsOfDomain {
   }
   // True if a topic rule may match a name of the expression. Most expressions match as if they were
   // names; the automaton is needed only for the others.
-  bool meet(const std::string& expression, SetEffort& effort) const {
+  bool may_match(const std::string& expression, SetEffort& effort) const {
     std::vector<PatternSet::Id> ids;
     if (!patterns_.match(expression, ids, effort.plain_steps) || !ids.empty()) return true;
     const std::string_view own[] = {expression};
@@ -402,7 +402,7 @@ void diagnose_topic_rules(LintFindings& out, const GrantPlace& place,
       const auto* domain = entry.rule->allow ? domain_rule_for(*entry.rule, governance) : nullptr;
       if (!domain) continue;
       const auto& rules = known.try_emplace(domain, *domain).first->second;
-      if (rules.meet(entry.topic->text, out.effort())) continue;
+      if (rules.may_match(entry.topic->text, out.effort())) continue;
       out.add(place.about(
           PERM025, entry,
           fmt::format("{} is allowed, and no topic_rule of the governance document matches it",

@@ -195,7 +195,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   MeetingView view{
-      .meeting = meet_with_properties(
+      .meeting = predict_with_properties(
           party(a, products[0], names[0], report), party(b, products[1], names[1], report),
           {.now = now,
            .domain = domain,

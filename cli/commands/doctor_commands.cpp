@@ -279,8 +279,8 @@ std::vector<ProductMeeting> meetings_of(Report& report, const doctor::Party (&pa
   for (const auto a : products.list)
     for (const auto b : products.list) {
       const MeetingView view{
-          .meeting = meet_with_properties({self.folder, a, self.name, lineup},
-                                          {peer.folder, b, peer.name, lineup}, settings),
+          .meeting = predict_with_properties({self.folder, a, self.name, lineup},
+                                             {peer.folder, b, peer.name, lineup}, settings),
           .names = {self.name, peer.name}};
       const auto& meeting = view.meeting;
       out.push_back({doctor::id(a, lineup), doctor::id(b, lineup), view.talk(),

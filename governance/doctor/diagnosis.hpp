@@ -29,7 +29,7 @@ struct Check {
 struct Settings {
   WallTime now;
   DomainId domain = 0;
-  /// The partitions of the endpoints of two participants that meet. An empty list means the
+  /// The partitions of the endpoints of the two participants. An empty list means the
   /// partition "".
   std::vector<std::string> partitions = {};
   /// The party that must be able to write a topic that the other one reads. If none is set, either

@@ -463,8 +463,8 @@ Starter starter(const pki::Certificate& a, const pki::Certificate& b) {
   return first < second ? Starter::first : Starter::second;
 }
 
-Meeting meet(const Party& a, const Party& b, const Settings& settings,
-             const std::vector<std::string>& topics) {
+Meeting predict_meeting(const Party& a, const Party& b, const Settings& settings,
+                        const std::vector<std::string>& topics) {
   Meeting out;
   MeetingScene scene{{&a, &b}, settings, out, !topics.empty()};
   for (const int i : kBoth)
@@ -480,9 +480,9 @@ Meeting meet(const Party& a, const Party& b, const Settings& settings,
     for (const int about : kBoth) diagnose_join(scene, judge, about);
   diagnose_handshake(scene);
   for (const int i : kBoth) diagnose_discovery(scene, i);
-  for (const auto& topic : topics) meet_on_topic(scene, {.name = topic});
+  for (const auto& topic : topics) predict_topic(scene, {.name = topic});
   if (scene.named) return out;
-  for (const auto& topic : topics_of_interest(scene)) meet_on_topic(scene, topic);
+  for (const auto& topic : topics_of_interest(scene)) predict_topic(scene, topic);
   report_no_topic(scene);
   return out;
 }
