@@ -4,6 +4,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/kept_tokens.hpp"
+#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
 #include "plugins/cryptography/token_destination.hpp"
