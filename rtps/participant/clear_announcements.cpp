@@ -23,7 +23,7 @@ bool may_be_redirected(const ParticipantCore& core, const RemoteParticipant& rem
 // True if the peer announces the endpoint by secure discovery because the governance changes.
 bool confirms(const ParticipantCore& core, const EndpointData& clear, const EndpointData& secure) {
   const auto& security = core.security->core();
-  return security.governance_changes && security.takes_part(secure.guid.prefix) &&
+  return security.governance_change.is_under_way() && security.takes_part(secure.guid.prefix) &&
          clear.topic_name == secure.topic_name && clear.type_name == secure.type_name &&
          !differ_in_what_a_match_keeps(clear.qos, secure.qos);
 }

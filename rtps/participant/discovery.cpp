@@ -445,8 +445,8 @@ void Discovery::join(RemoteParticipant& remote, bool returns) {
 // DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.
 void Discovery::on_unauthenticated(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
-  const bool may =
-      core_.security->admits_unauthenticated() && !core_.security->dormant().contains(peer);
+  const bool may = core_.security->admission().admits_unauthenticated() &&
+                   !core_.security->dormant().contains(peer);
   if (remote != nullptr && may) accept(parts_.remotes, builtin_, *remote);
 }
 

@@ -30,7 +30,7 @@ Status describe_own(ParticipantCore& core, const Announcer& announcer) {
   write_parameter_list(out, own);
   if (out.overflowed()) return fail(Code::length_out_of_range, {.document = "participant data"});
   octets.resize(out.size());
-  core.security->core().own_data = std::make_shared<const Bytes>(std::move(octets));
+  core.security->core().set_own_data(std::move(octets));
   return {};
 }
 
@@ -84,7 +84,7 @@ ProtectionCounters RtpsParticipant::protection_counters() const {
 }
 
 AuthenticationCounters RtpsParticipant::authentication_counters() const {
-  return core_.security ? core_.security->authentication_counters() : AuthenticationCounters{};
+  return core_.security ? core_.security->core().counters() : AuthenticationCounters{};
 }
 
 Status RtpsParticipant::revise_keys() {

@@ -55,7 +55,7 @@ std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData&
                            data.identity_token.value_or(spi::Token{}),
                            data.vendor != kVendorFastDds, data.vendor == kVendorDdssec,
                            revision_.identity_of_absent(data.guid.prefix)},
-      core_.own_data, account_, core_.now);
+      core_.own_data(), account_, core_.now);
 }
 
 void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addresses) {

@@ -109,7 +109,7 @@ class Handshakes {
   void try_later(Peer& peer);
   void refuse(Peer& peer);
   void note_failure(Peer& peer) {
-    if (!std::exchange(peer.was_counted_as_failed, true)) ++core_.counters.failed;
+    if (!std::exchange(peer.was_counted_as_failed, true)) core_.count_failed();
   }
   /// Gives a refused peer another try. Does nothing if too many handshakes begin.
   void try_again(Peer& peer);

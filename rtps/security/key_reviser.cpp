@@ -25,7 +25,7 @@ MonotonicTime KeyReviser::next_tick() const {
 }
 
 MonotonicTime KeyReviser::beginning() const {
-  return core_.governance_waits ? *due_by_ : std::min(*due_by_, next_that_can_wait_);
+  return core_.governance_change.is_pending() ? *due_by_ : std::min(*due_by_, next_that_can_wait_);
 }
 
 void KeyReviser::begin() {

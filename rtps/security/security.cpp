@@ -45,7 +45,7 @@ constexpr MonotonicTime kExpiryPeriod = std::chrono::seconds(1);
 
 Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
                    SecurityHost& host, EventSink& events)
-    : core_(std::move(own), sender, timers, host, events) {}
+    : core_(std::move(own), {sender, timers, host, events}, governance_change_) {}
 
 // Peers are removed one after the other, because each one flushes the messages that need its keys.
 Security::~Security() {
@@ -78,7 +78,6 @@ Status Security::start() {
     core_.events.raise(Event(Error(
         Code::rtps_memory_unused,
         {.document = "shared memory", .found = std::string(memory::to_string(memory.error()))})));
-  core_.memory = memory_.get();
   return {};
 }
 
@@ -86,14 +85,14 @@ Status Security::start() {
 
 void Security::discovered(const ParticipantData& data, const AnnouncedAddresses& addresses,
                           MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   if (knows(data.guid.prefix)) return;
   handshakes_.add(data, addresses);
 }
 
 void Security::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses,
                                MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.announced_again(data, addresses);
 }
 
@@ -101,7 +100,7 @@ void Security::announced_again(const ParticipantData& data, const AnnouncedAddre
 // still announces itself did not resume it. Announcements can be forged, but the end cannot.
 void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
   constexpr auto kPatience = std::chrono::seconds(6);
-  core_.now = now;
+  core_.set_now(now);
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
   if (peer->state.joined() == nullptr) return handshakes_.note_announced(*peer);
@@ -157,13 +156,13 @@ bool Security::has_spoken(const GuidPrefix& prefix) const {
 }
 
 void Security::on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.on_stateless(source, payload);
 }
 
 void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
                                  const SourceAddress& from, MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.on_stateless_frag(source, frag, from);
 }
 
@@ -197,7 +196,7 @@ Status Security::revise_keys() {
 }
 
 void Security::tick(MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.tick();
   exchange_.tick();
   // This comes before expire(). A revision that expire() requests begins in the next tick, when the
@@ -263,7 +262,7 @@ void Security::expire() {
   }
   renewal_.offer();
   change_.tick();
-  if (change_.take_changed_domain()) handshakes_.try_all_again();
+  if (governance_change_.take_changed_domain()) handshakes_.try_all_again();
 }
 
 }  // namespace ddssec::rtps
