@@ -1,9 +1,13 @@
 // The place of a DATA's payload in shared memory. Specific to ddssec.
 #pragma once
 
-#include "wire/parameter_list.hpp"
+#include <cstdint>
+
+#include "base/reader.hpp"
 
 namespace ddssec::rtps {
+
+class SpanWriter;
 
 /// Names a payload in a segment of its writer (rtps/memory). A DATA carries this reference instead
 /// of the payload, so the reference has the same protection as the rest of the DATA.

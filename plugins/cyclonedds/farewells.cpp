@@ -4,6 +4,7 @@
 #include "wire/entity_ids.hpp"
 #include "wire/header.hpp"
 #include "wire/info_destination.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::cyclonedds {
 

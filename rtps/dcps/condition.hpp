@@ -81,9 +81,6 @@ class ReadCondition : public Condition {
  public:
   AnyDataReader& datareader() const { return reader_; }
   const States& states() const { return states_; }
-  /// Returns nullptr if this is not a QueryCondition, or if its expression is empty. Only the
-  /// reader may use it.
-  const QueryMatches* query() const { return query_.get(); }
   /// Succeeds if the condition belongs to this reader. Errors: rtps_precondition_not_met.
   Status check_reader(const AnyDataReader& reader) const;
 
@@ -94,6 +91,12 @@ class ReadCondition : public Condition {
   AnyDataReader& reader_;
   const States states_;
   std::unique_ptr<QueryMatches> query_;
+
+ private:
+  template <class Reader, class Collection>
+  friend class SampleAccess;
+  /// Returns nullptr if this is not a QueryCondition, or if its expression is empty.
+  const QueryMatches* query() const { return query_.get(); }
 };
 
 /// A condition that is triggered while its reader holds samples in these states that match a query.

@@ -2,6 +2,7 @@
 
 #include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/participant_parts.hpp"
 #include "rtps/dcps/writer_filter.hpp"
 #include "rtps/durability/durable_stores.hpp"
 #include "rtps/participant/rtps_participant.hpp"
@@ -33,7 +34,7 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
       version_(version_of(qos_)),
       listeners_(this->publisher().listening_, publisher.participant().listening_),
       instances_(qos_),
-      liveliness_(context.timers(), publisher.participant().manual_liveliness_, [this] {
+      liveliness_(context.timers(), publisher.participant().parts_->manual_liveliness, [this] {
         add_to(liveliness_lost_);
         changes_.note(StatusKind::liveliness_lost);
       }) {}
@@ -61,7 +62,7 @@ Result<Guid> AnyDataWriter::create(EndpointDescription request) {
 
 Status AnyDataWriter::restore(EndpointDescription& request) {
   auto& participant = publisher().participant();
-  DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.stores_->of(qos_.durability));
+  DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.parts_->stores.of(qos_.durability));
   StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),
                 .topic = request.topic_name,
                 .type = request.type_name,

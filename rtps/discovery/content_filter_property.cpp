@@ -1,6 +1,7 @@
 #include "rtps/discovery/content_filter_property.hpp"
 
 #include "base/hash.hpp"
+#include "rtps/discovery/parameter_table.hpp"
 #include "rtps/qos/qos.hpp"
 
 namespace ddssec::rtps {

@@ -1,6 +1,7 @@
 #include "rtps/participant/local_endpoints.hpp"
 
 #include "rtps/discovery/serialized.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 

@@ -6,6 +6,7 @@
 #include "rtps/participant/protection_change.hpp"
 #include "rtps/participant/shared_memory.hpp"
 #include "rtps/security/memory_exchange.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -17,6 +17,7 @@
 #include "wire/header.hpp"
 #include "wire/info_destination.hpp"
 #include "wire/info_timestamp.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 

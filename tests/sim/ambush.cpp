@@ -1,6 +1,7 @@
 #include "tests/sim/ambush.hpp"
 
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps::sim {
 namespace {

@@ -5,6 +5,7 @@
 #include "tests/sim/invariants.hpp"
 #include "tests/sim/mangle.hpp"
 #include "tests/sim/network.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps::sim {
 

@@ -5,6 +5,7 @@
 #include "wire/acknack.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/info_source.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "tests/unit/rtps_security/security_fixture.hpp"
 #include "wire/message_reader.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps::testing {
 
