@@ -476,7 +476,8 @@ std::vector<Command> doctor_commands() {
                     "load the plugin libraries of this folder, or (system) Cyclone DDS's"}},
        .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds@3.1.2",
                     "ddssec doctor talker --peer listener"},
-       .run = doctor_of}};
+       .run = doctor_of,
+       .instead_of_extra = "ddssec check compares two participants"}};
 }
 
 }  // namespace ddssec::cli

@@ -455,7 +455,8 @@ std::vector<Command> identity_renew_commands() {
                    kInsecureKeyMode},
        .examples = {"ddssec identity renew talker --ca ca --permissions",
                     "ddssec identity renew talker --ca ca --within 30d"},
-       .run = identity_renew}};
+       .run = identity_renew,
+       .sought_in = {"keystore"}}};
 }
 
 }  // namespace ddssec::cli
