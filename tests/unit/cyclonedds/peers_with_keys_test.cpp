@@ -81,6 +81,19 @@ TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
   EXPECT_EQ(peers.last_heard({7}), 0s);
 }
 
+TEST(PeersWithKeys, WhileNoKeysAreAwaited_NothingIsRecordedAsHeard) {
+  using namespace std::chrono_literals;
+  PeersWithKeys peers;
+  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_matched(700, {70}, 1);
+  peers.note_keys_sent({70}, kLocal);
+  peers.note_heard(700, 5s);
+  EXPECT_EQ(peers.last_heard({7}), 0s);
+  peers.note_met({71}, {8}, kLocal, kAll);
+  peers.note_heard(700, 6s);
+  EXPECT_EQ(peers.last_heard({7}), 6s) << "the keys of another peer are awaited";
+}
+
 TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
