@@ -202,13 +202,12 @@ DomainParticipantQos DomainParticipant::qos() const {
   return qos_;
 }
 
-Status DomainParticipant::set_qos(const DomainParticipantQos& qos) {
+void DomainParticipant::set_qos(const DomainParticipantQos& qos) {
   const auto held = lock();
   if (qos.user_data != qos_.user_data)
     context_.protocol().change_own({.user_data = qos.user_data}, context_.now());
   qos_ = qos;
   context_.reschedule();
-  return {};
 }
 
 void DomainParticipant::set_listener(DomainParticipantListener* listener, StatusMask mask) {

@@ -144,8 +144,8 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   /// Returns the policies that are in force.
   DomainParticipantQos qos() const;
-  /// Sets the policies. Changed user data is announced soon. Always succeeds.
-  Status set_qos(const DomainParticipantQos& qos);
+  /// Sets the policies. Changed user data is announced soon.
+  void set_qos(const DomainParticipantQos& qos);
   /// Starts its thread and discovery, and enables what it contains unless
   /// autoenable_created_entities is false. Errors: rtps_thread_failed, those of the entities.
   Status enable() override;
@@ -184,15 +184,15 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// another participant, or the call is made from within a callback).
   Status delete_contentfilteredtopic(ContentFilteredTopic& topic) { return topics_.remove(topic); }
   /// Creates a publisher, which the participant owns. The policies are checked when its first
-  /// writer is created, so this call has no error.
-  Result<Publisher*> create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
-                                      StatusMask mask = kAnyStatus) {
+  /// writer is created.
+  Publisher& create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
+                              StatusMask mask = kAnyStatus) {
     return groups_.create_publisher(std::move(qos), listener, mask);
   }
   /// Creates a subscriber, which the participant owns. The policies are checked when its first
-  /// reader is created, so this call has no error.
-  Result<Subscriber*> create_subscriber(GroupQos qos = {}, SubscriberListener* listener = nullptr,
-                                        StatusMask mask = kAnyStatus) {
+  /// reader is created.
+  Subscriber& create_subscriber(GroupQos qos = {}, SubscriberListener* listener = nullptr,
+                                StatusMask mask = kAnyStatus) {
     return groups_.create_subscriber(std::move(qos), listener, mask);
   }
   /// Deletes the topic. If find_topic has returned it as well, only the last of as many calls

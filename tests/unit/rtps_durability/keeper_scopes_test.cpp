@@ -149,12 +149,12 @@ INSTANTIATE_TEST_SUITE_P(Over, ExclusiveKeeperTest,
 struct KeeperPartitionTest : KeeperTest {
   using Names = std::vector<std::string>;
   DataWriter<Reading>& writer_in(Names names) {
-    auto* publisher = *a.participant->create_publisher({.partition = std::move(names)});
+    auto* publisher = &a.participant->create_publisher({.partition = std::move(names)});
     return **publisher->create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient));
   }
   Values late_joiner_in(Keeper& keeper, Names names) {
     auto* before =
-        std::exchange(b.subscriber, *b.participant->create_subscriber({.partition = names}));
+        std::exchange(b.subscriber, &b.participant->create_subscriber({.partition = names}));
     auto out = late_joiner(keeper, b, 0);
     EXPECT_TRUE(b.participant->delete_subscriber(*std::exchange(b.subscriber, before)));
     return out;
@@ -221,7 +221,7 @@ TEST_P(KeeperPartitionTest, AWriter_WithWildcardsOnly_IsNotKeptAndNamed) {
 
 TEST_P(KeeperPartitionTest, AWriter_ThatChangesItsPartitions_IsKeptInTheNewOnes) {
   const auto service = keeper();
-  auto* publisher = *a.participant->create_publisher({.partition = {"A", "B"}});
+  auto* publisher = &a.participant->create_publisher({.partition = {"A", "B"}});
   auto& writer =
       **publisher->create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient, 1));
   ASSERT_TRUE(keeps(*service, 1));
