@@ -361,11 +361,11 @@ std::optional<spi::AccessControl::RemoteDatareader> AccessControlPlugin::pending
 Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(PermissionsHandle local,
                                                                         std::string_view topic) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
-  const auto& participant = *holder->participant();
+  auto& participant = *holder->participant();
   const auto domain = participant.judging_documents();
   if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
     return *builtin;
-  const auto found = participant.judging_documents_for(topic);
+  const auto found = participant.use_topic(topic);
   if (!found)
     return refuse(found.error().with_default_document(participant.governance_name), *holder);
   if (const auto* rule = (*found)->governance->topic_rule(topic)) return endpoint_attributes(*rule);

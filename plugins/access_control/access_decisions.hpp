@@ -15,14 +15,19 @@ class AccessDecisions {
   AccessDecisions(const Clock& clock, bool accept_relays)
       : clock_(clock), accepts_relays_(accept_relays) {}
 
+  /// Returns the grant of the holder that is valid now. Errors: the reason why there is none.
   Result<SharedGrant> grant_now(PermissionsHolder& holder) const {
     return holder.grant(clock_.calendar_seconds());
   }
+  /// Decides whether the holder may join the domain.
   Status participant(PermissionsHolder& holder) const;
+  /// Decides whether the holder may publish or subscribe on the topic.
   Status topic(PermissionsHolder& holder, std::string_view name) const;
+  /// Decides whether the holder may have the endpoint.
   Status endpoint(PermissionsHolder& holder, governance::Action action,
                   const spi::EndpointRequest& request) const;
-  /// Decides about an endpoint as a peer announced it.
+  /// Decides about an endpoint as a peer announced it, and records the announcement in the holder
+  /// of the peer, as allowed or as denied.
   Status announced(PermissionsHolder& holder, governance::Action action,
                    const spi::EndpointRequest& request) const;
   /// True if the peer announced an endpoint in partitions of the local one, and that endpoint may

@@ -99,8 +99,8 @@ void LocalParticipant::set_listed(std::shared_ptr<const ListedPermissions> liste
   listed_ = std::move(listed);
 }
 
-Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::judging_documents_for(
-    std::string_view topic) const {
+Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::use_topic(
+    std::string_view topic) {
   const std::lock_guard lock(mutex_);
   if (topics_in_use_.contains(topic)) return judging_documents_;
   DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
