@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "base/rollback.hpp"
 #include "pki/openssl.hpp"
 #include "pki/pem_block.hpp"
 #include "pki/pkcs11.hpp"
@@ -43,8 +44,8 @@ Result<PrivateKey> finish(PkeyPtr pkey) {
       std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm));
 }
 
-// Judges the public half, decoded again, because the key of an engine does not report the name of
-// its curve.
+// An engine's key does not report its curve, so its public half is encoded and decoded, and that
+// key is judged.
 Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_PUBKEY(key, &der);
@@ -129,11 +130,13 @@ Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
   // The secure-memory BIO wipes its buffer when it is freed.
   const BioPtr bio(BIO_new(BIO_s_secmem()));
   PassphraseRequest request{passphrase};
+  const Rollback wipe_at_end([&] {
+    if (request.asked) wipe_stack();
+  });
   const EVP_CIPHER* cipher = passphrase != nullptr ? EVP_aes_256_cbc() : nullptr;
   if (!bio || PEM_write_bio_PKCS8PrivateKey(bio.get(), impl_->pkey.get(), cipher, nullptr, 0,
                                             give_passphrase, &request) != 1)
     return openssl_failure(Code::internal);
-  if (passphrase != nullptr) wipe_stack();
   return KeyPem::copy_of(bio_octets(bio));
 }
 
