@@ -6,7 +6,6 @@
 
 #include "pki/certificate_source.hpp"
 #include "plugins/authentication/document_errors.hpp"
-#include "plugins/authentication/identity_watch.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
 
