@@ -207,7 +207,7 @@ class Network {
     }
   }
   // Runs until all nodes have authenticated one another, for at most 60 rounds.
-  void settle() {
+  void expect_all_authenticate() {
     for (int rounds = 0; rounds < 60 && !all_done(); ++rounds) round();
     ASSERT_TRUE(all_done());
     for (auto* a : nodes_)
@@ -259,7 +259,9 @@ class HostBadNetwork : public testing::TestWithParam<std::tuple<int, int>> {
 INSTANTIATE_TEST_SUITE_P(T30, HostBadNetwork,
                          testing::Combine(testing::Values(2, 3, 5, 8), testing::Range(0, 3)));
 
-TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) { network.settle(); }
+TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) {
+  network.expect_all_authenticate();
+}
 
 // The node whose lease ended takes part again unchanged, and its former messages still arrive.
 TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
@@ -267,7 +269,7 @@ TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   network.lose(*nodes[0]);
   if (nodes.size() > 2) network.round();
   network.add(*nodes[0]);
-  network.settle();
+  network.expect_all_authenticate();
 }
 
 // The node comes back in a new process with the same certificate and GUID. Old handshakes and
@@ -278,7 +280,7 @@ TEST_P(HostBadNetwork, ARestartedSide_AuthenticatesAgain) {
   network.lose(*before);
   nodes[0] = std::make_unique<Node>(std::uint8_t{0});
   network.add(*nodes[0]);
-  network.settle();
+  network.expect_all_authenticate();
 }
 
 }  // namespace
