@@ -12,20 +12,6 @@ bool is_by(BytesView datagram, const GuidPrefix& whose) {
          std::ranges::equal(datagram.subspan(kPrefixAt, GuidPrefix::size), whose.view());
 }
 
-// Returns what a participant announces of itself in a datagram.
-std::optional<ParticipantData> announced_in(BytesView datagram) {
-  auto reader = MessageReader::open(datagram);
-  while (reader) {
-    const auto view = reader->next();
-    if (!view || !*view) break;
-    if ((*view)->id != SubmessageId::data) continue;
-    const auto data = read_data(**view);
-    if (!data || data->writer != kSpdpWriter || data->kind != PayloadKind::data) continue;
-    if (auto out = read_participant_data(data->payload)) return std::move(*out);
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::vector<GuidPrefix> Ambush::young(MonotonicTime now) const {
@@ -72,7 +58,7 @@ Bytes Ambush::endpoints_of(const GuidPrefix& victim) {
 Bytes Ambush::addresses_of(const GuidPrefix& victim) {
   for (const auto& datagram : recorded_) {
     if (!is_by(datagram.octets, victim)) continue;
-    auto data = announced_in(datagram.octets);
+    auto data = testing::announced_in(datagram.octets);
     if (!data) continue;
     data->metatraffic_unicast.assign(1, Locator::udp_v4({192, 0, 2, dice_.octet()}, 7400));
     data->default_unicast = data->metatraffic_unicast;
