@@ -39,6 +39,15 @@ struct ExclusiveKeeperTest : KeeperTest {
     ASSERT_TRUE(keeper.flush(10s));
     all(keeper);
   }
+  // Ends with a keeper's files that have one sample of a's writer, which owns "north".
+  void store_a_sample_of_the_owner() {
+    const auto service = keeper();
+    auto& strong = a.writer(exclusive(10));
+    ASSERT_TRUE(keeps(*service, 1));
+    all(*service);
+    ASSERT_TRUE(strong.write({"north", 1}));
+    stored(*service);
+  }
   std::unique_ptr<End> other = std::make_unique<End>(services, options());
 };
 
@@ -105,17 +114,11 @@ TEST_P(ExclusiveKeeperTest, AWeakerWriter_WhenTheOwnersLeaseEnds_IsKept) {
 }
 
 TEST_P(ExclusiveKeeperTest, ARestartedKeeper_WaitsForTheOwner) {
-  auto service = keeper();
-  auto& strong = a.writer(exclusive(10));
-  ASSERT_TRUE(keeps(*service, 1));
-  all(*service);
-  ASSERT_TRUE(strong.write({"north", 1}));
-  stored(*service);
-  service.reset();
+  ASSERT_NO_FATAL_FAILURE(store_a_sample_of_the_owner());
   auto& weak = other->writer(exclusive(5));
   ASSERT_TRUE(weak.write({"north", 2}));
   ASSERT_TRUE(a.publisher->delete_contained_entities());
-  service = keeper();
+  const auto service = keeper();
   all(*service, 200);
   EXPECT_EQ(service->served(), 1u) << "the owner may still come back";
   auto& back = a.writer(exclusive(10));
@@ -126,17 +129,11 @@ TEST_P(ExclusiveKeeperTest, ARestartedKeeper_WaitsForTheOwner) {
 }
 
 TEST_P(ExclusiveKeeperTest, ARestartedKeeper_DoesNotWaitForGood) {
-  auto service = keeper();
-  auto& strong = a.writer(exclusive(10));
-  ASSERT_TRUE(keeps(*service, 1));
-  all(*service);
-  ASSERT_TRUE(strong.write({"north", 1}));
-  stored(*service);
-  service.reset();
+  ASSERT_NO_FATAL_FAILURE(store_a_sample_of_the_owner());
   ASSERT_TRUE(a.publisher->delete_contained_entities());
   auto& weak = other->writer(exclusive(5));
   ASSERT_TRUE(weak.write({"north", 2}));
-  service = keeper();
+  const auto service = keeper();
   all(*service, 1200);
   stored(*service);
   EXPECT_EQ(service->served(), 2u);
