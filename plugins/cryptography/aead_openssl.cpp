@@ -4,19 +4,13 @@
 
 #include <openssl/evp.h>
 
+#include "base/deleter.hpp"
 #include "base/secret.hpp"
 #include "plugins/cryptography/aead_backends.hpp"
 
 namespace ddssec::cryptography {
 namespace {
 
-template <auto Free>
-struct Deleter {
-  template <class T>
-  void operator()(T* object) const noexcept {
-    Free(object);
-  }
-};
 using Context = std::unique_ptr<EVP_CIPHER_CTX, Deleter<EVP_CIPHER_CTX_free>>;
 using Fetched = std::unique_ptr<EVP_CIPHER, Deleter<EVP_CIPHER_free>>;
 
