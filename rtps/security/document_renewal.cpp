@@ -1,15 +1,6 @@
 #include "rtps/security/document_renewal.hpp"
 
 namespace ddssec::rtps {
-namespace {
-
-std::size_t octets_of(const spi::Token& token) {
-  std::size_t octets = 0;
-  for (const auto& property : token.binary_properties) octets += property.value.size();
-  return octets;
-}
-
-}  // namespace
 
 DocumentRenewal::DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange,
                                  KeyReviser& revision)
@@ -34,7 +25,7 @@ void DocumentRenewal::offer(Peer& peer) {
   auto offer = authentication.offer_renewal(peer.state.handshake()->handle());
   if (!offer || !*offer) return;
   next_offer = core_.now + kOfferPeriod;
-  if (octets_of(**offer) > CryptoTokenExchange::kMaxDocumentOctets)
+  if (spi::binary_octets(**offer) > CryptoTokenExchange::kMaxDocumentOctets)
     return report_too_large(peer, **offer);
   exchange_.send_token(peer, message_class::kRenewal, **std::move(offer));
 }
@@ -45,7 +36,7 @@ void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer
             {.document = "renewed certificate and permissions",
              .expected =
                  "at most " + std::to_string(CryptoTokenExchange::kMaxDocumentOctets) + " octets",
-             .found = std::to_string(octets_of(offer)),
+             .found = std::to_string(spi::binary_octets(offer)),
              .hint = "make the permissions shorter, if the session with this peer is to go on "
                      "after the former documents end; it begins again otherwise"}),
       peer, EventOrigin::its_keys);

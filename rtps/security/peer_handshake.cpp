@@ -16,12 +16,6 @@ Bytes octets_of(const spi::Token& token, std::string_view name) {
   return found != nullptr ? *found : Bytes();
 }
 
-std::size_t octets_of_values(const spi::Token& token) {
-  std::size_t out = 0;
-  for (const auto& property : token.binary_properties) out += property.value.size();
-  return out;
-}
-
 Sha256Digest digest_of(const spi::Token& token) {
   Writer out;
   spi::write_token(out, token);
@@ -276,7 +270,7 @@ bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest
                 .challenge = std::move(challenge),
                 .peer_data = to_bytes(outline.participant_data),
                 .since = now,
-                .octets = octets_of_values(token)});
+                .octets = spi::binary_octets(token)});
   next_ = std::min(next_, now + kResend);
   return true;
 }

@@ -16,6 +16,14 @@ Token sample() {
           .binary_properties = {{"c.id", Bytes{1, 2, 3}}, {"c.perm", {}}}};
 }
 
+TEST(Token, BinaryOctets_AreThoseOfAllBinaryValues) {
+  EXPECT_EQ(binary_octets(Token()), 0u);
+  auto token = sample();
+  EXPECT_EQ(binary_octets(token), 3u);
+  token.binary_properties[1].value.assign(5, 0);
+  EXPECT_EQ(binary_octets(token), 8u);
+}
+
 TEST(Token, EachByteOrder_RoundTripsWithoutWhatDoesNotPropagate) {
   for (auto endian : {Endian::big, Endian::little}) {
     Writer writer(endian);
