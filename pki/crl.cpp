@@ -183,6 +183,15 @@ std::optional<std::set<std::string>> serials_of(const Crl& crl) {
   return out;
 }
 
+Result<std::vector<Crl>> lists_from(BytesView octets, Deltas deltas) {
+  if (octets.size() > kMaxDocumentOctets)
+    return std::unexpected(
+        too_many_octets_error(Code::crl_too_large, kMaxDocumentOctets, octets.size()));
+  if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets, deltas);
+  DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets, deltas));
+  return std::vector<Crl>{std::move(crl)};
+}
+
 }  // namespace
 
 std::string_view to_string(RevocationReason reason) {
@@ -195,19 +204,6 @@ std::optional<RevocationReason> revocation_reason_from(std::string_view word) {
   if (found == kReasons.end()) return std::nullopt;
   return found->reason;
 }
-
-namespace {
-
-Result<std::vector<Crl>> lists_from(BytesView octets, Deltas deltas) {
-  if (octets.size() > kMaxDocumentOctets)
-    return std::unexpected(
-        too_many_octets_error(Code::crl_too_large, kMaxDocumentOctets, octets.size()));
-  if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets, deltas);
-  DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets, deltas));
-  return std::vector<Crl>{std::move(crl)};
-}
-
-}  // namespace
 
 Result<std::vector<Crl>> Crl::all_from(BytesView octets) {
   return lists_from(octets, Deltas::refused);
