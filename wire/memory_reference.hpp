@@ -21,7 +21,7 @@ inline constexpr std::size_t kMemoryReferenceSize = 28;  ///< size of the value,
 /// Reads the value of the parameter. A peer may have put any numbers into it, so rtps/memory checks
 /// them. Error: rtps_parameter_invalid (too short).
 Result<MemoryReference> read_memory_reference(BytesView value, Endian endian);
-/// Writes the parameter.
+/// Writes the parameter, with its id and length.
 void write_memory_reference(SpanWriter& out, const MemoryReference& reference);
 
 }  // namespace ddssec::rtps

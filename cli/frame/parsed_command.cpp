@@ -138,9 +138,8 @@ class CommandLine {
     return {};
   }
 
-  // Returns the positional that the user probably left out. If only the last one is missing, and
-  // the one before it has a word that is none of its choices, then that word is meant for the last
-  // one, and the one before it was left out.
+  // Returns the positional that the user probably left out. If only the last positional is missing
+  // and the word before it is not one of its choices, the user left out the one before.
   std::string left_out(const std::string& lacking) const {
     const auto& positionals = command_.positionals;
     if (positionals.size() < 2 || lacking != positionals.back().name) return lacking;

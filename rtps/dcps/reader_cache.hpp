@@ -79,6 +79,7 @@ class ReaderCache {
   void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   /// Returns the next time at which expire or check_deadlines has work.
   MonotonicTime next_tick() const;
+  /// Changes the DEADLINE period. The new period of each instance that is alive begins at `now`.
   void set_deadline(Duration period, MonotonicTime now);
   /// Sets the policy for instances that end from now on.
   void set_lifecycle(const ReaderDataLifecycle& lifecycle) { lifecycle_ = lifecycle; }
