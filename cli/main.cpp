@@ -4,7 +4,6 @@
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <langinfo.h>
 #include <string>
 #include <unistd.h>

@@ -1,7 +1,6 @@
 #include "governance/grant_extension.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <optional>
 #include <string>
 

@@ -1,7 +1,6 @@
 // Parses values that both kinds of documents contain. For governance/ only.
 #pragma once
 
-#include <span>
 #include <string_view>
 #include <vector>
 

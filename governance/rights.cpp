@@ -1,7 +1,5 @@
 #include "governance/rights.hpp"
 
-#include <optional>
-
 namespace ddssec::governance {
 namespace {
 

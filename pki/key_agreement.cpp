@@ -2,7 +2,6 @@
 
 #include <array>
 #include <mutex>
-#include <string_view>
 #include <utility>
 
 #include <openssl/core_names.h>

@@ -1,6 +1,8 @@
 #include "pki/key_digests.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <string>
 
 #include <openssl/core_names.h>
 

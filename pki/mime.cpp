@@ -1,7 +1,6 @@
 #include "pki/mime.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <optional>
 #include <string>

@@ -1,7 +1,6 @@
 #include "pki/smime_diagnosis.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 #include <openssl/pkcs7.h>

@@ -3,7 +3,6 @@
 
 #include <bitset>
 #include <optional>
-#include <string_view>
 
 #include "base/parameter_ids.hpp"
 #include "base/reader.hpp"

@@ -1,7 +1,6 @@
 #include "cli/agent/agent_response.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include "base/tool_code.hpp"
 #include "cli/agent/agent_messages.hpp"

@@ -2,7 +2,6 @@
 // Handles ROS 2 keystores and participants' folders alike.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,6 @@
 // identity issue: creates, completes or renews a participant's folder.
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 
 #include <fmt/format.h>
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
 #include "governance/decision.hpp"
 #include "governance/doctor/meeting.hpp"

@@ -3,11 +3,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <fcntl.h>
-#include <filesystem>
 #include <limits>
 #include <pcap/pcap.h>
 #include <poll.h>
-#include <system_error>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,5 @@
 // Checks whether Fast DDS would start with a profile, and with security.
-#include <algorithm>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // Checks the participant's rights in the domain, and what expires first.
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,5 @@
 #include "governance/doctor/loaded_folder.hpp"
 
-#include <system_error>
-
 #include "governance/doctor/lenient_text.hpp"
 #include "governance/read.hpp"
 #include "pki/certificate_source.hpp"

@@ -1,7 +1,5 @@
 // Step five: which party may write and read which topic, according to which party.
 #include <algorithm>
-#include <array>
-#include <memory>
 #include <ranges>
 
 #include <fmt/format.h>

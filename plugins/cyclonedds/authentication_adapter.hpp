@@ -1,8 +1,6 @@
 // Adapts spi::Authentication to Cyclone's dds_security_authentication.
 #pragma once
 
-#include <atomic>
-
 #include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/core_timer.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"

@@ -1,6 +1,5 @@
 // CryptoKeyFactory: registration of participants and endpoints.
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "plugins/cyclonedds/access_control_gate.hpp"

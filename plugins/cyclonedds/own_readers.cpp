@@ -1,7 +1,5 @@
 #include "plugins/cyclonedds/own_readers.hpp"
 
-#include <algorithm>
-
 #include "plugins/cyclonedds/disposal.hpp"
 #include "wire/data.hpp"
 #include "wire/data_frag.hpp"

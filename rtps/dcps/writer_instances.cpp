@@ -1,7 +1,5 @@
 #include "rtps/dcps/writer_instances.hpp"
 
-#include <algorithm>
-
 #include "rtps/dcps/deadline.hpp"
 
 namespace ddssec::rtps {

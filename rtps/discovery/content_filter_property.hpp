@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "rtps/discovery/parameter_table.hpp"
 #include "rtps/filter/filter.hpp"

@@ -1,7 +1,6 @@
 #include "rtps/durability/database.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <sqlite3.h>
 

@@ -1,5 +1,7 @@
 // How many octets a participant sends to others for those that a stranger sends to it (T60 in
 // docs/attacks.md).
+#include <random>
+
 #include "rtps/security/peer_handshake.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"

@@ -1,9 +1,7 @@
 // Two participants live a whole life through the C ABI: ours, stock, and every mix of both.
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <malloc.h>
-#include <thread>
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,10 @@
 // Leases, and the writers that are alive.
 #include "rtps/dcps/liveliness.hpp"
 
-#include <barrier>
 #include <memory>
 
 #include <gmock/gmock.h>
 
-#include "rtps/dcps/writer_instances.hpp"
-#include "rtps/reliability/timer_queue.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {

@@ -2,6 +2,7 @@
 // does.
 #include <csignal>
 #include <future>
+#include <thread>
 
 #include "rtps/dcps/wait_set.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"

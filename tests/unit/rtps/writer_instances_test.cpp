@@ -1,12 +1,8 @@
 // Instances of a writer and their deadlines.
 #include "rtps/dcps/writer_instances.hpp"
 
-#include <barrier>
-
 #include <gmock/gmock.h>
 
-#include "rtps/dcps/liveliness.hpp"
-#include "rtps/reliability/timer_queue.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
