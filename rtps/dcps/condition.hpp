@@ -58,6 +58,7 @@ class GuardCondition final : public Condition {
 /// it.
 class StatusCondition final : public Condition {
  public:
+  /// Returns the entity that owns the condition.
   Entity& entity() const { return entity_; }
   /// Returns the statuses that trigger it.
   StatusMask enabled_statuses() const { return StatusMask::from(enabled_); }
@@ -79,7 +80,9 @@ class StatusCondition final : public Condition {
 /// and deletes it.
 class ReadCondition : public Condition {
  public:
+  /// Returns the reader that owns the condition.
   AnyDataReader& datareader() const { return reader_; }
+  /// Returns the states for which it was created.
   const States& states() const { return states_; }
   /// Returns nullptr if this is not a QueryCondition, or if its expression is empty. Only the
   /// reader may use it.
