@@ -21,6 +21,9 @@ enum class Code : std::int32_t {
 #undef X
 };
 
+/// The hint of codes after which the user has nothing to do. An error's sentence leaves it out.
+inline constexpr std::string_view kNoHint = "none is needed";
+
 /// One row of the table of codes.
 struct CodeInfo {
   Code code;
@@ -30,7 +33,7 @@ struct CodeInfo {
   std::string_view hint;     ///< what the user can do about it
 };
 
-/// Returns all codes, sorted by number.
+/// Sorted by number.
 std::span<const CodeInfo> all_codes();
 
 /// Returns the row of `code`.

@@ -53,16 +53,18 @@ struct Event {
   std::string to_json(std::chrono::nanoseconds at) const;
 };
 
-/// True for events below a warning that a person who runs a program always wants to see: which
-/// peers authenticated, and which documents were renewed.
+/// True for events below a warning that a person who runs a program always wants to see: the
+/// interfaces that a participant uses, which peers authenticated, and which documents change.
 bool is_always_shown(Code code);
 
-/// Receives events. `raise` is called from any thread; it must not block and must not call back
-/// into a plugin.
+/// Receives events. `raise` is called from any thread. It must not call back into a plugin, and it
+/// should return soon, because the participant that raises the event waits for it.
 class EventSink {
  public:
   virtual ~EventSink() = default;
-  /// Takes one event. The reference is valid only during the call. Must not throw.
+  /// Takes one event. The reference is valid only during the call. It may throw if memory runs out:
+  /// the RateLimitedSink, which hosts put before their sinks, then drops the event, and what the
+  /// event reports stands.
   virtual void raise(const Event& event) = 0;
 };
 

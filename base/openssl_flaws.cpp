@@ -93,15 +93,18 @@ std::optional<Version> parse(std::string_view text) {
   if (first == text.npos) return std::nullopt;
   text.remove_prefix(first);
   Version out;
-  const auto number = [&](unsigned& to, bool is_first) {
-    if (!is_first && !text.starts_with('.')) return false;
-    if (!is_first) text.remove_prefix(1);
+  const auto read_number = [&](unsigned& to) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), to);
     if (error != std::errc()) return false;
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     return true;
   };
-  if (!number(out.major, true) || !number(out.minor, false) || !number(out.patch, false))
+  const auto read_dot_and_number = [&](unsigned& to) {
+    if (!text.starts_with('.')) return false;
+    text.remove_prefix(1);
+    return read_number(to);
+  };
+  if (!read_number(out.major) || !read_dot_and_number(out.minor) || !read_dot_and_number(out.patch))
     return std::nullopt;
   return out;
 }

@@ -20,7 +20,15 @@ std::string certificate_of(const Event& event) {
 
 }  // namespace
 
-void RateLimitedSink::raise(const Event& event) {
+void RateLimitedSink::raise(const Event& event) noexcept {
+  try {
+    pass_if_new(event);
+  } catch (...) {
+    // What the event reports has happened already, such as a refusal. It stands without the event.
+  }
+}
+
+void RateLimitedSink::pass_if_new(const Event& event) {
   const auto& d = event.error.details();
   const auto code = std::to_string(static_cast<int>(event.error.code()));
   const bool is_claimed = names_an_unproven_peer(event);

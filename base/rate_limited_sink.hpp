@@ -13,7 +13,8 @@
 namespace ddssec {
 
 /// Passes an event on, unless an event with the same reason about the same peer was passed on less
-/// than `interval` ago. Thread-safe.
+/// than `interval` ago. Lets no exception through: if memory runs out or `next` throws, the event
+/// is lost. Thread-safe.
 ///
 /// The reason consists of the code and the document. The field and the expected value also count if
 /// no unauthenticated peer can have chosen them. The found value and names that are only claimed
@@ -37,11 +38,12 @@ class RateLimitedSink final : public EventSink {
   RateLimitedSink(EventSink& next, const Clock& clock,
                   std::chrono::seconds interval = std::chrono::seconds(10))
       : next_(next), clock_(clock), interval_(interval) {}
-  void raise(const Event& event) override;
+  void raise(const Event& event) noexcept override;
 
  private:
   using Times = std::unordered_map<std::string, std::chrono::nanoseconds>;
 
+  void pass_if_new(const Event& event);
   Times& share_of(const std::string& peer, std::chrono::nanoseconds now);
   bool has_room(Times& share, std::size_t limit, const std::string& reason,
                 std::chrono::nanoseconds now) const;

@@ -45,8 +45,11 @@ class Reader {
   /// Skips to a multiple of the integer's size (CDR) and reads the integer. Error: truncated.
   template <std::integral T>
   Result<T> read_aligned() {
+    const auto start = position_;
     if (auto status = align(sizeof(T)); !status) return std::unexpected(std::move(status).error());
-    return read<T>();
+    auto value = read<T>();
+    if (!value) position_ = start;
+    return value;
   }
 
   /// Returns the next `count` octets, borrowed. Error: truncated.

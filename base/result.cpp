@@ -48,7 +48,7 @@ std::string Error::to_sentence() const {
   // Files and peers choose parts of the text, and it goes to logs and terminals, so it is made
   // printable.
   const auto what_to_do = hint();
-  if (what_to_do != "none is needed")
+  if (what_to_do != kNoHint)
     text += fmt::format("{}; {}", message(), what_to_do);
   else
     text += message();

@@ -2,11 +2,9 @@
 // the values.
 #pragma once
 
-#include <cstdint>
 #include <expected>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "base/code.hpp"
@@ -24,8 +22,8 @@ struct ErrorDetails {
   std::string hint = {};  ///< what the user can do about it; empty if the code's hint applies
 };
 
-/// A refusal. It is two words long, so that Result<T> is cheap on success. An Error without details
-/// allocates nothing. Copies share their details.
+/// A refusal. It is three words long, so that Result<T> is cheap on success. An Error without
+/// details allocates nothing. Copies share their details.
 class Error {
  public:
   explicit Error(Code code) : code_(code) {}
@@ -54,6 +52,7 @@ class Error {
   Code code_;
   std::shared_ptr<const ErrorDetails> details_;
 };
+static_assert(sizeof(Error) == 3 * sizeof(void*));
 
 template <class T>
 using Result = std::expected<T, Error>;

@@ -45,16 +45,16 @@ const sockaddr* generic(const sockaddr_un& address) {
 
 Result<std::unique_ptr<StatusServer>> StatusServer::start(const std::string& folder,
                                                           Answer answer) {
-  const auto refused = [&](std::string expected, std::string found) {
+  const auto folder_error = [&](std::string expected, std::string found) {
     return fail(Code::status_not_served,
                 {.document = folder, .expected = std::move(expected), .found = std::move(found)});
   };
-  if (!folder.starts_with('/')) return refused("an absolute path", "a relative one");
+  if (!folder.starts_with('/')) return folder_error("an absolute path", "a relative one");
   auto opened = open_guarded(folder, O_PATH);
   if (!opened)
-    return refused("links in the path that only root and this user can change",
-                   opened.error().message());
-  if (!*opened) return refused("a folder", errno_text(errno));
+    return folder_error("links in the path that only root and this user can change",
+                        opened.error().message());
+  if (!*opened) return folder_error("a folder", errno_text(errno));
   std::unique_ptr<StatusServer> out(
       new StatusServer(folder, *std::move(opened), std::move(answer)));
   DDSSEC_RETURN_IF_ERROR(out->check_folder());
@@ -140,7 +140,7 @@ Status StatusServer::bind_to(const std::string& name) {
   bool is_bound = socket_ && ::fchmod(socket_.number(), 0600) == 0;
   const auto address = address_of(path_of(name));
   const auto bind = [&] { return ::bind(socket_.number(), generic(address), sizeof address) == 0; };
-  is_bound = is_bound && (bind() || (errno == EADDRINUSE && is_abandoned(name) &&
+  is_bound = is_bound && (bind() || (errno == EADDRINUSE && probe_abandoned(name) &&
                                      ::unlinkat(folder_.number(), name.c_str(), 0) == 0 && bind()));
   if (is_bound) {
     name_ = name;
@@ -152,8 +152,9 @@ Status StatusServer::bind_to(const std::string& name) {
   return refused;
 }
 
-// True if no process listens on the socket: a killed process with the same process number left it.
-bool StatusServer::is_abandoned(const std::string& name) const {
+// Connects to the socket. Returns true if no process listens on it: a killed process with the same
+// process number left it. Sets errno to EADDRINUSE.
+bool StatusServer::probe_abandoned(const std::string& name) const {
   struct stat status {};
   const bool is_socket =
       ::fstatat(folder_.number(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 &&
@@ -212,7 +213,7 @@ bool StatusServer::serve_once() {
   for (std::size_t i = 0; i < kMaxClients; ++i)
     polled[i + 2] = {clients_[i].socket.number(), POLLOUT, 0};
   if (::poll(polled.data(), polled.size(), milliseconds_to_wait()) < 0)
-    return errno == EINTR || has_time_to_recover();
+    return errno == EINTR || wait_to_recover();
   if (polled[0].revents != 0) return false;
   const auto now = steady_clock::now();
   if (paused_until_ && now >= *paused_until_) paused_until_.reset();
@@ -226,7 +227,7 @@ bool StatusServer::serve_once() {
 
 // Waits one second after poll() failed: memory may be short, or RLIMIT_NOFILE lower than the number
 // of descriptors polled. Returns false if the server is to stop.
-bool StatusServer::has_time_to_recover() const {
+bool StatusServer::wait_to_recover() {
   eventfd_t ignored = 0;
   for (auto left = kSecond / kRecoveryStep; left > 0; --left) {
     if (::eventfd_read(stop_.number(), &ignored) == 0) return false;

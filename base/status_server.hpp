@@ -61,13 +61,13 @@ class StatusServer {
   Status listen();
   Status bind_first_free();
   Status bind_to(const std::string& name);
-  bool is_abandoned(const std::string& name) const;
+  bool probe_abandoned(const std::string& name) const;
   std::string path_of(const std::string& name) const;
   Status start_thread();
 
   void serve() noexcept;
   bool serve_once();
-  bool has_time_to_recover() const;
+  bool wait_to_recover();
   bool has_room() const;
   void accept_one();
   bool is_allowed(int client) const;

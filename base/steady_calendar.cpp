@@ -32,7 +32,7 @@ std::chrono::nanoseconds SteadyCalendar::calendar_nanoseconds() const {
 
 void SteadyCalendar::note(Code code, Nanoseconds before, Nanoseconds set_to) const {
   const auto shown = [](Nanoseconds wall) {
-    return to_string(std::chrono::floor<std::chrono::seconds>(at(wall)));
+    return to_string(std::chrono::floor<std::chrono::seconds>(calendar_time(wall)));
   };
   try {
     unreported_change_ = Error(code, {.expected = shown(before),

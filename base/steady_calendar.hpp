@@ -27,7 +27,7 @@ class SteadyCalendar final : public Clock {
   explicit SteadyCalendar(const Clock& clock);
 
   WallTime calendar_seconds() const override {
-    return std::chrono::floor<std::chrono::seconds>(at(calendar_nanoseconds()));
+    return std::chrono::floor<std::chrono::seconds>(calendar_time(calendar_nanoseconds()));
   }
   std::chrono::nanoseconds calendar_nanoseconds() const override;
   std::chrono::nanoseconds monotonic() const override { return clock_.monotonic(); }
@@ -42,7 +42,7 @@ class SteadyCalendar final : public Clock {
 
  private:
   using Nanoseconds = std::chrono::nanoseconds;
-  static std::chrono::sys_time<Nanoseconds> at(Nanoseconds wall) {
+  static std::chrono::sys_time<Nanoseconds> calendar_time(Nanoseconds wall) {
     return std::chrono::sys_time<Nanoseconds>(wall);
   }
   void note(Code code, Nanoseconds before, Nanoseconds set_to) const;

@@ -4,7 +4,6 @@
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <langinfo.h>
 #include <string>
 #include <unistd.h>
@@ -106,8 +105,10 @@ std::string text_of(const cli::Report& report, cli::Style style) {
   return style.quiet && has_written && report.exit == cli::Exit::done ? "" : report.text;
 }
 
-int finish(const cli::Report& report, std::string_view command, bool json, cli::Style style) {
-  if (json) {
+enum class Format : std::uint8_t { text, json };
+
+int finish(const cli::Report& report, std::string_view command, Format format, cli::Style style) {
+  if (format == Format::json) {
     auto out = cli::envelope(report, command);
     if (cli::writes_nothing()) out["dry_run"] = true;
     // Writes ASCII only, so that the text cannot control a terminal.
@@ -143,10 +144,11 @@ int main(int argc, char** argv) {
   cli::note_interruptions();
   pki::stop_at_first_wrong_pin();
   const auto request = cli::parse(words);
-  if (!request) return finish(failed(request.error(), words), "", wants_json(words), {});
-  if (request->command == nullptr) return finish({.text = request->help}, "", false, {});
+  const auto format = wants_json(words) ? Format::json : Format::text;
+  if (!request) return finish(failed(request.error(), words), "", format, {});
+  if (request->command == nullptr) return finish({.text = request->help}, "", Format::text, {});
   const auto style = style_of(request->arguments);
   const auto report = style ? run(*request) : std::unexpected(style.error());
   return finish(report ? *report : failed(report.error(), words), request->command->full_name(),
-                wants_json(words), style.value_or(cli::Style()));
+                format, style.value_or(cli::Style()));
 }

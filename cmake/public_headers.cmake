@@ -90,7 +90,6 @@ set(DDSSEC_CARRIED_HEADERS
   base/codes/rtps.def
   # cursors, and values of documents, that types above have as members or parameters
   base/line_file.hpp
-  base/parameter_ids.hpp
   base/submessage_ids.hpp
   base/protection_kind.hpp
   base/reader.hpp
@@ -111,13 +110,10 @@ set(DDSSEC_CARRIED_HEADERS
   # the members of entities, so that a sample costs no further indirection
   rtps/dcps/arrival_order.hpp
   rtps/dcps/callback_lock.hpp
-  rtps/dcps/contained_entities.hpp
   rtps/dcps/data_reader_listeners.hpp
   rtps/dcps/data_writer_listeners.hpp
-  rtps/dcps/discovered_entities.hpp
   rtps/dcps/ended_instances.hpp
   rtps/dcps/endpoint.hpp
-  rtps/dcps/groups.hpp
   rtps/dcps/held_instance.hpp
   rtps/dcps/held_instances.hpp
   rtps/dcps/held_shares.hpp
@@ -142,7 +138,6 @@ set(DDSSEC_CARRIED_HEADERS
   rtps/dcps/source_timestamps.hpp
   rtps/dcps/state_counts.hpp
   rtps/dcps/status_changes.hpp
-  rtps/dcps/topic_descriptions.hpp
   rtps/dcps/writer_durability.hpp
   rtps/dcps/writer_instances.hpp
   rtps/dcps/writer_lifespan.hpp
@@ -161,9 +156,7 @@ set(DDSSEC_CARRIED_HEADERS
   rtps/discovery/content_filter_property.hpp
   rtps/discovery/discovery_listener.hpp
   rtps/discovery/endpoint_data.hpp
-  rtps/discovery/parameter_table.hpp
   rtps/discovery/participant_data.hpp
-  rtps/discovery/security_parameters.hpp
   rtps/qos/matching.hpp
   # numbers, times and parameters of RTPS, of which changes and announcements consist
   wire/content_filter_info.hpp
@@ -172,7 +165,5 @@ set(DDSSEC_CARRIED_HEADERS
   wire/locator.hpp
   wire/memory_reference.hpp
   wire/numbers.hpp
-  wire/parameter_list.hpp
-  wire/span_writer.hpp
   wire/time.hpp
   wire/vendor.hpp)

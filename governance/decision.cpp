@@ -57,7 +57,7 @@ bool covers(const Pattern& listed, std::string_view requested) {
 }
 
 // False only if a simple check shows that no name is both listed and requested.
-bool may_meet(const Pattern& listed, RequestedPartition& requested) {
+bool may_overlap(const Pattern& listed, RequestedPartition& requested) {
   const auto text = requested.text();
   if (!may_stand_for_many(text)) return listed.matches(text);
   return !listed.is_literal() || has_backslash(text) || listed.text() == text ||
@@ -220,7 +220,7 @@ bool CompiledGrant::partitions_fit(const Entry& entry,
     if (!entry.criteria->partitions) return requested.text().empty();
     return std::ranges::any_of(entry.partitions, [&](std::uint32_t i) {
       const Pattern& pattern = partition_patterns_[i];
-      return allow ? covers(pattern, requested.text()) : may_meet(pattern, requested);
+      return allow ? covers(pattern, requested.text()) : may_overlap(pattern, requested);
     });
   };
   const bool all = allow && partition_match_ == PartitionMatch::all;

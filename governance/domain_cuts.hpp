@@ -2,7 +2,6 @@
 #pragma once
 
 #include <bitset>
-#include <span>
 #include <vector>
 
 #include "governance/model.hpp"

@@ -1,7 +1,6 @@
 #include "governance/grant_extension.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -45,47 +44,47 @@ bool has_all(const std::vector<One>& wide, const std::vector<One>& narrow) {
   return std::ranges::includes(sorted(wide), sorted(narrow));
 }
 
-// True if `wide` has everything that `narrow` has. With `matches_any` an absent list matches
-// everything; otherwise it matches nothing that a list names.
+// The rules that are compared: two allow rules, or two deny rules.
+enum class RuleKind : std::uint8_t { allow, deny };
+
+// True if `wide` has everything that `narrow` has. In a deny rule an absent list matches
+// everything; in an allow rule it matches nothing that a list names.
 template <class One>
 bool has_all(const std::optional<std::vector<One>>& wide,
-             const std::optional<std::vector<One>>& narrow, bool matches_any) {
-  if (!wide && matches_any) return true;
+             const std::optional<std::vector<One>>& narrow, RuleKind kind) {
+  if (!wide && kind == RuleKind::deny) return true;
   if (!wide || !narrow) return wide.has_value() == narrow.has_value();
   return has_all(*wide, *narrow);
 }
 
-// Compares the criteria of two allow rules, or of two deny rules.
-bool covers(const Criteria& wide, const Criteria& narrow, bool is_denial) {
-  return has_all(wide.topics, narrow.topics) &&
-         has_all(wide.partitions, narrow.partitions, is_denial) &&
-         has_all(wide.data_tags, narrow.data_tags, is_denial);
+bool covers(const Criteria& wide, const Criteria& narrow, RuleKind kind) {
+  return has_all(wide.topics, narrow.topics) && has_all(wide.partitions, narrow.partitions, kind) &&
+         has_all(wide.data_tags, narrow.data_tags, kind);
 }
 
 // True if each of `narrow` is covered by one of `wide`.
-bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narrow,
-            bool is_denial) {
+bool covers(const std::vector<Criteria>& wide, const std::vector<Criteria>& narrow, RuleKind kind) {
   if (wide.size() > kMaxCriteria || narrow.size() > kMaxCriteria)
     return std::ranges::equal(wide, narrow,
                               [](const auto& a, const auto& b) { return have_same_rules(a, b); });
   return std::ranges::all_of(narrow, [&](const Criteria& one) {
-    return std::ranges::any_of(
-        wide, [&](const Criteria& other) { return covers(other, one, is_denial); });
+    return std::ranges::any_of(wide,
+                               [&](const Criteria& other) { return covers(other, one, kind); });
   });
 }
 
 // True if `wide` matches everything that `narrow` matches.
-bool matches_all_of(const GrantRule& wide, const GrantRule& narrow, bool is_denial) {
-  return covers(wide.publish, narrow.publish, is_denial) &&
-         covers(wide.subscribe, narrow.subscribe, is_denial) &&
-         covers(wide.relay, narrow.relay, is_denial);
+bool matches_all_of(const GrantRule& wide, const GrantRule& narrow, RuleKind kind) {
+  return covers(wide.publish, narrow.publish, kind) &&
+         covers(wide.subscribe, narrow.subscribe, kind) && covers(wide.relay, narrow.relay, kind);
 }
 
 // True if `next` may take the place of `former`.
 bool fits(const GrantRule& next, const GrantRule& former) {
   if (next.allow != former.allow) return false;
-  if (next.allow) return matches_all_of(next, former, false);
-  return matches_all_of(former, next, true) && (decides_joining(former) || !decides_joining(next));
+  if (next.allow) return matches_all_of(next, former, RuleKind::allow);
+  return matches_all_of(former, next, RuleKind::deny) &&
+         (decides_joining(former) || !decides_joining(next));
 }
 
 std::string rights_in(Grant grant) {

@@ -11,7 +11,7 @@ using enum Rule;
 bool controls_access(const TopicRule& rule) {
   return rule.enable_read_access_control || rule.enable_write_access_control;
 }
-void check_strangers(LintFindings& out, const DomainPlace& place) {
+void diagnose_strangers(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (!rule.allow_unauthenticated_participants || !protects_anything(rule)) return;
   if (is_protected(rule.rtps_protection_kind))
@@ -31,7 +31,7 @@ void check_strangers(LintFindings& out, const DomainPlace& place) {
   out.add(std::move(finding));
 }
 
-void check_controls(LintFindings& out, const DomainPlace& place, std::size_t i) {
+void diagnose_controls(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   if (controls_access(topic) && !place.rule.enable_join_access_control)
@@ -63,7 +63,7 @@ bool matches_everything(std::string_view expression) {
 
 // A single open topic may be intended. A rule for all topics also opens topics that its author did
 // not think of.
-void check_open_topic(LintFindings& out, const DomainPlace& place, std::size_t i) {
+void diagnose_open_topic(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   if (is_protected(place.rule.rtps_protection_kind) || !is_plain(topic) || controls_access(topic))
     return;
@@ -78,7 +78,7 @@ void check_open_topic(LintFindings& out, const DomainPlace& place, std::size_t i
 
 // Samples are hidden from participants without the right to read only if they are encrypted with a
 // key that only readers get. Reports topics without such a key.
-void check_reading(LintFindings& out, const DomainPlace& place, std::size_t i) {
+void diagnose_reading(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   const bool is_secret =
@@ -99,7 +99,7 @@ void check_reading(LintFindings& out, const DomainPlace& place, std::size_t i) {
                                                     : "every host on the network")));
 }
 
-void check_writing(LintFindings& out, const DomainPlace& place, std::size_t i) {
+void diagnose_writing(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   if (is_plain(topic) || !topic.enable_read_access_control || topic.enable_write_access_control)
     return;
@@ -110,7 +110,7 @@ void check_writing(LintFindings& out, const DomainPlace& place, std::size_t i) {
                   in_quotes(topic.topic_expression))));
 }
 
-void check_joining(LintFindings& out, const DomainPlace& place) {
+void diagnose_joining(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (rule.enable_join_access_control || !protects_anything(rule) ||
       std::ranges::any_of(rule.topic_rules, controls_access))
@@ -136,19 +136,19 @@ bool protects_anything(const DomainRule& rule) {
          std::ranges::any_of(rule.topic_rules, is_protected_topic);
 }
 
-void check_access(LintFindings& out, const DomainPlace& place) {
+void diagnose_access(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
-  check_strangers(out, place);
-  check_joining(out, place);
+  diagnose_strangers(out, place);
+  diagnose_joining(out, place);
   if (!protects_anything(place.rule))
     out.add(place.about(
         GOV040,
         "every protection kind is NONE: every host on the network can read and forge everything"));
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (protects_anything(place.rule)) check_open_topic(out, place, i);
-    check_controls(out, place, i);
-    check_reading(out, place, i);
-    check_writing(out, place, i);
+    if (protects_anything(place.rule)) diagnose_open_topic(out, place, i);
+    diagnose_controls(out, place, i);
+    diagnose_reading(out, place, i);
+    diagnose_writing(out, place, i);
   }
 }
 

@@ -13,8 +13,8 @@ bool is_plain(const TopicRule& rule);
 bool protects_anything(const DomainRule& rule);
 
 /// Checks GOV014: rules that take names from a later one that protects more.
-void check_overlaps(LintFindings& out, const DomainPlace& place);
+void diagnose_overlaps(LintFindings& out, const DomainPlace& place);
 /// Checks GOV021, GOV022, GOV025, GOV040, GOV041, GOV043, and GOV047 to GOV050.
-void check_access(LintFindings& out, const DomainPlace& place);
+void diagnose_access(LintFindings& out, const DomainPlace& place);
 
 }  // namespace ddssec::governance

@@ -29,7 +29,7 @@ bool within(const DomainSet& inner, const DomainSet& outer) {
   });
 }
 
-bool meets(const DomainSet& a, const DomainSet& b) {
+bool overlaps(const DomainSet& a, const DomainSet& b) {
   return within(a, b) || std::ranges::any_of(a.ranges, [&](const DomainRange& one) {
            return std::ranges::any_of(b.ranges, [&](const DomainRange& other) {
              return one.first <= other.last && other.first <= one.last;
@@ -53,7 +53,7 @@ std::vector<std::string_view> denied_partitions(const GrantEntry& denial) {
 
 bool allows_before(const GrantEntry& earlier, const GrantEntry& denial, SetEffort& effort) {
   return earlier.rule->allow && !denial.rule->allow &&
-         meets(denial.rule->domains, earlier.rule->domains) &&
+         overlaps(denial.rule->domains, earlier.rule->domains) &&
          overlap(denied_partitions(denial), allowed_partitions(*earlier.criteria),
                  limits_of_pair(effort))
                  .kind == SetAnswer::Kind::yes;

@@ -94,8 +94,8 @@ TakenDomains taken_from(const Governance& document, std::size_t at) {
   return out;
 }
 
-void check_coverage(LintFindings& out, const Governance& document, std::size_t at,
-                    const DomainPlace& place) {
+void diagnose_coverage(LintFindings& out, const Governance& document, std::size_t at,
+                       const DomainPlace& place) {
   if (has_tags(place.rule)) return;
   const auto taken = taken_from(document, at);
   if (taken.domains.empty()) return;
@@ -144,7 +144,7 @@ std::optional<std::uint32_t> dead_if_moved(const DomainRule& rule,
 }
 
 // A dead rule is harmless if the earlier rules have the same effect.
-void check_dead_rules(LintFindings& out, const DomainPlace& place) {
+void diagnose_dead_rules(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const auto found = shadows(expressions_of(place.rule), out.effort());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -174,7 +174,7 @@ void check_dead_rules(LintFindings& out, const DomainPlace& place) {
   }
 }
 
-void check_topics_without_rule(LintFindings& out, const DomainPlace& place) {
+void diagnose_topics_without_rule(LintFindings& out, const DomainPlace& place) {
   const auto expressions = expressions_of(place.rule);
   const auto is_everything = [](std::string_view e) { return e.find_first_not_of('*') == e.npos; };
   if (std::ranges::any_of(expressions, is_everything)) return;
@@ -188,7 +188,7 @@ void check_topics_without_rule(LintFindings& out, const DomainPlace& place) {
       GOV011, fmt::format("the last topic_rule is not \"*\": topics{} have no rule", example)));
 }
 
-void check_domain_kinds(LintFindings& out, const DomainPlace& place) {
+void diagnose_domain_kinds(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   for (const auto& [name, kind] :
        {std::pair("discovery_protection_kind", rule.discovery_protection_kind),
@@ -202,7 +202,7 @@ void check_domain_kinds(LintFindings& out, const DomainPlace& place) {
 }
 
 // Reports flags that demand something that the domain rule does not provide.
-void check_flags(LintFindings& out, const DomainPlace& place, std::size_t i) {
+void diagnose_flags(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto check = [&](bool flag, ProtectionKind kind, std::string_view what) {
     if (flag && !is_protected(kind))
@@ -239,7 +239,7 @@ Finding payload_alone(const DomainPlace& place, std::size_t i) {
                                      : "anyone on the network"));
 }
 
-void check_kinds(LintFindings& out, const DomainPlace& place, std::size_t i) {
+void diagnose_kinds(LintFindings& out, const DomainPlace& place, std::size_t i) {
   const auto& topic = place.rule.topic_rules[i];
   const auto name = in_quotes(topic.topic_expression);
   if (is_origin_authenticated(topic.metadata_protection_kind)) {
@@ -256,7 +256,7 @@ void check_kinds(LintFindings& out, const DomainPlace& place, std::size_t i) {
 // All readers of a topic share its writer's key. So each of them can forge messages that the others
 // accept as the writer's, unless every reader gets its own MAC (DDS-Security 1.2, clauses 7.1.1.3
 // and 10.5.3.3.4).
-void check_origin(LintFindings& out, const DomainPlace& place) {
+void diagnose_origin(LintFindings& out, const DomainPlace& place) {
   if (is_origin_authenticated(place.rule.rtps_protection_kind)) return;
   std::vector<std::string> names;
   for (const auto& topic : place.rule.topic_rules)
@@ -295,7 +295,7 @@ Finding of_clear_discovery(const DomainPlace& place) {
 
 // Cyclone's core trusts unprotected announcements in the name of every authenticated peer. ddssec's
 // plugins stop them only where no honest peer sends any.
-void check_clear_discovery(LintFindings& out, const DomainPlace& place) {
+void diagnose_clear_discovery(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   const bool is_closed = is_protected(place.rule.discovery_protection_kind) &&
                          std::ranges::all_of(rules, &TopicRule::enable_discovery_protection);
@@ -307,7 +307,7 @@ void check_clear_discovery(LintFindings& out, const DomainPlace& place) {
 
 // The destination is unprotected in front of a protected submessage, and one key serves all
 // receivers. Only a MAC for each of them, or a protected message around both, connects the two.
-void check_redirection(LintFindings& out, const DomainPlace& place) {
+void diagnose_redirection(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_protected(rule.rtps_protection_kind)) return;
   const auto is_exposed = [](ProtectionKind kind) {
@@ -331,8 +331,8 @@ void check_redirection(LintFindings& out, const DomainPlace& place) {
                   fmt::join(kinds, ", "))));
 }
 
-// Like check_origin, for the builtin writers: every participant that may join gets their keys.
-void check_builtin_origin(LintFindings& out, const DomainPlace& place) {
+// Like diagnose_origin, for the builtin writers: every participant that may join gets their keys.
+void diagnose_builtin_origin(LintFindings& out, const DomainPlace& place) {
   const auto& rule = place.rule;
   if (is_origin_authenticated(rule.rtps_protection_kind)) return;
   std::vector<std::string> kinds;
@@ -347,7 +347,7 @@ void check_builtin_origin(LintFindings& out, const DomainPlace& place) {
                                           fmt::join(kinds, " and "))));
 }
 
-void check_tags(LintFindings& out, const DomainPlace& place) {
+void diagnose_tags(LintFindings& out, const DomainPlace& place) {
   for (const auto& tag : place.rule.domains.tag_expressions) {
     if (!Pattern(tag.text).matches_no_name()) continue;
     auto finding =
@@ -358,15 +358,15 @@ void check_tags(LintFindings& out, const DomainPlace& place) {
   }
 }
 
-void check_topics(LintFindings& out, const DomainPlace& place) {
+void diagnose_topics(LintFindings& out, const DomainPlace& place) {
   for (std::size_t i = 0; i < place.rule.topic_rules.size(); ++i) {
     const auto& topic = place.rule.topic_rules[i];
     const Text expression{topic.topic_expression, topic.line};
     out.add_if_unportable(GOV012, expression, place.topic_path(i));
     out.add_if_ros_name(GOV013, expression, place.topic_path(i));
     out.add_if_misleading(DOC097, "the topic expression", expression, place.topic_path(i));
-    check_flags(out, place, i);
-    check_kinds(out, place, i);
+    diagnose_flags(out, place, i);
+    diagnose_kinds(out, place, i);
   }
 }
 
@@ -378,20 +378,20 @@ std::vector<Finding> lint(const Governance& governance, const GovernanceUse& use
   for (std::size_t i = 0; i < governance.domain_rules.size(); ++i) {
     const DomainPlace place{governance.domain_rules[i],
                             fmt::format("/dds/domain_access_rules/domain_rule[{}]", i + 1)};
-    check_coverage(out, governance, i, place);
-    check_tags(out, place);
-    check_dead_rules(out, place);
-    check_overlaps(out, place);
-    check_topics_without_rule(out, place);
-    check_domain_kinds(out, place);
-    check_access(out, place);
-    check_clear_discovery(out, place);
-    check_redirection(out, place);
+    diagnose_coverage(out, governance, i, place);
+    diagnose_tags(out, place);
+    diagnose_dead_rules(out, place);
+    diagnose_overlaps(out, place);
+    diagnose_topics_without_rule(out, place);
+    diagnose_domain_kinds(out, place);
+    diagnose_access(out, place);
+    diagnose_clear_discovery(out, place);
+    diagnose_redirection(out, place);
     if (use.choices) {
-      check_origin(out, place);
-      check_builtin_origin(out, place);
+      diagnose_origin(out, place);
+      diagnose_builtin_origin(out, place);
     }
-    check_topics(out, place);
+    diagnose_topics(out, place);
   }
   if (use.domain && !governance.find(*use.domain))
     out.add({.rule = GOV003,

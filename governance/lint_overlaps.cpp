@@ -171,7 +171,7 @@ void lint_overlaps(LintFindings& out, const GrantPlace& place,
   }
 }
 
-void check_overlaps(LintFindings& out, const DomainPlace& place) {
+void diagnose_overlaps(LintFindings& out, const DomainPlace& place) {
   const auto& rules = place.rule.topic_rules;
   Budget budget;
   for (std::size_t i = 1; i < rules.size(); ++i) {

@@ -67,7 +67,7 @@ void add_notes(LintFindings& out, const Permissions& document) {
   }
 }
 
-void check_dates(LintFindings& out, const GrantPlace& place, const PermissionsUse& use) {
+void diagnose_dates(LintFindings& out, const GrantPlace& place, const PermissionsUse& use) {
   const auto from = place.grant().validity.not_before, to = place.grant().validity.not_after;
   const auto add = [&](Severity severity, std::string message) {
     auto finding = place.about(PERM002, std::move(message));
@@ -106,7 +106,7 @@ bool overlap_in_time(const Grant& one, const Grant& other) {
 }
 
 // Successive grants for one subject are a renewal, but Cyclone DDS knows only the first.
-void check_repeated_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
+void diagnose_repeated_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
   std::map<std::string, const GrantPlace*> first;
   for (const auto& place : places) {
     const auto [entry, is_new] = first.try_emplace(key_of(place.grant()), &place);
@@ -126,7 +126,7 @@ void check_repeated_subjects(LintFindings& out, const std::vector<GrantPlace>& p
 // Reports an expression for many subjects before the grant of one of them. Each comparison takes
 // microseconds, and a document may hold thousands of grants, so only the first expressions are
 // compared.
-void check_matched_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
+void diagnose_matched_subjects(LintFindings& out, const std::vector<GrantPlace>& places) {
   constexpr std::size_t kMaxExpressions = 64;
   std::vector<const Grant*> expressions;
   for (const auto& place : places) {
@@ -150,8 +150,8 @@ void check_matched_subjects(LintFindings& out, const std::vector<GrantPlace>& pl
 
 // Reports grants that Cyclone DDS applies to certificates of other subjects. The order of the
 // grants counts there.
-void check_stray_grants(LintFindings& out, const Permissions& document,
-                        const std::vector<GrantPlace>& places) {
+void diagnose_stray_grants(LintFindings& out, const Permissions& document,
+                           const std::vector<GrantPlace>& places) {
   const Permissions* const subjects[] = {&document};
   for (const auto& stray : misapplied_grants(document, subjects)) {
     const auto place = std::ranges::find_if(
@@ -163,7 +163,7 @@ void check_stray_grants(LintFindings& out, const Permissions& document,
   }
 }
 
-void check_spelling(LintFindings& out, const GrantPlace& place) {
+void diagnose_spelling(LintFindings& out, const GrantPlace& place) {
   auto found = misspelt(place.grant());
   if (!found) return;
   auto finding = place.about(PERM011, std::move(found->message));
@@ -175,7 +175,7 @@ void check_spelling(LintFindings& out, const GrantPlace& place) {
   out.add(std::move(finding));
 }
 
-void check_letters(LintFindings& out, const GrantPlace& place) {
+void diagnose_letters(LintFindings& out, const GrantPlace& place) {
   auto found = letters_beyond_ascii(place.grant());
   if (!found) return;
   auto finding = place.about(PERM011, std::move(found->message));
@@ -187,8 +187,8 @@ void check_letters(LintFindings& out, const GrantPlace& place) {
 }
 
 // Reports a document in which no grant is for the certificate in the certificate's own spelling.
-void check_subject(LintFindings& out, const std::vector<GrantPlace>& places,
-                   const pki::Certificate& certificate) {
+void diagnose_subject(LintFindings& out, const std::vector<GrantPlace>& places,
+                      const pki::Certificate& certificate) {
   const auto subject = pki::SubjectName::of(certificate);
   const auto own = std::ranges::find_if(
       places, [&](const GrantPlace& place) { return is_for(place.grant(), subject); });
@@ -219,7 +219,7 @@ void check_subject(LintFindings& out, const std::vector<GrantPlace>& places,
   out.add(std::move(finding));
 }
 
-void check_names(LintFindings& out, const GrantPlace& place) {
+void diagnose_names(LintFindings& out, const GrantPlace& place) {
   const auto& grant = place.grant();
   const auto check = [&](std::string_view what, const Text& name) {
     out.add_if_misleading(PERM041, what, name, place.path());
@@ -253,22 +253,22 @@ std::vector<Finding> lint(const Permissions& permissions, const PermissionsUse& 
   for (std::size_t i = 0; i < permissions.grants.size(); ++i)
     places.emplace_back(permissions.grants[i], i + 1);
   for (const auto& place : places) {
-    check_dates(out, place, use);
-    check_names(out, place);
-    if (!use.certificate) check_spelling(out, place);
-    check_letters(out, place);
+    diagnose_dates(out, place, use);
+    diagnose_names(out, place);
+    if (!use.certificate) diagnose_spelling(out, place);
+    diagnose_letters(out, place);
     lint_overlaps(out, place, lint_dead_rules(out, place));
     lint_unmatchable(out, place);
     lint_rights(out, place, use.governance);
     lint_ros(out, place);
   }
-  check_repeated_subjects(out, places);
-  check_matched_subjects(out, places);
+  diagnose_repeated_subjects(out, places);
+  diagnose_matched_subjects(out, places);
   if (use.signed_octets > pki::kMaxSentPermissionsOctets)
     out.add(too_long_for_peers(use.signed_octets));
-  check_stray_grants(out, permissions, places);
+  diagnose_stray_grants(out, permissions, places);
   if (auto finding = missing_node_defaults(permissions)) out.add(*std::move(finding));
-  if (use.certificate && !places.empty()) check_subject(out, places, *use.certificate);
+  if (use.certificate && !places.empty()) diagnose_subject(out, places, *use.certificate);
   return out.take();
 }
 

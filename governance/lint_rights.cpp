@@ -27,7 +27,7 @@ std::vector<std::string_view> texts_of(const std::vector<Criteria>& list) {
   return out;
 }
 
-void check_expressions(LintFindings& out, const GrantPlace& place) {
+void diagnose_expressions(LintFindings& out, const GrantPlace& place) {
   for (const auto& entries : place.actions())
     for (const auto& entry : entries) {
       out.add_if_unportable(PERM013, *entry.topic, place.rule_path(entry.rule_number));
@@ -42,7 +42,7 @@ void check_expressions(LintFindings& out, const GrantPlace& place) {
           out.add_if_unportable(PERM013, partition, place.rule_path(i + 1));
 }
 
-void check_unread_conditions(LintFindings& out, const GrantPlace& place) {
+void diagnose_unread_conditions(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   const auto has_tags = [](const Criteria& c) { return c.data_tags.has_value(); };
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -63,8 +63,8 @@ void check_unread_conditions(LintFindings& out, const GrantPlace& place) {
 }
 
 // Fast DDS stops at the first rule whose topic matches, whatever its partitions are.
-void check_partitions_by_rule(LintFindings& out, const GrantPlace& place,
-                              const std::vector<GrantEntry>& entries) {
+void diagnose_partitions_by_rule(LintFindings& out, const GrantPlace& place,
+                                 const std::vector<GrantEntry>& entries) {
   const auto has_partitions = [](const GrantEntry& e) {
     return e.criteria->partitions.has_value();
   };
@@ -90,8 +90,8 @@ void check_partitions_by_rule(LintFindings& out, const GrantPlace& place,
 }
 
 // Fast DDS looks for the partitions in all elements of the rule that decides.
-void check_joined_partitions(LintFindings& out, const GrantPlace& place,
-                             const std::vector<GrantEntry>& entries) {
+void diagnose_joined_partitions(LintFindings& out, const GrantPlace& place,
+                                const std::vector<GrantEntry>& entries) {
   const auto partitions_of = [](const GrantEntry& entry) {
     return entry.criteria->partitions.value_or(std::vector<Text>{Text{}});
   };
@@ -138,20 +138,23 @@ void append(std::vector<std::string_view>& to, const std::vector<std::string_vie
   to.insert(to.end(), from.begin(), from.end());
 }
 
-void check_half_denied(LintFindings& out, const GrantPlace& place, std::size_t at, bool publish) {
+void diagnose_half_denied(LintFindings& out, const GrantPlace& place, std::size_t at,
+                          Action action) {
   const auto& rules = place.grant().rules;
-  const auto half = [](const GrantRule& rule, bool first) {
-    return texts_of(first ? rule.publish : rule.subscribe);
+  const auto half = [](const GrantRule& rule, Action of) {
+    return texts_of(of == Action::publish ? rule.publish : rule.subscribe);
   };
-  HalfDenial lists{half(rules[at], publish), half(rules[at], !publish), {}, {}};
+  const bool publish = action == Action::publish;
+  const Action other = publish ? Action::subscribe : Action::publish;
+  HalfDenial lists{half(rules[at], action), half(rules[at], other), {}, {}};
   if (lists.denied.empty()) return;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (i < at) append(lists.named_before, half(rules[i], true));
-    if (i < at) append(lists.named_before, half(rules[i], false));
-    if (i > at && rules[i].allow) append(lists.allowed_later, half(rules[i], !publish));
+    if (i < at) append(lists.named_before, half(rules[i], Action::publish));
+    if (i < at) append(lists.named_before, half(rules[i], Action::subscribe));
+    if (i > at && rules[i].allow) append(lists.allowed_later, half(rules[i], other));
     // If a topic is also denied in the other direction before any rule allows it, it is really
     // denied.
-    if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], !publish));
+    if (i > at && !rules[i].allow) append(lists.also_denied, half(rules[i], other));
   }
   const auto witness = lists.witness(out.effort());
   if (!witness) return;
@@ -165,13 +168,13 @@ void check_half_denied(LintFindings& out, const GrantPlace& place, std::size_t a
   out.add(std::move(finding));
 }
 
-void check_denials(LintFindings& out, const GrantPlace& place) {
+void diagnose_denials(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].allow || ++denials > kMaxDenyRules) continue;
-    check_half_denied(out, place, i, true);
-    check_half_denied(out, place, i, false);
+    diagnose_half_denied(out, place, i, Action::publish);
+    diagnose_half_denied(out, place, i, Action::subscribe);
   }
 }
 
@@ -184,21 +187,21 @@ std::vector<const GrantEntry*> allowed_in_partitions(const std::vector<GrantEntr
 }
 
 // Cyclone DDS gives a deny rule without partitions the default partition.
-void check_open_denial(LintFindings& out, const GrantPlace& place,
-                       const std::vector<GrantEntry>& entries) {
+void diagnose_open_denial(LintFindings& out, const GrantPlace& place,
+                          const std::vector<GrantEntry>& entries) {
   const auto allowed = allowed_in_partitions(entries);
   const auto number_of = [](const GrantEntry* entry) { return entry->rule_number; };
   int comparisons = 0;
   for (const auto& entry : entries) {
     if (entry.rule->allow || entry.criteria->partitions) continue;
-    const auto meets = [&](const GrantEntry* other) {
+    const auto overlaps = [&](const GrantEntry* other) {
       if (++comparisons > kMaxComparisons) return false;
       const std::string_view a[] = {entry.topic->text};
       const std::string_view b[] = {other->topic->text};
       return overlap(a, b, kLimits.sharing(out.effort())).kind == SetAnswer::Kind::yes;
     };
     const auto first = std::ranges::upper_bound(allowed, entry.rule_number, {}, number_of);
-    const auto found = std::find_if(first, allowed.end(), meets);
+    const auto found = std::find_if(first, allowed.end(), overlaps);
     if (comparisons > kMaxComparisons) return;
     if (found == allowed.end()) continue;
     const auto* later = *found;
@@ -222,8 +225,8 @@ bool lists_partitions(const GrantRule& rule) {
 
 // Measured with Cyclone DDS 0.10.2: it creates no topic whose first rule is a deny_rule, and
 // partitions do not count in that decision.
-void check_topic_denied_with_partitions(LintFindings& out, const GrantPlace& place,
-                                        std::size_t at) {
+void diagnose_topic_denied_with_partitions(LintFindings& out, const GrantPlace& place,
+                                           std::size_t at) {
   const auto& rules = place.grant().rules;
   HalfDenial lists;
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -249,12 +252,12 @@ void check_topic_denied_with_partitions(LintFindings& out, const GrantPlace& pla
   out.add(std::move(finding));
 }
 
-void check_denied_partitions(LintFindings& out, const GrantPlace& place) {
+void diagnose_denied_partitions(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     if (rules[i].allow || !lists_partitions(rules[i])) continue;
-    if (++denials <= kMaxDenyRules) check_topic_denied_with_partitions(out, place, i);
+    if (++denials <= kMaxDenyRules) diagnose_topic_denied_with_partitions(out, place, i);
     auto finding = place.about_rule(
         PERM021, i + 1,
         fmt::format("deny_rule {} lists partitions: Fast DDS denies its topics in all of them",
@@ -264,7 +267,7 @@ void check_denied_partitions(LintFindings& out, const GrantPlace& place) {
   }
 }
 
-void check_default(LintFindings& out, const GrantPlace& place) {
+void diagnose_default(LintFindings& out, const GrantPlace& place) {
   const auto& grant = place.grant();
   if (grant.default_allow)
     out.add(place.about(PERM022,
@@ -292,7 +295,7 @@ std::vector<DomainRange> domains_that_begin_with_denials(const Grant& grant) {
   return joined(std::move(out));
 }
 
-void check_joining(LintFindings& out, const GrantPlace& place) {
+void diagnose_joining(LintFindings& out, const GrantPlace& place) {
   if (place.grant().default_allow) return;
   const auto domains = domains_that_begin_with_denials(place.grant());
   if (domains.empty()) return;
@@ -321,7 +324,7 @@ std::vector<DomainRange> closed_by(const Grant& grant, const GrantRule& denial) 
   return joined(std::move(out));
 }
 
-void check_closed_domains(LintFindings& out, const GrantPlace& place) {
+void diagnose_closed_domains(LintFindings& out, const GrantPlace& place) {
   const auto& rules = place.grant().rules;
   int denials = 0;
   for (std::size_t i = 0; i < rules.size(); ++i) {
@@ -346,7 +349,7 @@ std::vector<DomainRange> uncovered(const GrantRule& rule, const Governance& gove
   return joined(std::move(out));
 }
 
-void check_domains(LintFindings& out, const GrantPlace& place, const Governance& governance) {
+void diagnose_domains(LintFindings& out, const GrantPlace& place, const Governance& governance) {
   const auto& rules = place.grant().rules;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const auto missing = uncovered(rules[i], governance);
@@ -379,7 +382,7 @@ class TopicExpressionsOfDomain {
   }
   // True if a topic rule may match a name of the expression. Most expressions match as if they were
   // names; the automaton is needed only for the others.
-  bool meet(const std::string& expression, SetEffort& effort) const {
+  bool may_match(const std::string& expression, SetEffort& effort) const {
     std::vector<PatternSet::Id> ids;
     if (!patterns_.match(expression, ids, effort.plain_steps) || !ids.empty()) return true;
     const std::string_view own[] = {expression};
@@ -391,14 +394,15 @@ class TopicExpressionsOfDomain {
   PatternSet patterns_;
 };
 
-void check_topic_rules(LintFindings& out, const GrantPlace& place, const Governance& governance) {
+void diagnose_topic_rules(LintFindings& out, const GrantPlace& place,
+                          const Governance& governance) {
   std::map<const DomainRule*, TopicExpressionsOfDomain> known;
   for (const auto& entries : place.actions())
     for (const auto& entry : entries) {
       const auto* domain = entry.rule->allow ? domain_rule_for(*entry.rule, governance) : nullptr;
       if (!domain) continue;
       const auto& rules = known.try_emplace(domain, *domain).first->second;
-      if (rules.meet(entry.topic->text, out.effort())) continue;
+      if (rules.may_match(entry.topic->text, out.effort())) continue;
       out.add(place.about(
           PERM025, entry,
           fmt::format("{} is allowed, and no topic_rule of the governance document matches it",
@@ -409,21 +413,21 @@ void check_topic_rules(LintFindings& out, const GrantPlace& place, const Governa
 }  // namespace
 
 void lint_rights(LintFindings& out, const GrantPlace& place, const Governance* governance) {
-  check_expressions(out, place);
-  check_unread_conditions(out, place);
+  diagnose_expressions(out, place);
+  diagnose_unread_conditions(out, place);
   for (const auto& entries : place.actions()) {
-    check_partitions_by_rule(out, place, entries);
-    check_joined_partitions(out, place, entries);
-    check_open_denial(out, place, entries);
+    diagnose_partitions_by_rule(out, place, entries);
+    diagnose_joined_partitions(out, place, entries);
+    diagnose_open_denial(out, place, entries);
   }
-  check_denials(out, place);
-  check_denied_partitions(out, place);
-  check_default(out, place);
-  check_joining(out, place);
-  check_closed_domains(out, place);
+  diagnose_denials(out, place);
+  diagnose_denied_partitions(out, place);
+  diagnose_default(out, place);
+  diagnose_joining(out, place);
+  diagnose_closed_domains(out, place);
   if (!governance) return;
-  check_domains(out, place, *governance);
-  check_topic_rules(out, place, *governance);
+  diagnose_domains(out, place, *governance);
+  diagnose_topic_rules(out, place, *governance);
 }
 
 }  // namespace ddssec::governance

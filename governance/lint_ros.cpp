@@ -38,7 +38,7 @@ std::optional<std::string> other_half(std::string_view text) {
 }
 
 // Reports halves of services whose other half is not allowed in the other direction.
-void check_services(LintFindings& out, const GrantPlace& place, std::size_t action) {
+void diagnose_services(LintFindings& out, const GrantPlace& place, std::size_t action) {
   std::vector<const GrantEntry*> halves;
   std::vector<std::string> others;
   for (const auto& entry : place.actions()[action]) {
@@ -68,7 +68,7 @@ bool allows(const std::vector<GrantEntry>& entries, std::string_view name) {
   });
 }
 
-void check_discovery(LintFindings& out, const GrantPlace& place) {
+void diagnose_discovery(LintFindings& out, const GrantPlace& place) {
   constexpr std::string_view kTopic = "ros_discovery_info";
   for (const auto action : {0u, 1u})
     if (!allows(place.actions()[action], kTopic))
@@ -76,7 +76,7 @@ void check_discovery(LintFindings& out, const GrantPlace& place) {
           PERM032, fmt::format("to {} ros_discovery_info is not allowed", kActionNames[action])));
 }
 
-void check_log_topic(LintFindings& out, const GrantPlace& place) {
+void diagnose_log_topic(LintFindings& out, const GrantPlace& place) {
   if (allows(place.publish(), "rt/rosout")) return;
   for (const auto& entry : place.publish()) {
     const std::string_view text = entry.topic->text;
@@ -91,10 +91,10 @@ void check_log_topic(LintFindings& out, const GrantPlace& place) {
 
 void lint_ros(LintFindings& out, const GrantPlace& place) {
   if (!names_ros_topics(place)) return;
-  check_services(out, place, 0);
-  check_services(out, place, 1);
-  check_discovery(out, place);
-  check_log_topic(out, place);
+  diagnose_services(out, place, 0);
+  diagnose_services(out, place, 1);
+  diagnose_discovery(out, place);
+  diagnose_log_topic(out, place);
 }
 
 }  // namespace ddssec::governance

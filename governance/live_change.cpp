@@ -128,8 +128,8 @@ Status check_flag(std::string_view element, const TopicRule& former, const Topic
 Status check_data(const TopicRule& former, const DomainRule& domain, const TopicRule& next) {
   const auto before = strength(former.data_protection_kind),
              after = strength(next.data_protection_kind);
-  const auto refuse = [&](std::string_view element, std::string expected, ProtectionKind found,
-                          std::string note) {
+  const auto change_error = [&](std::string_view element, std::string expected,
+                                ProtectionKind found, std::string note) {
     return fail(Code::governance_renewal_refused, {.line = next.line,
                                                    .field = std::string(element),
                                                    .expected = std::move(expected),
@@ -138,14 +138,15 @@ Status check_data(const TopicRule& former, const DomainRule& domain, const Topic
   };
   if (before == after) return {};
   if (before == 0 && !is_protected(next.metadata_protection_kind))
-    return refuse("metadata_protection_kind", "SIGN or ENCRYPT", next.metadata_protection_kind,
-                  "data that was not protected can become so while participants run only if "
-                  "submessages are protected, too");
+    return change_error("metadata_protection_kind", "SIGN or ENCRYPT",
+                        next.metadata_protection_kind,
+                        "data that was not protected can become so while participants run only if "
+                        "submessages are protected, too");
   if (after == 2 && !is_encrypted(next.metadata_protection_kind) &&
       !is_encrypted(domain.rtps_protection_kind))
-    return refuse("metadata_protection_kind", "ENCRYPT", next.metadata_protection_kind,
-                  "data can become encrypted while participants run only if submessages or "
-                  "messages are encrypted, too: key hashes stand beside the data");
+    return change_error("metadata_protection_kind", "ENCRYPT", next.metadata_protection_kind,
+                        "data can become encrypted while participants run only if submessages or "
+                        "messages are encrypted, too: key hashes stand beside the data");
   return {};
 }
 

@@ -45,11 +45,11 @@ NameAutomaton::End NameAutomaton::search() {
   arrivals_ = table_.beginnings();
   arrive({});
   for (State state = 0; state < states_.size(); ++state) {
-    if (goal_ && goal_->from != kNowhere) return End::goal_met;
+    if (goal_ && goal_->from != kNowhere) return End::goal_reached;
     expand(state);
     if (limit_reached()) break;
   }
-  if (goal_) return End::goal_met;
+  if (goal_) return End::goal_reached;
   return limit_reached() ? End::limit_reached : End::complete;
 }
 
@@ -257,11 +257,11 @@ void NameAutomaton::note_acceptance(State state, Origin origin) {
   // The empty name is the example only if there is no other name.
   const bool is_better = !is_new && witnesses_[accepted].from == kNowhere;
   if (is_better) witnesses_[accepted] = origin;
-  if ((is_new || is_better) && goal_with_ != 0 && meets_goal(acceptances_[accepted]))
+  if ((is_new || is_better) && goal_with_ != 0 && reaches_goal(acceptances_[accepted]))
     goal_ = origin;
 }
 
-bool NameAutomaton::meets_goal(std::span<const Label> labels) const {
+bool NameAutomaton::reaches_goal(std::span<const Label> labels) const {
   std::uint32_t lists = 0;
   for (const Label label : labels) lists |= 1u << table_.match(label).list;
   return (lists & goal_with_) == goal_with_ && (lists & goal_without_) == 0;

@@ -38,16 +38,16 @@ class NameAutomaton {
     std::vector<std::uint32_t> with = {};     ///< lists that must match, below 32
     std::vector<std::uint32_t> without = {};  ///< lists that must not match, below 32
   };
-  enum class End : std::uint8_t { complete, goal_met, limit_reached };
+  enum class End : std::uint8_t { complete, goal_reached, limit_reached };
 
   NameAutomaton(std::span<const RankedExpression> expressions, const SetLimits& limits, Goal goal);
 
   /// Runs the search; may be called once. With a goal it stops at the first name, except the empty
-  /// one, that meets it.
+  /// one, that reaches it.
   End run();
   /// Returns the atoms found, shortest name first. Valid after run().
   std::vector<NameAtom> atoms() const;
-  /// Returns the name that meets the goal. Valid after goal_met.
+  /// Returns the name that reaches the goal. Valid after goal_reached.
   std::string goal_name() const { return name_of(*goal_); }
 
  private:
@@ -89,7 +89,7 @@ class NameAutomaton {
   void enter(Origin origin);
   ListId acceptance();
   void note_acceptance(State state, Origin origin);
-  bool meets_goal(std::span<const Label> labels) const;
+  bool reaches_goal(std::span<const Label> labels) const;
   bool is_hopeless() const;
   bool limit_reached() const;
   std::string name_of(Origin origin) const;

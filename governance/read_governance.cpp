@@ -32,9 +32,9 @@ Result<TopicRule> read_topic_rule(ReadContext& context, XmlElement element) {
   DDSSEC_ASSIGN_OR_RETURN(rule.enable_read_access_control, read_boolean(context, child.one(3)));
   DDSSEC_ASSIGN_OR_RETURN(rule.enable_write_access_control, read_boolean(context, child.one(4)));
   DDSSEC_ASSIGN_OR_RETURN(rule.metadata_protection_kind,
-                          read_protection_kind(context, child.one(5), false));
+                          read_protection_kind(context, child.one(5), AllowedKinds::all));
   DDSSEC_ASSIGN_OR_RETURN(rule.data_protection_kind,
-                          read_protection_kind(context, child.one(6), true));
+                          read_protection_kind(context, child.one(6), AllowedKinds::basic));
   return rule;
 }
 
@@ -134,7 +134,8 @@ Status read_additions(ReadContext& context, const XmlChildren& child, DomainRule
     DDSSEC_ASSIGN_OR_RETURN(rule.enable_key_revision, read_boolean(context, e));
   }
   if (const auto e = child.one(kRtpsPsk)) {
-    DDSSEC_ASSIGN_OR_RETURN(rule.rtps_psk_protection_kind, read_protection_kind(context, e, true));
+    DDSSEC_ASSIGN_OR_RETURN(rule.rtps_psk_protection_kind,
+                            read_protection_kind(context, e, AllowedKinds::basic));
   }
   if (const auto e = child.one(kAlgorithms)) {
     DDSSEC_ASSIGN_OR_RETURN(rule.allowed_algorithms, read_algorithms(context, e));
@@ -154,11 +155,11 @@ Result<DomainRule> read_domain_rule(ReadContext& context, XmlElement element) {
   DDSSEC_ASSIGN_OR_RETURN(rule.enable_join_access_control,
                           read_boolean(context, child.one(kJoinAccessControl)));
   DDSSEC_ASSIGN_OR_RETURN(rule.discovery_protection_kind,
-                          read_protection_kind(context, child.one(kDiscovery), false));
+                          read_protection_kind(context, child.one(kDiscovery), AllowedKinds::all));
   DDSSEC_ASSIGN_OR_RETURN(rule.liveliness_protection_kind,
-                          read_protection_kind(context, child.one(kLiveliness), false));
+                          read_protection_kind(context, child.one(kLiveliness), AllowedKinds::all));
   DDSSEC_ASSIGN_OR_RETURN(rule.rtps_protection_kind,
-                          read_protection_kind(context, child.one(kRtps), false));
+                          read_protection_kind(context, child.one(kRtps), AllowedKinds::all));
   DDSSEC_RETURN_IF_ERROR(read_additions(context, child, rule));
   DDSSEC_ASSIGN_OR_RETURN(rule.topic_rules, read_topic_rules(context, child.one(kTopicRules)));
   return rule;

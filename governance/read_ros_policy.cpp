@@ -20,7 +20,8 @@ struct Node {
   fs::path file;
 };
 
-std::unexpected<Error> refuse(Code code, const Node& at, std::string expected, std::string found) {
+std::unexpected<Error> element_error(Code code, const Node& at, std::string expected,
+                                     std::string found) {
   return fail(code, {.document = at.file,
                      .line = at.element.line(),
                      .field = in_brackets(at.element.name()),
@@ -35,7 +36,7 @@ Result<std::vector<std::string>> steps_of(const Node& include) {
   const auto text = text_of(include.element.attribute("xpointer"));
   constexpr std::string_view kBegin = "xpointer(/", kEnd = "/*)";
   const auto wrong = [&] {
-    return refuse(Code::policy_include, include, "xpointer(/NAME/*)", text);
+    return element_error(Code::policy_include, include, "xpointer(/NAME/*)", text);
   };
   if (!text.starts_with(kBegin) || !text.ends_with(kEnd) ||
       text.size() <= kBegin.size() + kEnd.size())
@@ -98,12 +99,13 @@ class Policies {
 
   Result<std::vector<Node>> includes(const Node& include, int depth) {
     if (depth >= kMaxIncludeDepth || ++count_ > kMaxIncludes)
-      return refuse(Code::policy_include, include, "files that do not include one another", "");
+      return element_error(Code::policy_include, include, "files that do not include one another",
+                           "");
     const auto href = text_of(include.element.attribute("href"));
     const fs::path path(href);
     const bool leaves = std::ranges::find(path, fs::path("..")) != path.end();
     if (href.empty() || path.is_absolute() || leaves || href.find(':') != href.npos)
-      return refuse(Code::policy_include, include, "a file beside or below this one", href);
+      return element_error(Code::policy_include, include, "a file beside or below this one", href);
     DDSSEC_ASSIGN_OR_RETURN(const auto steps, steps_of(include));
     DDSSEC_ASSIGN_OR_RETURN(auto opened, open(include.file.parent_path() / path));
     std::vector<Node> found = {std::move(opened)};
@@ -118,7 +120,8 @@ class Policies {
       }
       found = std::move(next);
     }
-    if (found.empty()) return refuse(Code::policy_include, include, "elements there", "none");
+    if (found.empty())
+      return element_error(Code::policy_include, include, "elements there", "none");
     return found;
   }
 
@@ -146,7 +149,7 @@ bool is_xml_attribute(std::string_view name) {
 Status check_attributes(const Node& node, std::initializer_list<std::string_view> known) {
   for (const auto name : node.element.attribute_names())
     if (!is_xml_attribute(name) && std::ranges::find(known, name) == known.end())
-      return refuse(Code::attribute_unknown, node, "", std::string(name));
+      return element_error(Code::attribute_unknown, node, "", std::string(name));
   return {};
 }
 
@@ -155,7 +158,7 @@ Result<RosQualifier> qualifier(const Node& node, std::string_view name) {
   if (value == nullptr) return RosQualifier::unsaid;
   if (std::string_view(value) == "ALLOW") return RosQualifier::allow;
   if (std::string_view(value) == "DENY") return RosQualifier::deny;
-  return refuse(Code::policy_value, node, std::string(name) + "=ALLOW or DENY", value);
+  return element_error(Code::policy_value, node, std::string(name) + "=ALLOW or DENY", value);
 }
 
 std::unexpected<Error> unknown_element_error(const Node& node) {
@@ -166,20 +169,20 @@ std::unexpected<Error> unknown_element_error(const Node& node) {
 
 Status require(const Node& node, bool there, std::string_view what) {
   if (there) return {};
-  return refuse(Code::element_missing, node, std::string(what), "");
+  return element_error(Code::element_missing, node, std::string(what), "");
 }
 
 // Reads the policy's elements from the outside in.
-class Reader {
+class PolicyReader {
  public:
-  explicit Reader(Policies& policies) : policies_(policies) {}
+  explicit PolicyReader(Policies& policies) : policies_(policies) {}
 
   Result<RosPolicy> policy(const Node& root) {
     if (root.element.name() != "policy")
-      return refuse(Code::document_kind, root, "<policy>", std::string(root.element.name()));
+      return element_error(Code::document_kind, root, "<policy>", std::string(root.element.name()));
     DDSSEC_RETURN_IF_ERROR(check_attributes(root, {"version"}));
     if (const auto version = text_of(root.element.attribute("version")); version != "0.2.0")
-      return refuse(Code::policy_value, root, "version 0.2.0", version);
+      return element_error(Code::policy_value, root, "version 0.2.0", version);
     RosPolicy out;
     DDSSEC_ASSIGN_OR_RETURN(const auto nodes, named_children(root, "enclaves"));
     for (const auto& enclaves : nodes) {
@@ -207,7 +210,7 @@ class Reader {
     DDSSEC_RETURN_IF_ERROR(check_attributes(node, {"path"}));
     RosEnclave out{.path = text_of(node.element.attribute("path")), .line = node.element.line()};
     if (!out.path.starts_with('/'))
-      return refuse(Code::policy_value, node, "an absolute path", out.path);
+      return element_error(Code::policy_value, node, "an absolute path", out.path);
     DDSSEC_ASSIGN_OR_RETURN(const auto nodes, named_children(node, "profiles"));
     for (const auto& profiles : nodes) {
       DDSSEC_RETURN_IF_ERROR(check_attributes(profiles, {"type"}));
@@ -227,8 +230,8 @@ class Reader {
     DDSSEC_RETURN_IF_ERROR(check_attributes(node, {"ns", "node"}));
     RosProfile out{text_of(node.element.attribute("ns")), text_of(node.element.attribute("node"))};
     if (!out.ns.starts_with('/') || out.node.empty())
-      return refuse(Code::policy_value, node, "ns= an absolute namespace and node= a name",
-                    out.ns + " " + out.node);
+      return element_error(Code::policy_value, node, "ns= an absolute namespace and node= a name",
+                           out.ns + " " + out.node);
     DDSSEC_ASSIGN_OR_RETURN(const auto children, policies_.children(node));
     for (const auto& child : children) {
       DDSSEC_ASSIGN_OR_RETURN(auto ros_element, element(child));
@@ -247,7 +250,7 @@ class Reader {
     DDSSEC_ASSIGN_OR_RETURN(const auto nodes, named_children(node, words->item));
     for (const auto& item : nodes) {
       DDSSEC_ASSIGN_OR_RETURN(auto name, with_default_document(item.element.raw_text(), item.file));
-      if (name.empty()) return refuse(Code::element_empty, item, "a name", "");
+      if (name.empty()) return element_error(Code::element_empty, item, "a name", "");
       out.names.push_back(std::move(name));
     }
     DDSSEC_RETURN_IF_ERROR(require(node, !out.names.empty(), in_brackets(words->item)));
@@ -262,7 +265,7 @@ class Reader {
 Result<RosPolicy> read_ros_policy(const fs::path& file, const ReadFile& read) {
   Policies policies(read);
   DDSSEC_ASSIGN_OR_RETURN(const auto root, policies.open(file));
-  return Reader(policies).policy(root);
+  return PolicyReader(policies).policy(root);
 }
 
 }  // namespace ddssec::governance

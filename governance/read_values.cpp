@@ -227,15 +227,15 @@ Status ReadContext::count(XmlElement at) {
 
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name) {
   const XmlElement root = document.root();
-  const auto refuse = [&](XmlElement at, std::string_view expected) {
+  const auto document_kind_error = [&](XmlElement at, std::string_view expected) {
     return fail(
         Code::document_kind,
         {.line = at.line(), .expected = in_brackets(expected), .found = in_brackets(at.name())});
   };
-  if (root.name() != "dds") return refuse(root, "dds");
+  if (root.name() != "dds") return document_kind_error(root, "dds");
   DDSSEC_RETURN_IF_ERROR(root.check_attributes());
   for (XmlElement child = root.first_child(); child; child = child.next_sibling()) {
-    if (child.name() != name && !child.may_be_ignored()) return refuse(child, name);
+    if (child.name() != name && !child.may_be_ignored()) return document_kind_error(child, name);
   }
   const ChildSpec specs[] = {{name}};
   DDSSEC_ASSIGN_OR_RETURN(const auto xml_children, XmlChildren::of(root, specs));
@@ -265,18 +265,20 @@ Result<bool> read_boolean(ReadContext& context, XmlElement element) {
   return value;
 }
 
-Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic) {
+Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element,
+                                            AllowedKinds allowed) {
   DDSSEC_ASSIGN_OR_RETURN(const std::string text, element.nonempty_text());
   note_refused_padding(context, element);
   const std::string upper = ascii_upper(text);
   const auto kind = protection_kind_from(upper);
-  if (!kind || (basic && is_origin_authenticated(*kind))) {
+  if (!kind || (allowed == AllowedKinds::basic && is_origin_authenticated(*kind))) {
     return fail(Code::value_not_protection_kind,
                 {.line = element.line(),
                  .field = in_brackets(element.name()),
-                 .expected = basic ? "NONE, SIGN or ENCRYPT"
-                                   : "NONE, SIGN, ENCRYPT, SIGN_WITH_ORIGIN_AUTHENTICATION or "
-                                     "ENCRYPT_WITH_ORIGIN_AUTHENTICATION",
+                 .expected = allowed == AllowedKinds::basic
+                                 ? "NONE, SIGN or ENCRYPT"
+                                 : "NONE, SIGN, ENCRYPT, SIGN_WITH_ORIGIN_AUTHENTICATION or "
+                                   "ENCRYPT_WITH_ORIGIN_AUTHENTICATION",
                  .found = text});
   }
   if (upper != text)

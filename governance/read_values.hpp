@@ -1,7 +1,6 @@
 // Parses values that both kinds of documents contain. For governance/ only.
 #pragma once
 
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -41,8 +40,11 @@ void note_byte_order_mark(ReadContext& context, BytesView text, XmlElement root)
 /// Returns the only child of <dds>, which must be named `name`. Error: document_kind.
 Result<XmlElement> document_body(const XmlDocument& document, std::string_view name);
 Result<bool> read_boolean(ReadContext& context, XmlElement element);
-/// Reads a protection kind. If `basic`, the kinds with origin authentication are refused.
-Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element, bool basic);
+/// The protection kinds that an element may have: all, or those without origin authentication.
+enum class AllowedKinds : std::uint8_t { all, basic };
+/// Reads a protection kind, and refuses one that the element may not have.
+Result<ProtectionKind> read_protection_kind(ReadContext& context, XmlElement element,
+                                            AllowedKinds allowed);
 /// Reads a set of domains. A range without <max> ends with the highest id, one without <min> begins
 /// with 0 (DDS-Security 1.2, clause 10.4.1.2.3, and its rule for all domains in 10.4.1.2.7).
 Result<DomainSet> read_domains(ReadContext& context, XmlElement element);

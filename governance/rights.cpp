@@ -1,7 +1,5 @@
 #include "governance/rights.hpp"
 
-#include <optional>
-
 namespace ddssec::governance {
 namespace {
 
@@ -24,9 +22,10 @@ std::vector<Criteria> criteria_of(const std::vector<std::string>& topics,
 
 Grant grant_of(std::string name, const pki::Certificate& certificate, const Rights& rights,
                Validity validity) {
-  const auto rule = [&](bool allow, const auto& publish, const auto& subscribe,
+  enum class Kind : std::uint8_t { deny, allow };
+  const auto rule = [&](Kind kind, const auto& publish, const auto& subscribe,
                         const std::vector<std::string>& partitions) {
-    return GrantRule{.allow = allow,
+    return GrantRule{.allow = kind == Kind::allow,
                      .domains = {.ranges = rights.domains},
                      .publish = criteria_of(publish, partitions),
                      .subscribe = criteria_of(subscribe, partitions)};
@@ -35,11 +34,11 @@ Grant grant_of(std::string name, const pki::Certificate& certificate, const Righ
   Grant grant{.name = std::move(name), .subject_name = certificate.subject(), .validity = validity};
   if (!rights.deny_publish.empty() || !rights.deny_subscribe.empty()) {
     // The first rule for a domain decides which participants join it (DDS-Security 1.2 table 70).
-    grant.rules.push_back(rule(true, none, none, {}));
-    grant.rules.push_back(rule(false, rights.deny_publish, rights.deny_subscribe, {}));
+    grant.rules.push_back(rule(Kind::allow, none, none, {}));
+    grant.rules.push_back(rule(Kind::deny, rights.deny_publish, rights.deny_subscribe, {}));
   }
   // The schema requires a rule. A rule without topics only lets the participant join.
-  grant.rules.push_back(rule(true, rights.publish, rights.subscribe, rights.partitions));
+  grant.rules.push_back(rule(Kind::allow, rights.publish, rights.subscribe, rights.partitions));
   return grant;
 }
 

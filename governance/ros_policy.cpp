@@ -119,9 +119,11 @@ std::vector<Text> sorted(const std::vector<Group>& groups) {
 
 using Order = std::vector<Text> (*)(std::vector<Group>);
 
-void add_rule(Grant& grant, bool allow, DomainId domain, std::vector<Text> publish,
+enum class RuleKind : std::uint8_t { deny, allow };
+
+void add_rule(Grant& grant, RuleKind kind, DomainId domain, std::vector<Text> publish,
               std::vector<Text> subscribe) {
-  GrantRule rule{.allow = allow, .domains = {.ranges = {{domain, domain}}}};
+  GrantRule rule{.allow = kind == RuleKind::allow, .domains = {.ranges = {{domain, domain}}}};
   if (!publish.empty()) rule.publish.push_back({.topics = std::move(publish)});
   if (!subscribe.empty()) rule.subscribe.push_back({.topics = std::move(subscribe)});
   grant.rules.push_back(std::move(rule));
@@ -134,12 +136,14 @@ Grant grant_of(const RosEnclave& enclave, const Rights& rights,
                const RosPermissionsOptions& options, Order order) {
   Grant grant{
       .name = enclave.path, .subject_name = "CN=" + enclave.path, .validity = options.validity};
-  if (!rights.deny.empty()) add_rule(grant, true, options.domain, {}, {});
-  for (const auto& [allow, uses] : {std::pair(false, &rights.deny), std::pair(true, &rights.allow)})
+  if (!rights.deny.empty()) add_rule(grant, RuleKind::allow, options.domain, {}, {});
+  for (const auto& [kind, uses] :
+       {std::pair(RuleKind::deny, &rights.deny), std::pair(RuleKind::allow, &rights.allow)})
     if (!uses->empty())
-      add_rule(grant, allow, options.domain, order(uses->publish), order(uses->subscribe));
+      add_rule(grant, kind, options.domain, order(uses->publish), order(uses->subscribe));
   const std::vector<Text> discovery = {{std::string(kDiscoveryTopic), 0}};
-  if (options.discovery_topic) add_rule(grant, true, options.domain, discovery, discovery);
+  if (options.discovery_topic)
+    add_rule(grant, RuleKind::allow, options.domain, discovery, discovery);
   return grant;
 }
 

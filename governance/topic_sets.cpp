@@ -36,7 +36,7 @@ SetAnswer search(std::span<const RankedExpression> sets, const SetLimits& limits
   if (!pay_for_layout(sets, limits)) return {};
   NameAutomaton automaton(sets, limits, std::move(goal));
   switch (automaton.run()) {
-    case NameAutomaton::End::goal_met:
+    case NameAutomaton::End::goal_reached:
       return {if_met, automaton.goal_name()};
     case NameAutomaton::End::complete:
       return {if_not, {}};

@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kSpace = " \t\r\n";
 constexpr const char* kMustInterpret = "must_interpret";
 
-std::unexpected<Error> refuse(Code code, XmlElement at, ErrorDetails details) {
+std::unexpected<Error> element_error(Code code, XmlElement at, ErrorDetails details) {
   details.line = at.line();
   if (details.field.empty()) details.field = in_brackets(at.name());
   return fail(code, std::move(details));
@@ -85,13 +85,13 @@ Result<std::string> XmlElement::raw_text() const {
   std::string text;
   for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
     if (node->ToElement()) {
-      return refuse(Code::element_unknown, XmlElement(node->ToElement()),
-                    {.expected = "text in " + in_brackets(name())});
+      return element_error(Code::element_unknown, XmlElement(node->ToElement()),
+                           {.expected = "text in " + in_brackets(name())});
     }
     // Fast DDS reads the first text only, while other products join the pieces.
     if (!node->ToText() || node->NextSibling()) {
-      return refuse(Code::value_in_pieces, *this,
-                    {.found = node->ToComment() ? "a comment" : "several pieces of text"});
+      return element_error(Code::value_in_pieces, *this,
+                           {.found = node->ToComment() ? "a comment" : "several pieces of text"});
     }
     text = node->Value();
   }
@@ -106,7 +106,7 @@ Result<std::string> XmlElement::text() const {
 
 Result<std::string> XmlElement::nonempty_text() const {
   auto content = text();
-  if (content && content->empty()) return refuse(Code::element_empty, *this, {});
+  if (content && content->empty()) return element_error(Code::element_empty, *this, {});
   return content;
 }
 
@@ -120,12 +120,13 @@ Status XmlElement::check_attributes(std::string_view allowed) const {
     const std::string_view attribute_name = a->Name();
     if (attribute_name == kMustInterpret) {
       if (!means_true(a->Value()) && !means_false(a->Value())) {
-        return refuse(Code::value_not_boolean, *this,
-                      {.field = in_brackets(name()) + " must_interpret", .found = a->Value()});
+        return element_error(
+            Code::value_not_boolean, *this,
+            {.field = in_brackets(name()) + " must_interpret", .found = a->Value()});
       }
     } else if (attribute_name != allowed && !is_namespace_attribute(attribute_name) &&
                !may_be_ignored()) {
-      return refuse(Code::attribute_unknown, *this, {.found = std::string(attribute_name)});
+      return element_error(Code::attribute_unknown, *this, {.found = std::string(attribute_name)});
     }
   }
   return {};
@@ -134,8 +135,8 @@ Status XmlElement::check_attributes(std::string_view allowed) const {
 Status XmlElement::check_no_text() const {
   for (const auto* node = element_->FirstChild(); node; node = node->NextSibling()) {
     if (node->ToText() && !trimmed(node->Value(), kSpace).empty()) {
-      return refuse(Code::text_unexpected, *this,
-                    {.found = std::string(trimmed(node->Value(), kSpace).substr(0, 40))});
+      return element_error(Code::text_unexpected, *this,
+                           {.found = std::string(trimmed(node->Value(), kSpace).substr(0, 40))});
     }
   }
   return {};
@@ -183,12 +184,13 @@ Result<XmlChildren> XmlChildren::of(XmlElement parent, std::span<const ChildSpec
     if (row == specs.end()) {
       DDSSEC_RETURN_IF_ERROR(child.check_attributes());
       if (child.may_be_ignored()) continue;
-      return refuse(Code::element_unknown, child, {.note = "inside " + in_brackets(parent.name())});
+      return element_error(Code::element_unknown, child,
+                           {.note = "inside " + in_brackets(parent.name())});
     }
     const auto index = static_cast<std::size_t>(row - specs.begin());
     if (row->count != ChildSpec::Count::many && (seen >> index & 1)) {
-      return refuse(Code::element_repeated, child,
-                    {.note = "inside " + in_brackets(parent.name())});
+      return element_error(Code::element_repeated, child,
+                           {.note = "inside " + in_brackets(parent.name())});
     }
     DDSSEC_RETURN_IF_ERROR(child.check_attributes(child.name() == "grant" ? "name" : ""));
     seen |= std::uint64_t{1} << index;
@@ -196,7 +198,7 @@ Result<XmlChildren> XmlChildren::of(XmlElement parent, std::span<const ChildSpec
   }
   for (std::size_t i = 0; i < specs.size(); ++i) {
     if (specs[i].count == ChildSpec::Count::once && !(seen >> i & 1)) {
-      return refuse(Code::element_missing, parent, {.expected = in_brackets(specs[i].name)});
+      return element_error(Code::element_missing, parent, {.expected = in_brackets(specs[i].name)});
     }
   }
   return children;

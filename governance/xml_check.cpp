@@ -87,6 +87,10 @@ Status check_characters(std::string_view document) {
   return {};
 }
 
+// The longest reference that is read, without its ';'. The longest one that is allowed,
+// "&#x10FFFF", may have leading zeros.
+constexpr std::size_t kMaxReference = 12;
+
 constexpr std::string_view kRevisionTarget = "<?ddssec";
 
 // Walks over the markup of one document.
@@ -96,13 +100,10 @@ class MarkupCheck {
 
   Status run() {
     if (rest().starts_with(kBom)) at_ += kBom.size();
-    if (is_declaration()) {
-      if (auto status = declaration(); !status) return status;
-    }
+    if (is_declaration()) DDSSEC_RETURN_IF_ERROR(declaration());
     DDSSEC_RETURN_IF_ERROR(revision());
     while (at_ < all_.size()) {
-      Status status = all_[at_] == '<' ? markup() : text();
-      if (!status) return status;
+      DDSSEC_RETURN_IF_ERROR(all_[at_] == '<' ? markup() : text());
     }
     if (depth_ != 0) return malformed_error("an end tag", "the end of the document");
     if (!had_root_) return malformed_error("an element", "none");
@@ -113,7 +114,7 @@ class MarkupCheck {
   std::string_view rest() const { return all_.substr(at_); }
   int line() const { return line_at(all_, at_); }
 
-  std::unexpected<Error> refuse(Code code, std::string found) const {
+  std::unexpected<Error> line_error(Code code, std::string found) const {
     return fail(code, {.line = line(), .found = std::move(found)});
   }
   std::unexpected<Error> malformed_error(std::string expected, std::string found) const {
@@ -188,14 +189,14 @@ class MarkupCheck {
     const std::string_view here = rest();
     if (here.starts_with("<!--")) return comment();
     if (here.starts_with("<![CDATA[")) return cdata();
-    if (here.starts_with("<!")) return refuse(Code::xml_doctype, "<!");
-    if (here.starts_with("<?")) return refuse(Code::xml_processing_instruction, "<?");
+    if (here.starts_with("<!")) return line_error(Code::xml_doctype, "<!");
+    if (here.starts_with("<?")) return line_error(Code::xml_processing_instruction, "<?");
     return here.starts_with("</") ? end_tag() : start_tag();
   }
 
   Status comment() {
     at_ += 4;
-    if (auto status = skip_past("--"); !status) return status;
+    DDSSEC_RETURN_IF_ERROR(skip_past("--"));
     if (!rest().starts_with('>')) return malformed_error("-->", "-- inside a comment");
     ++at_;
     return {};
@@ -211,7 +212,7 @@ class MarkupCheck {
     while (at_ < end) {
       const char c = all_[at_];
       if (c == '&') {
-        if (auto status = reference(); !status) return status;
+        DDSSEC_RETURN_IF_ERROR(reference());
         continue;
       }
       if (depth_ == 0 && !is_space(c))
@@ -225,11 +226,11 @@ class MarkupCheck {
   Status reference() {
     if (depth_ == 0) return malformed_error("nothing outside the root element", "text");
     const auto end = all_.find(';', at_);
-    if (end == all_.npos || end - at_ > 12) return refuse(Code::xml_entity, "&");
+    if (end == all_.npos || end - at_ > kMaxReference) return line_error(Code::xml_entity, "&");
     const std::string_view name = all_.substr(at_ + 1, end - at_ - 1);
     constexpr std::array<std::string_view, 5> kKnown = {"lt", "gt", "amp", "quot", "apos"};
     if (!std::ranges::count(kKnown, name) && !is_character_number(name))
-      return refuse(Code::xml_entity, "another one");
+      return line_error(Code::xml_entity, "an entity that XML does not define");
     at_ = end + 1;
     return {};
   }
@@ -257,7 +258,7 @@ class MarkupCheck {
 
   Status end_tag() {
     at_ += 2;
-    if (auto status = name(); !status) return status;
+    DDSSEC_RETURN_IF_ERROR(name());
     skip_space();
     if (!rest().starts_with('>')) return malformed_error(">", shown());
     ++at_;
@@ -267,9 +268,9 @@ class MarkupCheck {
   }
 
   Status start_tag() {
-    if (auto status = open_element(); !status) return status;
+    DDSSEC_RETURN_IF_ERROR(open_element());
     ++at_;
-    if (auto status = name(); !status) return status;
+    DDSSEC_RETURN_IF_ERROR(name());
     for (int attributes = 0;; ++attributes) {
       const auto before = at_;
       skip_space();
@@ -286,7 +287,7 @@ class MarkupCheck {
       if (attributes == kMaxXmlAttributes)
         return fail(Code::xml_too_many_attributes,
                     {.line = line(), .expected = std::to_string(attributes), .found = "more"});
-      if (auto status = attribute(); !status) return status;
+      DDSSEC_RETURN_IF_ERROR(attribute());
     }
   }
 
@@ -306,7 +307,7 @@ class MarkupCheck {
   }
 
   Status attribute() {
-    if (auto status = name(); !status) return status;
+    DDSSEC_RETURN_IF_ERROR(name());
     skip_space();
     if (!rest().starts_with('=')) return malformed_error("=", shown());
     ++at_;
@@ -316,11 +317,10 @@ class MarkupCheck {
     const char quote = all_[at_++];
     while (at_ < all_.size() && all_[at_] != quote) {
       if (all_[at_] == '<') return malformed_error("&lt;", "<");
-      if (all_[at_] != '&') {
+      if (all_[at_] == '&')
+        DDSSEC_RETURN_IF_ERROR(reference());
+      else
         ++at_;
-      } else if (auto status = reference(); !status) {
-        return status;
-      }
     }
     if (at_ >= all_.size()) return malformed_error("a closing quote", "the end of the document");
     ++at_;
@@ -345,7 +345,7 @@ Status check_xml(std::string_view document) {
   if (document.starts_with("\xFE\xFF") || document.starts_with("\xFF\xFE")) {
     return fail(Code::xml_encoding, {.line = 1, .expected = "UTF-8", .found = "UTF-16"});
   }
-  if (auto status = check_characters(document); !status) return status;
+  DDSSEC_RETURN_IF_ERROR(check_characters(document));
   return MarkupCheck(document).run();
 }
 

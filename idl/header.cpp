@@ -132,14 +132,14 @@ void Header::enumeration(const void* which) {
       std::to_string(count) + "> labels = {{" + labels + "}};\n};\n";
 }
 
-bool Header::check(const void* node) {
+bool Header::accepts(const void* node) {
   const auto flags = tree_flags(node);
   for (const auto& each : kRefused)
     if ((flags & each.flag) != 0) refusals_.refuse(node, each.what, each.to_do);
   return !refusals_.any();
 }
 
-bool Header::check_nesting(const void* structure) {
+bool Header::accepts_nesting(const void* structure) {
   switch (nesting_.of(structure)) {
     case Nesting::fine:
       return true;
@@ -178,13 +178,13 @@ std::string Header::member(const void* member, const void* name) {
 }
 
 void Header::structure(const void* which) {
-  if (!check(which) || !check_nesting(which)) return;
+  if (!accepts(which) || !accepts_nesting(which)) return;
   std::vector<std::string> members;
   declared_ += "struct " + cpp_name(which) + " {\n";
   for (const auto* at = tree_first(which); at != nullptr; at = tree_next(at)) {
-    if (!check(at)) continue;
+    if (!accepts(at)) continue;
     for (const auto* name = tree_first(at); name != nullptr; name = tree_next(name))
-      if (check(name)) members.push_back(member(at, name));
+      if (accepts(name)) members.push_back(member(at, name));
   }
   declared_ += "\n  bool operator==(const " + cpp_name(which) + "&) const = default;\n};\n";
   // idlc aborts while it computes the TypeInformation of a type with wchar.

@@ -22,8 +22,8 @@ class Header {
   void definition(const void* node);
   void enumeration(const void* which);
   void structure(const void* which);
-  bool check(const void* node);
-  bool check_nesting(const void* structure);
+  bool accepts(const void* node);
+  bool accepts_nesting(const void* structure);
   std::string member(const void* member, const void* name);
   void traits(const void* which, const std::vector<std::string>& members);
   std::string type_description(const void* which);

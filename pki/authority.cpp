@@ -49,11 +49,11 @@ Status check_subject_length(const X509_NAME* subject) {
 Result<NamePtr> make_name(std::string_view text) {
   DDSSEC_ASSIGN_OR_RETURN(const auto subject, SubjectName::parse(text));
   NamePtr name(X509_NAME_new());
-  if (!name) return openssl_failure(Code::internal);
+  if (!name) return openssl_error(Code::internal);
   for (const auto& rdn : rdns_from_root(subject))
     for (std::size_t i : rdn)
       if (!add_attribute(name.get(), subject.attributes()[i], i != rdn.front()))
-        return openssl_failure(
+        return openssl_error(
             Code::subject_name_malformed,
             {.field = subject.attributes()[i].type, .found = subject.attributes()[i].value});
   DDSSEC_RETURN_IF_ERROR(check_subject_length(name.get()));
@@ -68,7 +68,7 @@ Status set_serial(X509* x509, Random& random) {
   octets[0] = static_cast<std::uint8_t>((octets[0] & 0x7f) | 0x40);
   const BignumPtr number(BN_bin2bn(octets.data(), static_cast<int>(octets.size()), nullptr));
   if (!number || BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(x509)) == nullptr)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   return {};
 }
 
@@ -111,7 +111,7 @@ Status add_extensions(X509* x509, X509* issuer, const CertificateTemplate& conte
       add_extension(x509, &context, NID_authority_key_identifier,
                     issuer == x509 || X509_get0_subject_key_id(issuer) ? "keyid" : "issuer") &&
       (content.ocsp_responder.empty() || add_ocsp_responder(x509, content.ocsp_responder));
-  if (!added) return openssl_failure(Code::internal, {.field = "extensions"});
+  if (!added) return openssl_error(Code::internal, {.field = "extensions"});
   return {};
 }
 
@@ -134,7 +134,7 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
       X509_set_pubkey(x509.get(), subject.key) != 1 ||
       X509_set1_notBefore(x509.get(), from.get()) != 1 ||
       X509_set1_notAfter(x509.get(), until.get()) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   DDSSEC_RETURN_IF_ERROR(set_serial(x509.get(), random));
   DDSSEC_RETURN_IF_ERROR(add_extensions(x509.get(), by, content));
   unsigned char* der = nullptr;
@@ -142,7 +142,7 @@ Result<Certificate> build(const CertificateTemplate& content, Subject subject,
       X509_sign(x509.get(), impl_of(signing_key).pkey.get(), digest_of(signing_key)) > 0;
   const int size = signed_ok ? i2d_X509(x509.get(), &der) : -1;
   const OpensslMemoryPtr owner(der);
-  if (size <= 0) return openssl_failure(Code::internal);
+  if (size <= 0) return openssl_error(Code::internal);
   return Certificate::from_der(BytesView(der, static_cast<std::size_t>(size)));
 }
 
@@ -170,7 +170,7 @@ Result<RequestPtr> parsed_request(BytesView pem) {
   EVP_PKEY* key = request ? X509_REQ_get0_pubkey(request.get()) : nullptr;
   // The signature shows that the requester has the private key.
   if (key == nullptr || X509_REQ_verify(request.get(), key) != 1)
-    return openssl_failure(Code::request_invalid);
+    return openssl_error(Code::request_invalid);
   DDSSEC_RETURN_IF_ERROR(judge_key(key));
   return request;
 }
@@ -184,8 +184,8 @@ Result<Asn1IntegerPtr> to_serial(const std::string& hex) {
   const BignumPtr number(parsed);
   Asn1IntegerPtr out(number ? BN_to_ASN1_INTEGER(number.get(), nullptr) : nullptr);
   if (!out || hex.empty() || digits != static_cast<int>(hex.size()))
-    return openssl_failure(Code::crl_malformed,
-                           {.field = "serial number", .found = hex.substr(0, kMaxDigits)});
+    return openssl_error(Code::crl_malformed,
+                         {.field = "serial number", .found = hex.substr(0, kMaxDigits)});
   return out;
 }
 
@@ -203,7 +203,7 @@ Status add_revoked(X509_CRL* crl, const Revocation& revocation) {
   if (!entry || X509_REVOKED_set_serialNumber(entry.get(), serial.get()) != 1 ||
       X509_REVOKED_set_revocationDate(entry.get(), when.get()) != 1 ||
       !add_reason(entry.get(), revocation.reason) || X509_CRL_add0_revoked(crl, entry.get()) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   static_cast<void>(entry.release());  // the list owns it now
   return {};
 }
@@ -219,7 +219,7 @@ Status add_crl_extensions(X509_CRL* crl, X509* issuer, const CrlNumber& number) 
                           X509_get0_subject_key_id(issuer) ? "keyid" : "issuer"));
   if (!encoded_number || !key_id || X509_CRL_add_ext(crl, key_id.get(), -1) != 1 ||
       X509_CRL_add1_ext_i2d(crl, NID_crl_number, encoded_number.get(), 0, 0) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   return {};
 }
 
@@ -238,11 +238,11 @@ Result<Bytes> detached_signature(const Credential& signer, BytesView content, Wa
       CMS_signed_add1_attr_by_NID(info, NID_pkcs9_signingTime, ASN1_STRING_type(signing_time.get()),
                                   signing_time.get(), -1) != 1 ||
       CMS_final(cms.get(), data.get(), nullptr, kFlags) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   unsigned char* der = nullptr;
   const int size = i2d_CMS_ContentInfo(cms.get(), &der);
   const OpensslMemoryPtr owner(der);
-  if (size <= 0) return openssl_failure(Code::internal);
+  if (size <= 0) return openssl_error(Code::internal);
   return Bytes(der, der + size);
 }
 
@@ -276,7 +276,7 @@ Result<std::string> request_for(const PrivateKey& key, const X509_NAME* name) {
       X509_REQ_set_pubkey(request.get(), pkey) != 1 ||
       X509_REQ_sign(request.get(), pkey, digest_of(key)) <= 0 ||
       PEM_write_bio_X509_REQ(bio.get(), request.get()) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   return bio_text(bio);
 }
 
@@ -324,7 +324,7 @@ Result<Authority> Authority::load(Certificate certificate, PrivateKey key) {
   if (!certificate.is_ca())
     return fail(Code::not_a_ca,
                 {.field = certificate.subject(), .expected = "basicConstraints CA:TRUE"});
-  DDSSEC_RETURN_IF_ERROR(key.matches(certificate));
+  DDSSEC_RETURN_IF_ERROR(key.check_fits(certificate));
   return Authority(Credential{std::move(certificate), std::move(key)});
 }
 
@@ -403,7 +403,7 @@ Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
       X509_CRL_set_issuer_name(crl.get(), X509_get_subject_name(issuer)) != 1 ||
       X509_CRL_set1_lastUpdate(crl.get(), this_update.get()) != 1 ||
       X509_CRL_set1_nextUpdate(crl.get(), next_update.get()) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   std::unordered_set<std::string> listed;
   for (const auto& certificate : content.revoked)
     if (listed.insert(certificate.serial()).second)
@@ -416,7 +416,7 @@ Result<Crl> Authority::make_crl(const CrlTemplate& content) const {
   const BioPtr bio(BIO_new(BIO_s_mem()));
   if (!bio || X509_CRL_sign(crl.get(), impl_of(self_.key).pkey.get(), digest_of(self_.key)) <= 0 ||
       i2d_X509_CRL_bio(bio.get(), crl.get()) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   DDSSEC_ASSIGN_OR_RETURN(auto crls, Crl::all_from(bio_octets(bio)));
   return std::move(crls.front());
 }

@@ -32,8 +32,8 @@ bool AuthorityWatch::continues_cut_file(BytesView file, std::chrono::nanoseconds
 
 // Only a CA that the longer file has was cut off. One that it still lacks may have been withdrawn,
 // but it may also come later.
-Status AuthorityWatch::judge(const FileOfNext& file, const Authorities& in_force,
-                             const Adopt& adopt) {
+Status AuthorityWatch::adopt_next(const FileOfNext& file, const Authorities& in_force,
+                                  const Adopt& adopt) {
   auto withdrawn = withdrawn_;
   const bool continues = continues_cut_file(file.octets, file.now);
   const auto still_left = continues ? leaving(cut_->left, file.next) : Authorities();
@@ -66,7 +66,7 @@ Result<bool> AuthorityWatch::poll(std::chrono::nanoseconds now, const Authoritie
   const auto judge_file = [&](BytesView file) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto next, Certificate::bundle_from_pem(file));
     if (have_the_same(next, in_force)) return {};
-    return judge({file, next, now}, in_force, take);
+    return adopt_next({file, next, now}, in_force, take);
   };
   const auto read = file_.poll(now, judge_file);
   // A file that has replaced the one that was written in place is whole, or is another attempt.

@@ -57,7 +57,7 @@ class AuthorityWatch {
     std::chrono::nanoseconds now;
   };
 
-  Status judge(const FileOfNext& file, const Authorities& in_force, const Adopt& adopt);
+  Status adopt_next(const FileOfNext& file, const Authorities& in_force, const Adopt& adopt);
   bool continues_cut_file(BytesView file, std::chrono::nanoseconds now) const;
 
   DocumentWatch file_;

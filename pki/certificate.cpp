@@ -52,7 +52,7 @@ Result<X509Ptr> decode(BytesView der) {
   const bool read =
       made != nullptr && d2i_X509(&made, &position, static_cast<long>(der.size())) != nullptr;
   X509Ptr x509(made);
-  if (!read) return openssl_failure(Code::certificate_malformed);
+  if (!read) return openssl_error(Code::certificate_malformed);
   if (position != der.data() + der.size())
     return std::unexpected(malformed_error("octets follow the certificate"));
   if (!is_distinguished(x509.get(), der))
@@ -61,7 +61,7 @@ Result<X509Ptr> decode(BytesView der) {
   // The extensions are read now, so that later use by several threads only reads.
   if (X509_check_purpose(x509.get(), -1, 0) != 1 ||
       (X509_get_extension_flags(x509.get()) & EXFLAG_INVALID) != 0)
-    return openssl_failure(Code::certificate_malformed, {.field = "extensions"});
+    return openssl_error(Code::certificate_malformed, {.field = "extensions"});
   return x509;
 }
 
@@ -103,7 +103,7 @@ Result<std::unique_ptr<const PkiAccess::CertificateImpl>> finish(X509Ptr x509, B
   const unsigned char* name_der = nullptr;
   std::size_t name_size = 0;
   if (X509_NAME_get0_der(subject, &name_der, &name_size) != 1)
-    return openssl_failure(Code::certificate_malformed, {.field = "subject"});
+    return openssl_error(Code::certificate_malformed, {.field = "subject"});
   out->subject_digest = sha256(BytesView(name_der, name_size));
   out->der = to_bytes(der);
   out->fingerprint = sha256(der);

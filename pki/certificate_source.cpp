@@ -11,8 +11,7 @@ Result<Bytes> load_certificates(std::string_view uri, std::string_view property,
   DDSSEC_ASSIGN_OR_RETURN(const auto held,
                           with_default_document(token_certificate(uri), std::string(property)));
   const BioPtr bio(BIO_new(BIO_s_mem()));
-  if (!bio || PEM_write_bio_X509(bio.get(), held.get()) != 1)
-    return openssl_failure(Code::internal);
+  if (!bio || PEM_write_bio_X509(bio.get(), held.get()) != 1) return openssl_error(Code::internal);
   return to_bytes(bio_octets(bio));
 }
 
@@ -27,7 +26,7 @@ Result<std::string> uri_of(const std::filesystem::path& path) {
   return fail(Code::unsupported_uri, {.document = path, .expected = "a line pkcs11:..."});
 }
 
-Error about_file(const Error& error, const std::filesystem::path& path) {
+Error file_error(const Error& error, const std::filesystem::path& path) {
   auto details = error.details();
   details.document = path;
   if (details.found == path) details.found.clear();

@@ -38,6 +38,6 @@ Result<std::string> uri_of(const std::filesystem::path& path);
 
 /// Turns an error of load_uri() or of the parser into one about the file, with the path as its
 /// document.
-Error about_file(const Error& error, const std::filesystem::path& path);
+Error file_error(const Error& error, const std::filesystem::path& path);
 
 }  // namespace ddssec::pki

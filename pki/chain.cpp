@@ -224,17 +224,17 @@ void ChainVerifier::Impl::drop_superseded() {
 
 Status ChainVerifier::Impl::fill_store(CrlPolicy policy) {
   store.reset(X509_STORE_new());
-  if (!store) return openssl_failure(Code::internal);
+  if (!store) return openssl_error(Code::internal);
   for (const auto& anchor : anchors) {
     if (!anchor.can_be_anchor())
       return fail(Code::not_a_ca,
                   {.field = anchor.subject(), .expected = "basicConstraints CA:TRUE"});
     if (X509_STORE_add_cert(store.get(), impl_of(anchor).x509.get()) != 1)
-      return openssl_failure(Code::internal);
+      return openssl_error(Code::internal);
   }
   for (const auto& crl : crls) {
     if (X509_STORE_add_crl(store.get(), impl_of(crl).crl.get()) != 1)
-      return openssl_failure(Code::internal);
+      return openssl_error(Code::internal);
     crls_from = std::max(crls_from.value_or(crl.this_update()), crl.this_update());
     if (const auto next = crl.next_update())
       crls_until = std::min(crls_until.value_or(*next), *next);
@@ -315,7 +315,7 @@ Result<ValidChain> ChainVerifier::Impl::judge_path(const Certificate& certificat
   const StoreContextPtr context(X509_STORE_CTX_new());
   if (!context || X509_STORE_CTX_init(context.get(), store.get(), impl_of(certificate).x509.get(),
                                       nullptr) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   auto* parameters = X509_STORE_CTX_get0_param(context.get());
   // X509_V_FLAG_USE_DELTAS is not set, because Crl reads complete lists only.
   if (!crls.empty()) flags |= X509_V_FLAG_CRL_CHECK | X509_V_FLAG_CRL_CHECK_ALL;

@@ -75,7 +75,7 @@ enum class Deltas : std::uint8_t { refused, read };
 Result<Crl> from_der(BytesView der, Deltas deltas) {
   const auto* position = der.data();
   CrlPtr crl(d2i_X509_CRL(nullptr, &position, static_cast<long>(der.size())));
-  if (!crl) return openssl_failure(Code::crl_malformed);
+  if (!crl) return openssl_error(Code::crl_malformed);
   if (position != der.data() + der.size())
     return fail(Code::crl_malformed, {.note = "octets follow the list"});
   auto out = std::make_shared<PkiAccess::CrlImpl>();
@@ -164,7 +164,7 @@ std::unexpected<Error> not_signed_by_error(const Crl& crl, const Certificate& ca
   const auto named = crl.authority_key_id();
   const auto held = key_id_text(X509_get0_subject_key_id(impl_of(ca).x509.get()));
   if (!crl.is_named_after(ca) || named.empty() || held.empty() || named == held)
-    return openssl_failure(Code::crl_signature_invalid, std::move(details));
+    return openssl_error(Code::crl_signature_invalid, std::move(details));
   details.expected += " with the key " + held;
   details.found += " with the key " + named;
   details.note = "two keys have the name of this CA: it was rotated, or made twice";
@@ -183,6 +183,15 @@ std::optional<std::set<std::string>> serials_of(const Crl& crl) {
   return out;
 }
 
+Result<std::vector<Crl>> lists_from(BytesView octets, Deltas deltas) {
+  if (octets.size() > kMaxDocumentOctets)
+    return std::unexpected(
+        too_many_octets_error(Code::crl_too_large, kMaxDocumentOctets, octets.size()));
+  if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets, deltas);
+  DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets, deltas));
+  return std::vector<Crl>{std::move(crl)};
+}
+
 }  // namespace
 
 std::string_view to_string(RevocationReason reason) {
@@ -195,19 +204,6 @@ std::optional<RevocationReason> revocation_reason_from(std::string_view word) {
   if (found == kReasons.end()) return std::nullopt;
   return found->reason;
 }
-
-namespace {
-
-Result<std::vector<Crl>> lists_from(BytesView octets, Deltas deltas) {
-  if (octets.size() > kMaxDocumentOctets)
-    return std::unexpected(
-        too_many_octets_error(Code::crl_too_large, kMaxDocumentOctets, octets.size()));
-  if (octets.empty() || octets[0] != kDerSequence) return from_pem(octets, deltas);
-  DDSSEC_ASSIGN_OR_RETURN(auto crl, from_der(octets, deltas));
-  return std::vector<Crl>{std::move(crl)};
-}
-
-}  // namespace
 
 Result<std::vector<Crl>> Crl::all_from(BytesView octets) {
   return lists_from(octets, Deltas::refused);

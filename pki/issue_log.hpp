@@ -2,7 +2,6 @@
 // line. Lines are added to it, but never changed.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

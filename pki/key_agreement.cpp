@@ -2,7 +2,6 @@
 
 #include <array>
 #include <mutex>
-#include <string_view>
 #include <utility>
 
 #include <openssl/core_names.h>
@@ -73,7 +72,7 @@ Result<PkeyPtr> with_public(KeyAgreementKind kind, BytesView encoded) {
   PkeyPtr pkey(EVP_PKEY_new());
   EVP_PKEY* parameters = parameters_for(kind);
   if (!pkey || parameters == nullptr || EVP_PKEY_copy_parameters(pkey.get(), parameters) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   // OpenSSL checks here that a point is on the curve and not infinity.
   if (EVP_PKEY_set1_encoded_public_key(pkey.get(), encoded.data(), encoded.size()) != 1)
     return std::unexpected(not_in_group_error("it is not an element of the group"));
@@ -161,12 +160,12 @@ Result<PeerPublicKey> PeerPublicKey::parse(KeyAgreementKind kind, BytesView octe
 
 Result<EphemeralKey> EphemeralKey::generate(KeyAgreementKind kind) {
   EVP_PKEY* parameters = parameters_for(kind);
-  if (parameters == nullptr) return openssl_failure(Code::internal);
+  if (parameters == nullptr) return openssl_error(Code::internal);
   const PkeyContextPtr context(EVP_PKEY_CTX_new_from_pkey(nullptr, parameters, nullptr));
   EVP_PKEY* raw = nullptr;
   if (!context || EVP_PKEY_keygen_init(context.get()) != 1 ||
       EVP_PKEY_generate(context.get(), &raw) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   return EphemeralKey(kind, std::make_shared<const Impl>(PkeyPtr(raw)));
 }
 
@@ -186,13 +185,13 @@ Result<AgreedSecret> EphemeralKey::derive(const PeerPublicKey& peer) const {
   // The peer's key was checked when it was parsed, so it is not checked again here.
   if (!context || EVP_PKEY_derive_init(context.get()) != 1 ||
       EVP_PKEY_derive_set_peer_ex(context.get(), peer.impl_->pkey.get(), 0) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   std::array<std::uint8_t, kMaxSharedOctets> shared;
   std::size_t size = shared.size();
   const bool derived =
       EVP_PKEY_derive(context.get(), shared.data(), &size) == 1 && size <= shared.size();
   auto secret = derived ? AgreedSecret::digest_of(BytesView(shared.data(), size))
-                        : Result<AgreedSecret>(openssl_failure(Code::internal));
+                        : Result<AgreedSecret>(openssl_error(Code::internal));
   wipe(shared);
   return secret;
 }

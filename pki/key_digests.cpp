@@ -1,8 +1,11 @@
 #include "pki/key_digests.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <string>
 
 #include <openssl/core_names.h>
+#include <openssl/err.h>
 
 #include "base/hash.hpp"
 #include "pki/pki_access.hpp"

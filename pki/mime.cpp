@@ -1,7 +1,6 @@
 #include "pki/mime.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -24,11 +23,11 @@ constexpr std::size_t kMaxBoundaryOctets = 70;  // RFC 2046 5.1.1
 
 // A path may point to any file on the machine, including secrets, so unparsed text is never quoted.
 // `found` describes it.
-Error refusal(Code code, std::string_view expected, std::string_view found = {}) {
+Error mime_error(Code code, std::string_view expected, std::string_view found = {}) {
   return Error(code, {.expected = std::string(expected), .found = std::string(found)});
 }
 
-Error header_refusal(std::size_t line, std::string_view expected, std::string_view found) {
+Error header_error(std::size_t line, std::string_view expected, std::string_view found) {
   return Error(Code::smime_malformed, {.field = "header line " + std::to_string(line),
                                        .expected = std::string(expected),
                                        .found = std::string(found)});
@@ -49,7 +48,7 @@ std::string_view take_line(std::string_view& text) {
   return without_carriage_returns(line);
 }
 
-struct Header {
+struct MimeHeader {
   std::string name;   // lower case
   std::string value;  // unfolded
 };
@@ -81,8 +80,8 @@ bool may_continue(std::string_view value) {
 }
 
 // Reads the header lines up to the blank line, and moves `text` past it.
-Result<std::vector<Header>> take_headers(std::string_view& text) {
-  std::vector<Header> headers;
+Result<std::vector<MimeHeader>> take_headers(std::string_view& text) {
+  std::vector<MimeHeader> headers;
   const std::size_t before = text.size();
   for (std::size_t number = 1; !text.empty(); ++number) {
     const auto left = text.size();
@@ -91,32 +90,32 @@ Result<std::vector<Header>> take_headers(std::string_view& text) {
     if (line.empty() && is_short) return headers;
     if (before - text.size() > kMaxHeaderOctets || headers.size() == kMaxHeaders) break;
     if (!is_short || !is_plain_text(line))
-      return std::unexpected(header_refusal(number, "at most 998 octets without control characters",
-                                            is_short ? "another octet" : "a longer line"));
+      return std::unexpected(header_error(number, "at most 998 octets without control characters",
+                                          is_short ? "another octet" : "a longer line"));
     if ((line[0] == ' ' || line[0] == '\t') && !headers.empty()) {
       if (!may_continue(headers.back().value))
-        return std::unexpected(header_refusal(number, "a line break after a semicolon only",
-                                              "a line break elsewhere"));
+        return std::unexpected(
+            header_error(number, "a line break after a semicolon only", "a line break elsewhere"));
       headers.back().value.append(" ").append(trimmed(line));
       continue;
     }
     const auto colon = line.find(':');
     if (colon == line.npos || !is_header_name(line.substr(0, colon)))
-      return std::unexpected(header_refusal(number, "a name, a colon and a value",
-                                            colon == line.npos ? "no colon" : "no such name"));
+      return std::unexpected(header_error(number, "a name, a colon and a value",
+                                          colon == line.npos ? "no colon" : "no such name"));
     headers.push_back(
         {ascii_lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1)))});
   }
-  return std::unexpected(refusal(Code::smime_malformed, "a short header and a blank line"));
+  return std::unexpected(mime_error(Code::smime_malformed, "a short header and a blank line"));
 }
 
 // Returns the value of the only header with that name. Two are refused, because different parsers
 // would use different ones.
-Result<std::string> only_header(const std::vector<Header>& headers, std::string_view name) {
+Result<std::string> only_header(const std::vector<MimeHeader>& headers, std::string_view name) {
   std::optional<std::string> value;
   for (const auto& header : headers) {
     if (header.name != name) continue;
-    if (value) return std::unexpected(refusal(Code::smime_malformed, "one " + header.name));
+    if (value) return std::unexpected(mime_error(Code::smime_malformed, "one " + header.name));
     value = header.value;
   }
   return value.value_or("");
@@ -125,10 +124,10 @@ Result<std::string> only_header(const std::vector<Header>& headers, std::string_
 // A value such as: type/subtype; name=value; name="value".
 struct MediaType {
   std::string type;  // lower case
-  std::vector<Header> parameters;
+  std::vector<MimeHeader> parameters;
 
   std::string parameter(std::string_view name) const {
-    const auto found = std::ranges::find(parameters, name, &Header::name);
+    const auto found = std::ranges::find(parameters, name, &MimeHeader::name);
     return found != parameters.end() ? found->value : "";
   }
 };
@@ -170,7 +169,7 @@ std::string shown_type(std::string_view type) {
 Result<MediaType> parse_media_type(std::string_view text) {
   const auto bad = [&] {
     return std::unexpected(
-        refusal(Code::smime_content_type, "a well-formed Content-Type", "another value"));
+        mime_error(Code::smime_content_type, "a well-formed Content-Type", "another value"));
   };
   const auto end = std::min(text.find(';'), text.size());
   MediaType out{ascii_lower(trimmed(text.substr(0, end))), {}};
@@ -184,7 +183,7 @@ Result<MediaType> parse_media_type(std::string_view text) {
     rest = trimmed(rest.substr(equals + 1));
     auto value = take_parameter_value(rest);
     const bool twice =
-        std::ranges::find(out.parameters, name, &Header::name) != out.parameters.end();
+        std::ranges::find(out.parameters, name, &MimeHeader::name) != out.parameters.end();
     if (!value || twice) return bad();
     out.parameters.push_back({std::move(name), *std::move(value)});
   }
@@ -196,18 +195,18 @@ bool is_pkcs7_signature(std::string_view type) {
 }
 
 // Returns the boundary that a message header announces.
-Result<std::string> boundary_of(const std::vector<Header>& headers) {
+Result<std::string> boundary_of(const std::vector<MimeHeader>& headers) {
   DDSSEC_ASSIGN_OR_RETURN(const auto text, only_header(headers, "content-type"));
   DDSSEC_ASSIGN_OR_RETURN(const auto type, parse_media_type(text));
   if (type.type != "multipart/signed")
-    return std::unexpected(refusal(Code::smime_not_multipart, "Content-Type: multipart/signed",
-                                   shown_type(type.type)));
+    return std::unexpected(mime_error(Code::smime_not_multipart, "Content-Type: multipart/signed",
+                                      shown_type(type.type)));
   if (const auto protocol = ascii_lower(type.parameter("protocol")); !is_pkcs7_signature(protocol))
-    return std::unexpected(refusal(Code::smime_content_type,
-                                   "protocol application/x-pkcs7-signature", shown_type(protocol)));
+    return std::unexpected(mime_error(
+        Code::smime_content_type, "protocol application/x-pkcs7-signature", shown_type(protocol)));
   auto boundary = type.parameter("boundary");
   if (boundary.empty() || boundary.size() > kMaxBoundaryOctets)
-    return std::unexpected(refusal(Code::smime_malformed, "a boundary of 1 to 70 characters"));
+    return std::unexpected(mime_error(Code::smime_malformed, "a boundary of 1 to 70 characters"));
   return boundary;
 }
 
@@ -226,7 +225,7 @@ Result<Delimiter> read_delimiter(std::string_view body, std::size_t at, std::siz
   const bool closes = line.starts_with("--");
   if (!is_short_line(line, left - rest.size()) || !trimmed(line.substr(closes ? 2 : 0)).empty())
     return std::unexpected(
-        refusal(Code::smime_malformed, "nothing behind a boundary", "more on its line"));
+        mime_error(Code::smime_malformed, "nothing behind a boundary", "more on its line"));
   return Delimiter{at, body.size() - rest.size(), closes};
 }
 
@@ -242,8 +241,8 @@ Result<std::vector<Delimiter>> find_delimiters(std::string_view body, const std:
     if (hit == nullptr) break;
     const auto at = static_cast<std::size_t>(static_cast<const char*>(hit) - body.data());
     if (at != 0 && body[at - 1] != '\n')
-      return std::unexpected(refusal(Code::smime_malformed, "a boundary at the beginning of a line",
-                                     "one within a line"));
+      return std::unexpected(mime_error(
+          Code::smime_malformed, "a boundary at the beginning of a line", "one within a line"));
     DDSSEC_ASSIGN_OR_RETURN(const auto delimiter, read_delimiter(body, at, marker.size()));
     found.push_back(delimiter);
     from = found.back().end;
@@ -273,12 +272,12 @@ Result<std::string_view> signature_text(std::string_view part) {
   DDSSEC_ASSIGN_OR_RETURN(const auto text, only_header(headers, "content-type"));
   DDSSEC_ASSIGN_OR_RETURN(const auto type, parse_media_type(text));
   if (!is_pkcs7_signature(type.type))
-    return std::unexpected(
-        refusal(Code::smime_content_type, "application/x-pkcs7-signature", shown_type(type.type)));
+    return std::unexpected(mime_error(Code::smime_content_type, "application/x-pkcs7-signature",
+                                      shown_type(type.type)));
   DDSSEC_ASSIGN_OR_RETURN(const auto encoding, only_header(headers, "content-transfer-encoding"));
   if (ascii_lower(encoding) != "base64")
     return std::unexpected(
-        refusal(Code::smime_content_type, "Content-Transfer-Encoding: base64", "another value"));
+        mime_error(Code::smime_content_type, "Content-Transfer-Encoding: base64", "another value"));
   return part;
 }
 
@@ -310,18 +309,18 @@ Result<MultipartSigned> split_multipart_signed(std::string_view text) {
     const auto first = text.substr(0, text.find('\n'));
     if (is_header_name(first.substr(0, first.find(':'))) && first.find(':') != first.npos)
       return std::unexpected(headers.error());
-    return std::unexpected(
-        refusal(Code::smime_not_multipart, "Content-Type: multipart/signed", kind_of_file(text)));
+    return std::unexpected(mime_error(Code::smime_not_multipart, "Content-Type: multipart/signed",
+                                      kind_of_file(text)));
   }
   DDSSEC_ASSIGN_OR_RETURN(const auto boundary, boundary_of(*headers));
   DDSSEC_ASSIGN_OR_RETURN(const auto lines, find_delimiters(body, "--" + boundary));
   const bool two_parts =
       lines.size() == 3 && !lines[0].closes && !lines[1].closes && lines[2].closes;
   if (!two_parts)
-    return std::unexpected(refusal(Code::smime_part_count, "a text part and a signature part"));
+    return std::unexpected(mime_error(Code::smime_part_count, "a text part and a signature part"));
   if (!is_known_preamble(body.substr(0, lines[0].begin)) || !only_blank(body.substr(lines[2].end)))
     return std::unexpected(
-        refusal(Code::smime_surrounding_text, "nothing before and behind the two parts"));
+        mime_error(Code::smime_surrounding_text, "nothing before and behind the two parts"));
   const auto part = [&](std::size_t i) {
     return without_last_break(body.substr(lines[i].end, lines[i + 1].begin - lines[i].end));
   };
@@ -338,7 +337,8 @@ Result<Bytes> canonical_text(std::string_view part) {
     part.remove_prefix(end == part.npos ? part.size() : end + 1);
     if (end != part.npos) line = without_carriage_returns(line);
     if (line.find('\r') != line.npos)
-      return std::unexpected(refusal(Code::smime_malformed, "line ends LF or CRLF", "a lone CR"));
+      return std::unexpected(
+          mime_error(Code::smime_malformed, "line ends LF or CRLF", "a lone CR"));
     const auto octets = as_bytes(line);
     out.insert(out.end(), octets.begin(), octets.end());
     if (end != part.npos) out.insert(out.end(), {'\r', '\n'});
@@ -349,7 +349,7 @@ Result<Bytes> canonical_text(std::string_view part) {
 Result<std::size_t> text_header_octets(std::string_view canonical_part) {
   auto rest = canonical_part;
   const auto bad = [](std::string_view found) {
-    return std::unexpected(refusal(Code::smime_content_type, "Content-Type: text/plain", found));
+    return std::unexpected(mime_error(Code::smime_content_type, "Content-Type: text/plain", found));
   };
   const auto headers = take_headers(rest);
   if (!headers) return bad("other header lines");

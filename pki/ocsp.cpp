@@ -47,14 +47,14 @@ Result<BasicPtr> parse(BytesView octets) {
   const auto* position = octets.data();
   const ResponsePtr response(
       d2i_OCSP_RESPONSE(nullptr, &position, static_cast<long>(octets.size())));
-  if (!response) return openssl_failure(Code::ocsp_malformed);
+  if (!response) return openssl_error(Code::ocsp_malformed);
   if (position != octets.data() + octets.size())
     return malformed_error("octets follow the response");
   if (const int status = OCSP_response_status(response.get());
       status != OCSP_RESPONSE_STATUS_SUCCESSFUL)
     return fail(Code::ocsp_not_successful, {.found = OCSP_response_status_str(status)});
   BasicPtr basic(OCSP_response_get1_basic(response.get()));
-  if (!basic) return openssl_failure(Code::ocsp_malformed);
+  if (!basic) return openssl_error(Code::ocsp_malformed);
   return basic;
 }
 
@@ -214,7 +214,7 @@ Result<Signer> OcspJudge::signer(const Certificate& ca) const {
     unsigned char* octets = nullptr;
     const int size = i2d_X509(sk_X509_value(sent, i), &octets);
     const OpensslMemoryPtr owner(octets);
-    if (size <= 0) return openssl_failure(Code::ocsp_malformed);
+    if (size <= 0) return openssl_error(Code::ocsp_malformed);
     // Certificate::from_der limits the extensions, names and keys that OpenSSL then processes.
     const auto candidate = Certificate::from_der({octets, static_cast<std::size_t>(size)});
     if (!candidate || !names_as_signer(*candidate)) continue;
@@ -234,7 +234,7 @@ Status OcspJudge::check_signature(const Signer& signer) const {
   // The signer was judged above, so OpenSSL is to look at no other certificate.
   if (OCSP_basic_verify(basic.get(), signers.get(), nullptr, OCSP_NOINTERN | OCSP_TRUSTOTHER) == 1)
     return {};
-  return openssl_failure(Code::ocsp_signature_invalid, {.field = signer.certificate.subject()});
+  return openssl_error(Code::ocsp_signature_invalid, {.field = signer.certificate.subject()});
 }
 
 Status OcspJudge::revoked(const Answer& answer) const {

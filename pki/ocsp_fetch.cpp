@@ -34,12 +34,12 @@ Result<BioPtr> request_for(const OcspRequest& question) {
                                           impl_of(question.ca).x509.get());
   if (!request || id == nullptr || OCSP_request_add0_id(request.get(), id) == nullptr) {
     OCSP_CERTID_free(id);
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   }
   BioPtr bio(BIO_new(BIO_s_mem()));
   if (!bio || ASN1_i2d_bio(reinterpret_cast<i2d_of_void*>(i2d_OCSP_REQUEST), bio.get(),
                            reinterpret_cast<unsigned char*>(request.get())) != 1)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   return bio;
 }
 
@@ -49,7 +49,7 @@ Result<HeadersPtr> headers_for(const OcspAddress& address) {
   STACK_OF(CONF_VALUE)* headers = nullptr;
   const int added = X509V3_add_value("Host", host.c_str(), &headers);
   HeadersPtr out(headers);
-  if (added != 1) return openssl_failure(Code::internal);
+  if (added != 1) return openssl_error(Code::internal);
   return out;
 }
 

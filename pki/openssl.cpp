@@ -14,7 +14,7 @@ std::string take_openssl_reason() {
   return reason != nullptr ? reason : "";
 }
 
-std::unexpected<Error> openssl_failure(Code code, ErrorDetails details) {
+std::unexpected<Error> openssl_error(Code code, ErrorDetails details) {
   const bool wanted_memory = ERR_GET_REASON(ERR_peek_last_error()) == ERR_R_MALLOC_FAILURE;
   auto reason = take_openssl_reason();
   if (wanted_memory) return fail(Code::out_of_memory);  // the document itself may be good
@@ -36,7 +36,7 @@ BytesView bio_octets(const BioPtr& bio) {
 Result<WallTime> to_wall_time(const ASN1_TIME* time) {
   std::tm parts{};
   if (time == nullptr || ASN1_TIME_to_tm(time, &parts) != 1)
-    return openssl_failure(Code::malformed, {.field = "time"});
+    return openssl_error(Code::malformed, {.field = "time"});
   using namespace std::chrono;
   const sys_days day = year(parts.tm_year + 1900) / month(static_cast<unsigned>(parts.tm_mon + 1)) /
                        std::chrono::day(static_cast<unsigned>(parts.tm_mday));
@@ -45,7 +45,7 @@ Result<WallTime> to_wall_time(const ASN1_TIME* time) {
 
 Result<Asn1TimePtr> to_asn1_time(WallTime time) {
   Asn1TimePtr out(ASN1_TIME_set(nullptr, to_time_t(time)));
-  if (!out) return openssl_failure(Code::internal);
+  if (!out) return openssl_error(Code::internal);
   return out;
 }
 
@@ -130,8 +130,8 @@ std::string key_id_text(const ASN1_OCTET_STRING* id) {
 Result<KeyAlgorithm> judge_key(EVP_PKEY* key, std::string_view type) {
   constexpr const char* kAllowed = "RSA of 2048 bits or more, EC P-256 or EC P-384";
   if (key == nullptr)
-    return openssl_failure(Code::key_not_allowed,
-                           {.expected = kAllowed, .found = "a key of " + std::string(type)});
+    return openssl_error(Code::key_not_allowed,
+                         {.expected = kAllowed, .found = "a key of " + std::string(type)});
   const int bits = EVP_PKEY_get_bits(key);
   if (EVP_PKEY_is_a(key, "RSA") && bits >= kMinRsaBits && bits <= kMaxRsaBits)
     return KeyAlgorithm{KeyKind::rsa, bits};

@@ -21,7 +21,7 @@ namespace ddssec::pki {
 std::string take_openssl_reason();
 
 /// Makes an error with OpenSSL's last reason as its note.
-std::unexpected<Error> openssl_failure(Code code, ErrorDetails details = {});
+std::unexpected<Error> openssl_error(Code code, ErrorDetails details = {});
 
 /// Makes a reading BIO over borrowed octets; nullptr if they are too many for OpenSSL.
 BioPtr bio_over(BytesView octets);

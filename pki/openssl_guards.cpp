@@ -43,7 +43,7 @@ Status add(const X509* x509, Copies& to) {
   const DistributionPoints points(static_cast<STACK_OF(DIST_POINT)*>(
       X509_get_ext_d2i(x509, NID_crl_distribution_points, &found, nullptr)));
   if (!points && found != kNone)
-    return openssl_failure(Code::certificate_malformed, {.field = "cRLDistributionPoints"});
+    return openssl_error(Code::certificate_malformed, {.field = "cRLDistributionPoints"});
   const int count = points ? sk_DIST_POINT_num(points.get()) : 0;
   for (int i = 0; i < count; ++i) {
     const DIST_POINT* point = sk_DIST_POINT_value(points.get(), i);
@@ -54,7 +54,7 @@ Status add(const X509* x509, Copies& to) {
   return {};
 }
 
-Status judge(const Copies& copies) {
+Status check_copies(const Copies& copies) {
   if (copies.octets <= kMaxDistributionPointOctets) return {};
   return fail(Code::certificate_distribution_points,
               {.field = "cRLDistributionPoints",
@@ -64,7 +64,7 @@ Status judge(const Copies& copies) {
                         std::to_string(copies.points) + " relative names"});
 }
 
-Status bad_message_digest(std::string found) {
+std::unexpected<Error> message_digest_error(std::string found) {
   return fail(Code::smime_message_digest, {.field = "signed attribute messageDigest",
                                            .expected = "one attribute with one OCTET STRING",
                                            .found = std::move(found)});
@@ -83,12 +83,12 @@ Status check_message_digest(int count, At at) {
     digest = attribute;
     ++found;
   }
-  if (found != 1) return bad_message_digest(std::to_string(found) + " attributes");
+  if (found != 1) return message_digest_error(std::to_string(found) + " attributes");
   const int values = X509_ATTRIBUTE_count(digest);
-  if (values != 1) return bad_message_digest(std::to_string(values) + " values");
+  if (values != 1) return message_digest_error(std::to_string(values) + " values");
   const ASN1_TYPE* value = X509_ATTRIBUTE_get0_type(digest, 0);
   const int type = value != nullptr ? ASN1_TYPE_get(value) : V_ASN1_UNDEF;
-  if (type != V_ASN1_OCTET_STRING) return bad_message_digest(ASN1_tag2str(type));
+  if (type != V_ASN1_OCTET_STRING) return message_digest_error(ASN1_tag2str(type));
   return {};
 }
 
@@ -121,7 +121,7 @@ Status check_signed_data(PKCS7* pkcs7) {
   const int inside = certificates != nullptr ? sk_X509_num(certificates) : 0;
   for (int i = 0; i < inside; ++i)
     DDSSEC_RETURN_IF_ERROR(add(sk_X509_value(certificates, i), copies));
-  return judge(copies);
+  return check_copies(copies);
 }
 
 }  // namespace
@@ -129,7 +129,7 @@ Status check_signed_data(PKCS7* pkcs7) {
 Status check_distribution_points(const X509* x509) {
   Copies copies;
   DDSSEC_RETURN_IF_ERROR(add(x509, copies));
-  return judge(copies);
+  return check_copies(copies);
 }
 
 Status verify_cms(CMS_ContentInfo* cms, STACK_OF(X509) * trusted, BIO* content, unsigned flags,
@@ -142,19 +142,19 @@ Status verify_cms(CMS_ContentInfo* cms, STACK_OF(X509) * trusted, BIO* content, 
   // (seen with OpenSSL 3.0.19). A peer's permissions could cause that in each handshake. With a
   // filter in front, CMS_verify makes no second BIO.
   const BioPtr filter(BIO_new(BIO_f_null()));
-  if (!filter) return openssl_failure(Code::internal);
+  if (!filter) return openssl_error(Code::internal);
   BIO_push(filter.get(), content);
   const bool is_verified = CMS_verify(cms, trusted, nullptr, filter.get(), nullptr, flags) == 1;
   BIO_pop(filter.get());  // the caller owns the content
   if (!is_verified)
-    return openssl_failure(Code::smime_signature_invalid, {.field = std::move(signer)});
+    return openssl_error(Code::smime_signature_invalid, {.field = std::move(signer)});
   return {};
 }
 
 Status verify_pkcs7(PKCS7* pkcs7, X509_STORE* store, BIO* content, BIO* out, int flags) {
   DDSSEC_RETURN_IF_ERROR(check_signed_data(pkcs7));
   if (PKCS7_verify(pkcs7, nullptr, store, content, out, flags) != 1)
-    return openssl_failure(Code::smime_signature_invalid);
+    return openssl_error(Code::smime_signature_invalid);
   return {};
 }
 

@@ -13,16 +13,10 @@
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
 
+#include "base/deleter.hpp"
+
 namespace ddssec::pki {
 
-/// A deleter of std::unique_ptr that calls the free function of OpenSSL.
-template <auto Free>
-struct Deleter {
-  template <class T>
-  void operator()(T* p) const noexcept {
-    Free(p);
-  }
-};
 inline void free_openssl_memory(void* p) noexcept { OPENSSL_free(p); }
 inline void free_name(X509_NAME* p) noexcept { X509_NAME_free(p); }
 inline void free_certificate_stack(STACK_OF(X509) * p) noexcept { sk_X509_free(p); }

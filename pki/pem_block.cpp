@@ -26,7 +26,7 @@ Result<std::optional<PemBlock>> next_pem_block(BIO* bio) {
   const OpensslMemoryPtr data_owner(data);
   if (!read) {
     const bool at_end = ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE;
-    if (!at_end) return openssl_failure(Code::malformed);
+    if (!at_end) return openssl_error(Code::malformed);
     ERR_clear_error();
     return std::nullopt;
   }

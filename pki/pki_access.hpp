@@ -29,10 +29,13 @@ struct Certificate::Impl {
   KeyAlgorithm key;
 };
 
+/// Where a private key is.
+enum class KeyPlace : std::uint8_t { memory, token };
+
 struct PrivateKey::Impl {
   PkeyPtr pkey;
   KeyAlgorithm algorithm;
-  bool is_in_token = false;
+  KeyPlace place = KeyPlace::memory;
 };
 
 struct Crl::Impl {

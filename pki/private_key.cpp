@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "base/hash.hpp"
+#include "base/rollback.hpp"
 #include "pki/openssl.hpp"
 #include "pki/pem_block.hpp"
 #include "pki/pkcs11.hpp"
@@ -43,8 +44,8 @@ Result<PrivateKey> finish(PkeyPtr pkey) {
       std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm));
 }
 
-// Judges the public half, decoded again, because the key of an engine does not report the name of
-// its curve.
+// An engine's key does not report its curve, so its public half is encoded and decoded, and that
+// key is judged.
 Result<KeyAlgorithm> judge_token_key(EVP_PKEY* key) {
   unsigned char* der = nullptr;
   const int size = i2d_PUBKEY(key, &der);
@@ -58,7 +59,7 @@ Result<PrivateKey> from_token(std::string_view uri, const Passphrase* pin) {
   DDSSEC_ASSIGN_OR_RETURN(auto pkey, token_private_key(uri, pin));
   DDSSEC_ASSIGN_OR_RETURN(const auto algorithm, judge_token_key(pkey.get()));
   return PkiAccess::make<PrivateKey>(
-      std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm, true));
+      std::make_shared<PkiAccess::PrivateKeyImpl>(std::move(pkey), algorithm, KeyPlace::token));
 }
 
 Result<PrivateKey> from_uri(std::string_view uri, const Passphrase* passphrase) {
@@ -72,7 +73,7 @@ BytesView self_test_message() { return as_bytes("ddssec: does this key fit this 
 // OpenSSL's reason says where the decrypted octets made no sense ("pkcs12 cipherfinal error"),
 // which does not help. Another cause is only an algorithm that OpenSSL does not support.
 std::unexpected<Error> passphrase_error(Code code) {
-  auto failure = openssl_failure(code);
+  auto failure = openssl_error(code);
   const auto& error = failure.error();
   if (error.code() != code || error.details().note.contains("unsupported")) return failure;
   return fail(code);
@@ -94,7 +95,7 @@ Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphr
   if (request.asked)
     return passphrase_error(passphrase == nullptr ? Code::passphrase_missing
                                                   : Code::passphrase_wrong);
-  if (!is_der(pem)) return openssl_failure(Code::private_key_malformed);
+  if (!is_der(pem)) return openssl_error(Code::private_key_malformed);
   take_openssl_reason();
   return fail(Code::private_key_malformed,
               {.expected = "PEM",
@@ -120,7 +121,7 @@ Result<PrivateKey> PrivateKey::generate(KeyKind kind, int bits) {
   PkeyPtr pkey(kind == KeyKind::rsa
                    ? EVP_PKEY_Q_keygen(nullptr, nullptr, "RSA", static_cast<std::size_t>(bits))
                    : EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", group));
-  if (!pkey) return openssl_failure(Code::internal);
+  if (!pkey) return openssl_error(Code::internal);
   return finish(std::move(pkey));
 }
 
@@ -129,25 +130,27 @@ Result<KeyPem> PrivateKey::to_pem(const Passphrase* passphrase) const {
   // The secure-memory BIO wipes its buffer when it is freed.
   const BioPtr bio(BIO_new(BIO_s_secmem()));
   PassphraseRequest request{passphrase};
+  const Rollback wipe_at_end([&] {
+    if (request.asked) wipe_stack();
+  });
   const EVP_CIPHER* cipher = passphrase != nullptr ? EVP_aes_256_cbc() : nullptr;
   if (!bio || PEM_write_bio_PKCS8PrivateKey(bio.get(), impl_->pkey.get(), cipher, nullptr, 0,
                                             give_passphrase, &request) != 1)
-    return openssl_failure(Code::internal);
-  if (passphrase != nullptr) wipe_stack();
+    return openssl_error(Code::internal);
   return KeyPem::copy_of(bio_octets(bio));
 }
 
 KeyAlgorithm PrivateKey::algorithm() const { return impl_->algorithm; }
 
-bool PrivateKey::in_token() const { return impl_->is_in_token; }
+bool PrivateKey::in_token() const { return impl_->place == KeyPlace::token; }
 
-Status PrivateKey::matches(const Certificate& certificate) const {
+Status PrivateKey::check_fits(const Certificate& certificate) const {
   const ErrorDetails details{.field = "private key for " + certificate.subject(),
                              .expected = to_string(certificate.key_algorithm()),
                              .found = to_string(algorithm()) + " of another pair"};
   EVP_PKEY* expected = X509_get0_pubkey(impl_of(certificate).x509.get());
   if (EVP_PKEY_eq(impl_->pkey.get(), expected) != 1)
-    return openssl_failure(Code::key_mismatch, details);
+    return openssl_error(Code::key_mismatch, details);
   // A key file may contain the right public half with a wrong private half.
   const auto signature = sign(*this, self_test_message());
   if (!signature || !verify(certificate, self_test_message(), *signature))

@@ -47,7 +47,7 @@ class PrivateKey {
 
   /// Succeeds if this is the private half of the certificate's key: the public halves are equal,
   /// and a signature made with this key verifies with the certificate's key. Error: key_mismatch.
-  Status matches(const Certificate& certificate) const;
+  Status check_fits(const Certificate& certificate) const;
 
  private:
   friend struct PkiAccess;

@@ -71,7 +71,7 @@ Result<std::string> RenewalList::text() const {
     const BioPtr bio(BIO_new(BIO_s_mem()));
     if (!bio || PEM_write_bio(bio.get(), kPermissionsLabel.data(), "", one.data(),
                               static_cast<long>(one.size())) <= 0)
-      return openssl_failure(Code::internal);
+      return openssl_error(Code::internal);
     out += as_text(bio_octets(bio));
   }
   return out;

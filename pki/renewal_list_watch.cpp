@@ -52,8 +52,8 @@ RenewalList RenewalListWatch::merged_list() const {
 }
 
 // Returns false if the list was adopted together with former entries that it lacks.
-Result<bool> RenewalListWatch::judge(Place& place, BytesView file, bool is_second_look,
-                                     const Adopt& adopt) {
+Result<bool> RenewalListWatch::adopt_list(Place& place, BytesView file, bool is_second_look,
+                                          const Adopt& adopt) {
   DDSSEC_ASSIGN_OR_RETURN(auto list, RenewalList::parse(file));
   bool is_exact = true;
   if (!is_second_look) {
@@ -79,7 +79,7 @@ Result<bool> RenewalListWatch::read_place(Place& place, const Adopt& adopt) {
   const bool is_other = file && place.content != content;
   Result<bool> exact = true;
   if (!file && !not_yet) exact = std::unexpected(file.error());
-  if (is_other) exact = judge(place, *file, is_second_look, adopt);
+  if (is_other) exact = adopt_list(place, *file, is_second_look, adopt);
   if (exact && !*exact) {
     place.refusals.note_doubt();
     // Otherwise the former file would seem to be in force if it came back.

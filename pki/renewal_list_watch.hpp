@@ -55,7 +55,7 @@ class RenewalListWatch {
   };
 
   Result<bool> read_place(Place& place, const Adopt& adopt);
-  Result<bool> judge(Place& place, BytesView file, bool is_second_look, const Adopt& adopt);
+  Result<bool> adopt_list(Place& place, BytesView file, bool is_second_look, const Adopt& adopt);
   RenewalList merged_list() const;
 
   const Code refused_;

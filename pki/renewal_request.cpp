@@ -21,7 +21,7 @@ Status check_renewal_request(BytesView request_pem, const Certificate& old, Requ
   DDSSEC_ASSIGN_OR_RETURN(const auto content, read_request(request_pem));
   const BioPtr bio = bio_over(request_pem);
   const RequestPtr request(PEM_read_bio_X509_REQ(bio.get(), nullptr, nullptr, nullptr));
-  if (!request) return openssl_failure(Code::request_invalid);
+  if (!request) return openssl_error(Code::request_invalid);
   X509* certificate = impl_of(old).x509.get();
   const auto wanted = name_octets(X509_get_subject_name(certificate));
   if (wanted.empty() ||

@@ -49,14 +49,14 @@ Result<Bytes> sign(const PrivateKey& key, BytesView message) {
   Digest digest;
   if (!context || !hash(digest_for(kind), message, digest) ||
       EVP_PKEY_sign_init(context.get()) != 1 || !set_up(context.get(), kind, kSaltOctets))
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   std::size_t size = static_cast<std::size_t>(EVP_PKEY_get_size(pkey));
   Bytes signature(size);
   // If memory runs out while ECDSA writes, OpenSSL 3.0 reports success with 2^32 - 1 octets.
   if (EVP_PKEY_sign(context.get(), signature.data(), &size, digest.octets.data(), digest.size) !=
           1 ||
       size > signature.size())
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   signature.resize(size);
   return signature;
 }
@@ -71,11 +71,11 @@ Result<ValidSignature> verify(const Certificate& signer, BytesView message, Byte
   if (!context || !hash(digest_for(kind), message, digest) ||
       EVP_PKEY_verify_init(context.get()) != 1 ||
       !set_up(context.get(), kind, RSA_PSS_SALTLEN_AUTO))
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   // Negative results are failures too: only 1 is success.
   if (EVP_PKEY_verify(context.get(), signature.data(), signature.size(), digest.octets.data(),
                       digest.size) != 1)
-    return openssl_failure(Code::signature_invalid, {.field = "signer " + signer.subject()});
+    return openssl_error(Code::signature_invalid, {.field = "signer " + signer.subject()});
   return ValidSignature(signer);
 }
 

@@ -32,14 +32,14 @@ Result<CmsPtr> decode_signature(BytesView der) {
       ASN1_item_d2i_ex(nullptr, &position, static_cast<long>(der.size()),
                        ASN1_ITEM_rptr(CMS_ContentInfo), no_algorithms(), nullptr))));
   if (!cms || position != der.data() + der.size())
-    return openssl_failure(Code::smime_signature_malformed);
+    return openssl_error(Code::smime_signature_malformed);
   if (OBJ_obj2nid(CMS_get0_type(cms.get())) != NID_pkcs7_signed)
     return fail(Code::smime_signature_malformed, {.expected = "PKCS#7 SignedData"});
   // Content inside the signature would be a second document besides the one that is parsed.
   ASN1_OCTET_STRING** inner = CMS_get0_content(cms.get());
   if (inner == nullptr || *inner != nullptr ||
       OBJ_obj2nid(CMS_get0_eContentType(cms.get())) != NID_pkcs7_data)
-    return openssl_failure(Code::smime_signature_malformed, {.expected = "detached data"});
+    return openssl_error(Code::smime_signature_malformed, {.expected = "detached data"});
   return cms;
 }
 
@@ -134,7 +134,7 @@ Status verify_with(const Certificate& ca, CMS_ContentInfo* cms, BytesView conten
   const BioPtr bio = bio_over(content);
   constexpr unsigned kFlags = CMS_NOINTERN | CMS_NO_SIGNER_CERT_VERIFY | CMS_BINARY;
   if (!trusted || !bio || sk_X509_push(trusted.get(), impl_of(ca).x509.get()) <= 0)
-    return openssl_failure(Code::internal);
+    return openssl_error(Code::internal);
   return verify_cms(cms, trusted.get(), bio.get(), kFlags, "signer " + ca.subject());
 }
 

@@ -1,7 +1,6 @@
 #include "pki/smime_diagnosis.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 #include <openssl/pkcs7.h>
@@ -245,9 +244,9 @@ std::string algorithm_for_fastdds(const X509* certificate) {
 Status verify_with_store(BytesView file, const StorePtr& store) {
   if (file.size() > kMaxDocumentOctets) return fail(Code::smime_too_large);
   const auto parsed = parse_smime(file);
-  if (!parsed.pkcs7) return openssl_failure(Code::smime_malformed);
+  if (!parsed.pkcs7) return openssl_error(Code::smime_malformed);
   const BioPtr out(BIO_new(BIO_s_mem()));
-  if (!store || !out) return openssl_failure(Code::internal);
+  if (!store || !out) return openssl_error(Code::internal);
   return verify_pkcs7(parsed.pkcs7.get(), store.get(), parsed.beside.get(), out.get(), PKCS7_TEXT);
 }
 

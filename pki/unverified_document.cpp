@@ -19,7 +19,7 @@ constexpr std::size_t kMaxUnsignedOctets = 4096;
 
 Result<Bytes> decode_base64(std::string_view text) {
   const auto bad = [] {
-    return openssl_failure(Code::smime_signature_malformed, {.field = "base64 text"});
+    return openssl_error(Code::smime_signature_malformed, {.field = "base64 text"});
   };
   if (text.size() > kMaxSignatureText)
     return fail(Code::smime_signature_malformed,

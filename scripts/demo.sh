@@ -41,13 +41,13 @@ pids=()
 pid=
 trap 'for pid in "${pids[@]}"; do pkill -P "$pid" || true; kill "$pid" 2>/dev/null || true; done' EXIT
 
-# start LOG PLUGINS NAME ROLE ARGUMENTS...: a peer in the background; PLUGINS is ours, stock or fast
+# start LOG PLUGINS NAME ROLE ARGUMENTS...: a peer in the background; PLUGINS is ddssec, stock or fast
 start() {
   local log=$work/$1.log plugins=$2 name=$3 role=$4
   shift 4
   local program=cyclone_peer library_path=""
   [ "$plugins" = fast ] && program=fastdds_peer
-  [ "$plugins" = ours ] && library_path=$PWD/$build/dropin
+  [ "$plugins" = ddssec ] && library_path=$PWD/$build/dropin
   LD_LIBRARY_PATH=$library_path "$build/bin/$program" "--$role" --topic Square "$@" \
     --identity_ca "$PWD/$pki/identity_ca.pem" --permissions_ca "$PWD/$pki/permissions_ca.pem" \
     --identity_certificate "$PWD/$pki/$name/identity.pem" --private_key "$PWD/$pki/$name/identity.key" \
@@ -78,9 +78,9 @@ main_job() {
   rows=()
 
   step "radar publishes on our plugins; ddssec, stock Cyclone DDS and Fast DDS subscribe"
-  start radar ours radar publish --hold --timeout 60
+  start radar ddssec radar publish --hold --timeout 60
   local publisher=$!
-  start display ours display subscribe --samples 10 --timeout 15
+  start display ddssec display subscribe --samples 10 --timeout 15
   local display=$!
   start stock stock stock subscribe --samples 10 --timeout 15
   local stock=$!
@@ -102,14 +102,14 @@ main_job() {
   local mallory=$!
   start fooled stock stock subscribe --samples 10 --domain 1 --timeout 10
   local fooled=$!
-  start wary ours display subscribe --samples 10 --domain 1 --timeout 5
+  start wary ddssec display subscribe --samples 10 --domain 1 --timeout 5
   local wary=$!
   await $fooled
   line "stock: Cyclone DDS on its own plugins" "from mallory" "10 samples arrived" "$(samples)"
   await $wary
   line "display: Cyclone DDS on our plugins" "from mallory" "refused" "$(refused 4 wary refused)"
   kill "$mallory" && await "$mallory"
-  start self ours mallory publish --domain 1 --timeout 5
+  start self ddssec mallory publish --domain 1 --timeout 5
   await $!
   line "mallory: Cyclone DDS on our plugins" "itself" "refused at creation" "$(refused 3 self "refused at creation")"
   echo "   display says: $(grep -h -m1 smime_signer_not_permissions_ca "$work/wary.log" || echo nothing)"

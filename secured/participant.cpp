@@ -38,8 +38,8 @@ Result<Participant> Participant::join(const std::filesystem::path& folder,
   options.security.emplace(std::move(security));
   DDSSEC_ASSIGN_OR_RETURN(state->participant, rtps::DomainParticipant::create(
                                                   std::move(options), state->runtime.services()));
-  DDSSEC_ASSIGN_OR_RETURN(state->publisher, state->participant->create_publisher());
-  DDSSEC_ASSIGN_OR_RETURN(state->subscriber, state->participant->create_subscriber());
+  state->publisher = &state->participant->create_publisher();
+  state->subscriber = &state->participant->create_subscriber();
   return Participant(std::move(state));
 }
 

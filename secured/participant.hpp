@@ -17,7 +17,8 @@ namespace ddssec::secured {
 
 /// Prints events to standard error, one line each: warnings and errors, the interfaces that a
 /// participant uses, each peer that it authenticated, and documents that were renewed. An error
-/// that a call returns to the application is not printed; the application reports it.
+/// that a call returns to the application is not printed; the application reports it. Waits while
+/// standard error is a pipe that is full.
 class StandardErrorEvents final : public EventSink {
  public:
   void raise(const Event& event) override;

@@ -50,7 +50,7 @@ Status explain_unless_participant(const fs::path& given) {
          .hint = near.empty() ? "name a folder that ddssec init or identity issue made" : near});
   }
   if (pki::is_participant_folder(given)) return {};
-  const auto refuse = [&](const char* what, std::string hint) {
+  const auto not_found_error = [&](const char* what, std::string hint) {
     return fail(Code::file_not_found,
                 {.document = pki::participant_folder(given).certificate.string(),
                  .note = given.string() + what,
@@ -60,10 +60,10 @@ Status explain_unless_participant(const fs::path& given) {
     auto near = participants_in(folder.parent_path(), "participants of it may be ");
     if (near.empty())
       near = participants_in(folder.parent_path().parent_path(), "participants of it may be ");
-    return refuse(" is the folder of a CA", std::move(near));
+    return not_found_error(" is the folder of a CA", std::move(near));
   }
   if (auto inside = participants_in(folder, "it holds participants: "); !inside.empty())
-    return refuse(" is no participant's folder", std::move(inside));
+    return not_found_error(" is no participant's folder", std::move(inside));
   return {};
 }
 

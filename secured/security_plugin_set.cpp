@@ -1,7 +1,6 @@
 #include "secured/security_plugin_set.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 #include "base/status_service.hpp"
 #include "pki/certificate_source.hpp"

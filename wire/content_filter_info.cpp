@@ -1,5 +1,7 @@
 #include "wire/content_filter_info.hpp"
 
+#include "wire/parameter_list.hpp"
+
 namespace ddssec::rtps {
 
 void write_content_filter_info(SpanWriter& out, const FilterResults& results) {

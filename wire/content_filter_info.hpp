@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <span>
 
-#include "wire/parameter_list.hpp"
-
 namespace ddssec::rtps {
+
+class SpanWriter;
 
 /// The MD5 of the filter that a reader announces.
 using FilterSignature = std::array<std::uint8_t, 16>;

@@ -1,5 +1,6 @@
-// Entity ids and kinds of RTPS 9.3.1.2 and DDS-Security 1.2, clause 7.4.7.1, and the set of bits
-// that announces them.
+// Entity ids and kinds of RTPS 9.3.1.2, DDS-Security 1.2, clause 7.4.7.1, and DDS-XTypes 1.3, and
+// the set of bits that announces them. The product has these numbers in this file only, except
+// kEntityIdParticipant (base/ids.hpp).
 #pragma once
 
 #include "base/ids.hpp"
@@ -10,6 +11,8 @@ inline constexpr EntityId kEntityIdUnknown{{0, 0, 0, 0}};
 
 inline constexpr EntityId kSpdpWriter{{0x00, 0x01, 0x00, 0xc2}};
 inline constexpr EntityId kSpdpReader{{0x00, 0x01, 0x00, 0xc7}};
+inline constexpr EntityId kTopicsWriter{{0x00, 0x00, 0x02, 0xc2}};
+inline constexpr EntityId kTopicsReader{{0x00, 0x00, 0x02, 0xc7}};
 inline constexpr EntityId kPublicationsWriter{{0x00, 0x00, 0x03, 0xc2}};
 inline constexpr EntityId kPublicationsReader{{0x00, 0x00, 0x03, 0xc7}};
 inline constexpr EntityId kSubscriptionsWriter{{0x00, 0x00, 0x04, 0xc2}};
@@ -18,6 +21,9 @@ inline constexpr EntityId kParticipantMessageWriter{{0x00, 0x02, 0x00, 0xc2}};
 inline constexpr EntityId kParticipantMessageReader{{0x00, 0x02, 0x00, 0xc7}};
 inline constexpr EntityId kStatelessMessageWriter{{0x00, 0x02, 0x01, 0xc3}};
 inline constexpr EntityId kStatelessMessageReader{{0x00, 0x02, 0x01, 0xc4}};
+/// Of DDS-XTypes 1.3, clause 7.6.3.3.3; ddssec has no such endpoints.
+inline constexpr EntityId kTypeLookupRequestWriter{{0x00, 0x03, 0x00, 0xc3}};
+inline constexpr EntityId kTypeLookupReplyWriter{{0x00, 0x03, 0x01, 0xc3}};
 inline constexpr EntityId kPublicationsSecureWriter{{0xff, 0x00, 0x03, 0xc2}};
 inline constexpr EntityId kPublicationsSecureReader{{0xff, 0x00, 0x03, 0xc7}};
 inline constexpr EntityId kSubscriptionsSecureWriter{{0xff, 0x00, 0x04, 0xc2}};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "wire/parameter_list.hpp"
 #include "wire/submessage.hpp"
 
 namespace ddssec::rtps {

@@ -1,5 +1,7 @@
 #include "wire/memory_reference.hpp"
 
+#include "wire/parameter_list.hpp"
+
 namespace ddssec::rtps {
 
 Result<MemoryReference> read_memory_reference(BytesView value, Endian endian) {

@@ -1,9 +1,13 @@
 // The place of a DATA's payload in shared memory. Specific to ddssec.
 #pragma once
 
-#include "wire/parameter_list.hpp"
+#include <cstdint>
+
+#include "base/reader.hpp"
 
 namespace ddssec::rtps {
+
+class SpanWriter;
 
 /// Names a payload in a segment of its writer (rtps/memory). A DATA carries this reference instead
 /// of the payload, so the reference has the same protection as the rest of the DATA.
@@ -21,7 +25,7 @@ inline constexpr std::size_t kMemoryReferenceSize = 28;  ///< size of the value,
 /// Reads the value of the parameter. A peer may have put any numbers into it, so rtps/memory checks
 /// them. Error: rtps_parameter_invalid (too short).
 Result<MemoryReference> read_memory_reference(BytesView value, Endian endian);
-/// Writes the parameter.
+/// Writes the parameter, with its id and length.
 void write_memory_reference(SpanWriter& out, const MemoryReference& reference);
 
 }  // namespace ddssec::rtps

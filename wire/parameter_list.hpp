@@ -3,7 +3,6 @@
 
 #include <bitset>
 #include <optional>
-#include <string_view>
 
 #include "base/parameter_ids.hpp"
 #include "base/reader.hpp"
@@ -21,14 +20,32 @@ struct Parameter {
   Reader reader() const { return Reader(value, endian); }
 };
 
-/// Iterates over a list in place. PAD is skipped. The list must end with its sentinel.
+/// The octets in front of each value.
+struct ParameterHeader {
+  static constexpr std::size_t size = 4;
+
+  ParameterId id = 0;
+  std::uint16_t length = 0;  ///< of the value, a multiple of 4; any number at the sentinel
+
+  bool is_sentinel() const { return id == pid::kSentinel; }
+};
+/// Reads a header. Every reader of parameter lists does it by this function. Errors: truncated,
+/// rtps_parameter_invalid (the length is not a multiple of 4, and this is not the sentinel).
+Result<ParameterHeader> read_parameter_header(Reader& reader);
+
+/// Iterates over a list in place, and allocates nothing.
 class ParameterReader {
  public:
   ParameterReader(BytesView list, Endian endian) : reader_(list, endian) {}
 
-  /// Returns the next parameter, or empty at the sentinel. Errors: truncated (no sentinel),
-  /// rtps_parameter_invalid (the length is not a multiple of 4).
+  /// Returns the next parameter, or empty at the sentinel. PAD is skipped. Errors: truncated (the
+  /// list ends before its sentinel), rtps_parameter_invalid (the length is not a multiple of 4).
   Result<std::optional<Parameter>> next();
+  /// As next, but returns PAD as well.
+  Result<std::optional<Parameter>> next_or_pad();
+  /// True after the sentinel, or if no octets are left. A caller that accepts a list without a
+  /// sentinel asks this before next_or_pad.
+  bool at_end() const { return is_done_ || reader_.at_end(); }
   /// Returns the number of octets read so far; after the sentinel, the size of the list.
   std::size_t consumed() const { return reader_.position(); }
 

@@ -325,7 +325,7 @@ void Agent::note_documents(Folder& folder, const Json& outcome) {
 // from the members otherwise. Others are reported at each attempt.
 void Agent::note_lasting_problem(Folder& folder, Json& members) {
   if (!members.contains("problem")) return folder.lasting_problem.clear();
-  const auto code = error_from(members["problem"]).code();
+  const auto code = reported_error(members["problem"]).code();
   // Asking for permissions needs the participant's key.
   if (must_not_be_tried_again(code)) owners_with_wrong_pin_.insert(folder.lock->owner().user);
   if (!must_not_be_tried_again(code) && code != tool_code::no_new_permissions) return;
@@ -370,7 +370,7 @@ Result<Json> Agent::outcome_after(const Folder& folder, WorkerProcess& worker, c
   if (!is_renewed && !line.contains("failed")) return outcome_from(folder, line);
   const auto last = worker.read();
   auto outcome = last ? outcome_from(folder, *last) : Result<Json>(std::unexpected(last.error()));
-  if (!is_renewed) return std::unexpected(error_from(line["failed"]));
+  if (!is_renewed) return std::unexpected(reported_error(line["failed"]));
   if (last) return outcome;
   auto renewed = known_members(line["renewed"]);
   if (!signals_.is_stopped() && !renewed.contains("problem"))
@@ -386,7 +386,7 @@ Result<Json> Agent::outcome_from(const Folder& folder, const Json& line) {
   members.erase("ocsp_silent");
   if (!line.contains("error")) return members;
   for (auto& file : files_from(members)) written_.push_back(std::move(file));
-  return std::unexpected(error_from(line["error"]));
+  return std::unexpected(reported_error(line["error"]));
 }
 
 Result<RenewalAnswer> Agent::ask_ca(const Folder& folder, const RenewalRequest& request) {
@@ -406,7 +406,7 @@ void Agent::note_answer(Folder& folder, const RenewalAnswer& answer) {
 
 bool Agent::note_problem(Json& event) {
   if (!event.contains("problem")) return false;
-  const auto problem = error_from(event["problem"]);
+  const auto problem = reported_error(event["problem"]);
   event["problem"] = event_members(problem);
   if (problem.code() == Code::crl_ends_soon)
     return false;  // a warning is no failure of the command
@@ -417,7 +417,7 @@ bool Agent::note_problem(Json& event) {
 // A list that ends soon needs no other visit. Without this, the warning would be repeated at each
 // visit for a sixth of the list's time.
 void Agent::leave_out_repeated_warning(Folder& folder, Json& event) {
-  const auto code = event.contains("problem") ? error_from(event["problem"]).code() : Code{};
+  const auto code = event.contains("problem") ? reported_error(event["problem"]).code() : Code{};
   if (code != Code::crl_ends_soon) return folder.list_warning.clear();
   if (!folder.list_warning.note(code, context_.clock.since_boot())) event.erase("problem");
 }

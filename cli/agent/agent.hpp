@@ -1,7 +1,6 @@
 // The agent, which looks after participants' folders one after the other.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <set>
 #include <string>

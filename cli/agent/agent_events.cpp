@@ -46,7 +46,7 @@ Json known_members(const Json& event) {
     if (event.contains(name)) out[name] = text_in(event, name).substr(0, kMaxText);
   for (const auto* name : {"rekeyed", "permissions_extended", "restart_needed"})
     if (event.contains(name)) out[name] = event[name] == true;
-  if (event.contains("problem")) out["problem"] = error_to_json(error_from(event["problem"]));
+  if (event.contains("problem")) out["problem"] = error_to_json(reported_error(event["problem"]));
   if (!event.contains("files")) return out;
   out["files"] = Json::array();
   for (const auto& file : event["files"])

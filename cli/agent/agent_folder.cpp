@@ -1,6 +1,5 @@
 #include "cli/agent/agent_folder.hpp"
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <fcntl.h>

@@ -92,13 +92,13 @@ std::string answer_line(RenewalAnswer& answer) {
 }
 
 Result<RenewalAnswer> answer_from(const Json& json) {
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  if (json.contains("error")) return std::unexpected(reported_error(json["error"]));
   DDSSEC_ASSIGN_OR_RETURN(auto permissions, octets_in(json, "permissions"));
   RenewalAnswer out{.certificate = text_in(json, "certificate"),
                     .permissions = std::move(permissions),
                     .renewals = text_in(json, "renewals")};
-  if (json.contains("problem")) out.problem = error_from(json["problem"]);
-  if (json.contains("notice")) out.notice = error_from(json["notice"]);
+  if (json.contains("problem")) out.problem = reported_error(json["problem"]);
+  if (json.contains("notice")) out.notice = reported_error(json["notice"]);
   return out;
 }
 
@@ -115,7 +115,7 @@ DocumentRequest document_request_from(const Json& json) {
 Json document_line(BytesView document) { return {{"document", to_hex(document)}}; }
 
 Result<Bytes> document_from(const Json& json) {
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  if (json.contains("error")) return std::unexpected(reported_error(json["error"]));
   return octets_in(json, "document");
 }
 
@@ -131,7 +131,7 @@ Json error_to_json(const Error& error) {
           {"hint", details.hint}};
 }
 
-Error error_from(const Json& json) {
+Error reported_error(const Json& json) {
   if (!json.is_object()) return Error(Code::internal);
   const auto code = static_cast<Code>(number_in(json, "code"));
   const auto found = std::ranges::find(all_codes(), code, &CodeInfo::code);

@@ -82,7 +82,7 @@ Result<Bytes> document_from(const Json& json);
 /// Writes an error with all of its details.
 Json error_to_json(const Error& error);
 /// Reads an error. An unknown code is read as `internal`.
-Error error_from(const Json& json);
+Error reported_error(const Json& json);
 
 /// Returns the text of a member. Empty if there is no member of that name or it is not a text.
 std::string text_in(const Json& json, std::string_view name);

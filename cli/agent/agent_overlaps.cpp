@@ -1,6 +1,5 @@
 #include "cli/agent/agent_overlaps.hpp"
 
-#include <algorithm>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -164,7 +164,7 @@ Result<pki::PrivateKey> present_key(const Participant& self) {
     return fail(Code::pkcs11_pin_wrong,
                 {.document = files.key, .note = "not tried: a token has refused a PIN before"});
   DDSSEC_ASSIGN_OR_RETURN(auto key, read_key(files.key, nullptr));
-  DDSSEC_RETURN_IF_ERROR(with_default_document(key.matches(self.certificate), files.key));
+  DDSSEC_RETURN_IF_ERROR(with_default_document(key.check_fits(self.certificate), files.key));
   return key;
 }
 
@@ -173,7 +173,7 @@ Result<pki::PrivateKey> key_for_request(const Participant& self) {
   if (self.task.is_rekeying) {
     if (files.key.extension() == ".p11") return fail(Code::key_in_token, {.document = files.key});
     DDSSEC_ASSIGN_OR_RETURN(const auto present, read_key(files.key, nullptr));
-    DDSSEC_RETURN_IF_ERROR(with_default_document(present.matches(self.certificate), files.key));
+    DDSSEC_RETURN_IF_ERROR(with_default_document(present.check_fits(self.certificate), files.key));
     const auto kind = self.certificate.key_algorithm();
     return pki::PrivateKey::generate(kind.kind, kind.bits);
   }
@@ -257,7 +257,7 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
                                    : renewed.subject());
   if (renewed.is_ca())
     return unfit_renewal_error(self, "the certificate of a participant", "one of a CA");
-  DDSSEC_RETURN_IF_ERROR(about_answer(key.matches(renewed), file));
+  DDSSEC_RETURN_IF_ERROR(about_answer(key.check_fits(renewed), file));
   DDSSEC_RETURN_IF_ERROR(check_chain(self, renewed));
   DDSSEC_RETURN_IF_ERROR(check_dates(self, renewed));
   return renewed;
@@ -393,7 +393,7 @@ Result<Json> renew(const Participant& self, const AgentServices& agent) {
 Status check_key(const Participant& self) {
   if (self.files.key.extension() == ".p11") return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(self.files.key, nullptr));
-  return with_default_document(key.matches(self.certificate), self.files.key);
+  return with_default_document(key.check_fits(self.certificate), self.files.key);
 }
 
 Status check_permissions(const Participant& self) {

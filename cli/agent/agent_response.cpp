@@ -1,7 +1,6 @@
 #include "cli/agent/agent_response.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include "base/tool_code.hpp"
 #include "cli/agent/agent_messages.hpp"
@@ -33,19 +32,19 @@ Result<pki::GoodOcspStatus> response_in_place(const ResponseTask& task) {
 
 Status check_issued_by_own(const ResponseTask& task) {
   const auto& asked = task.asked;
-  const auto refused = [&] {
+  const auto issuer_error = [&] {
     return fail(Code::issuer_unknown,
                 {.document = task.files.certificate,
                  .expected = "a certificate that a CA of " + asked.cas_source + " has issued",
                  .found = "one of " + task.certificate.issuer(),
                  .note = "so the OCSP responder that it names is not asked"});
   };
-  if (asked.asks_none) return refused();
+  if (asked.asks_none) return issuer_error();
   if (asked.cas_pem.empty()) return {};
   DDSSEC_ASSIGN_OR_RETURN(const auto cas,
                           pki::Certificate::bundle_from_pem(as_bytes(asked.cas_pem)));
   const auto is_issuer = [&](const auto& ca) { return task.certificate.is_issued_by(ca); };
-  if (std::ranges::none_of(cas, is_issuer)) return refused();
+  if (std::ranges::none_of(cas, is_issuer)) return issuer_error();
   return {};
 }
 

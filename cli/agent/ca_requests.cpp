@@ -157,7 +157,7 @@ Result<Json> CaRequests::run_in_child_process(const std::function<Result<Json>()
   if (const auto end = process.read_line(line, kMaxAgentLine, deadline); end != End::done)
     return no_answer_error(end);
   DDSSEC_ASSIGN_OR_RETURN(auto json, json_from(line));
-  if (json.contains("error")) return std::unexpected(error_from(json["error"]));
+  if (json.contains("error")) return std::unexpected(reported_error(json["error"]));
   return json;
 }
 

@@ -2,7 +2,6 @@
 // Handles ROS 2 keystores and participants' folders alike.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -58,7 +57,8 @@ struct RotationResult {
   std::vector<std::string> unlogged = {};  ///< documents signed although the log lacks them
   /// The hint for a participant whose folder cannot be written: what that means and what to do.
   std::string unwritten_hint =
-      "the participant keeps its old files and meets no other one until it has new ones; make its "
+      "the participant keeps its old files and authenticates no other one until it has new ones; "
+      "make its "
       "folder writable, then rotate the CA once more";
 };
 

@@ -23,18 +23,18 @@ namespace {
 // is not protected. Refuses a response that has expired or is older than the present one.
 Status check_later(const pki::GoodOcspStatus& fetched, const ResponseRequest& wanted,
                    const pki::ChainVerifier& verifier, WallTime now) {
-  const auto refuse = [&](const char* field, WallTime earliest, WallTime found) {
+  const auto expired_error = [&](const char* field, WallTime earliest, WallTime found) {
     return fail(Code::ocsp_expired, {.field = field,
                                      .expected = "not before " + to_string(earliest),
                                      .found = to_string(found),
                                      .note = "it may be a recorded answer"});
   };
-  if (fetched.until() < now) return refuse("nextUpdate", now, fetched.until());
+  if (fetched.until() < now) return expired_error("nextUpdate", now, fetched.until());
   const auto octets = read_file(ocsp_file(wanted.files), pki::kMaxOcspOctets);
   if (!octets) return {};
   const auto present = pki::judge_ocsp(*octets, wanted.certificate, verifier, now);
   if (!present || fetched.this_update() >= present->this_update()) return {};
-  return refuse("thisUpdate", present->this_update(), fetched.this_update());
+  return expired_error("thisUpdate", present->this_update(), fetched.this_update());
 }
 
 }  // namespace

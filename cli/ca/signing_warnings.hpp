@@ -1,5 +1,5 @@
-// What a user who signs permissions may not expect of their extension by the agent and by `identity
-// renew --permissions`.
+// Warns when signed permissions may be extended past the end that the user gave (by the agent, or
+// by `identity renew --permissions`), or are not those that the participant uses.
 #pragma once
 
 #include <filesystem>

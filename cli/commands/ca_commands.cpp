@@ -157,7 +157,7 @@ Result<Answer<ImportedCa>> ca_import(const Arguments& arguments, const Context&)
     const auto& [key, secret] = imported;
     const bool in_token = !key.token_uri.empty();
     DDSSEC_RETURN_IF_ERROR(with_default_document(
-        key.key.matches(ca), in_token ? from : fs::path(arguments.text("--key"))));
+        key.key.check_fits(ca), in_token ? from : fs::path(arguments.text("--key"))));
     DDSSEC_RETURN_IF_ERROR(
         add_ca(folder, names, to_pem(certificates), key, secret ? &*secret : nullptr));
   } else {

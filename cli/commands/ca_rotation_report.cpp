@@ -51,7 +51,7 @@ std::string next_step(const std::string& role, RotationStep step, const std::str
   }
   return "Every participant must start again with the new files, unless it runs on ddssec's "
          "plugins: "
-         "old ones and new ones do not meet.\n";
+         "old ones and new ones do not authenticate each other.\n";
 }
 
 }  // namespace
@@ -108,7 +108,8 @@ std::string unwritten_hint(const std::string& role, RotationStep step, const std
           again);
   }
   return fmt::format(
-      "the participant keeps its old files and meets no other one until it has new ones; {} --end",
+      "the participant keeps its old files and authenticates no other one until it has new ones; "
+      "{} --end",
       again);
 }
 

@@ -86,7 +86,7 @@ std::unexpected<Error> unknown_list_error(const std::string& word) {
 }
 
 // Reads names separated by commas, or a file with one name on each line.
-Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
+Result<std::vector<std::string>> checked_topics(const Arguments& arguments) {
   std::vector<std::string> out;
   for (const auto& word : arguments.all("--topics")) {
     std::error_code ignored;
@@ -107,7 +107,7 @@ Result<std::vector<std::string>> topics_of(const Arguments& arguments) {
   return out;
 }
 
-Report unpredictable(const fs::path& file, doctor::Product product) {
+Report unpredictable_report(const fs::path& file, doctor::Product product) {
   auto report = cli::report_of(
       Error(Code::file_unreadable,
             {.document = file,
@@ -122,10 +122,11 @@ Report unpredictable(const fs::path& file, doctor::Product product) {
 // Explains why there is no answer: the product accepts a file that ddssec cannot judge, such as a
 // certificate with a key of another curve, so a "no" could be seriously wrong. Empty if an answer
 // is possible.
-std::optional<Report> unpredictable(const doctor::LoadedFolder& folder, doctor::Product product) {
+std::optional<Report> unpredictable_report(const doctor::LoadedFolder& folder,
+                                           doctor::Product product) {
   const auto& certificate = folder.certificate;
   if (const auto* file = doctor::unpredictable_file(folder, product))
-    return unpredictable(*file, product);
+    return unpredictable_report(*file, product);
   if (product != doctor::Product::cyclonedds || certificate ||
       !doctor::is_key_of_another_curve(certificate.error()))
     return std::nullopt;
@@ -144,7 +145,7 @@ void warn_of_readings(std::initializer_list<const doctor::LoadedFolder*> folders
                       const doctor::Settings& settings, Report& report) {
   for (const auto* folder : folders) {
     doctor::Diagnosis readings(settings.lineup);
-    doctor::check_readings(*folder, settings, readings);
+    doctor::diagnose_readings(*folder, settings, readings);
     for (const auto& one : readings.checks())
       for (auto finding : one.findings) {
         finding.severity = Severity::warning;
@@ -161,7 +162,7 @@ void warn_of_renewal_lists(
   for (const auto& [folder, product] : sides) {
     if (product != doctor::Product::ddssec) continue;
     doctor::Diagnosis lists(settings.lineup);
-    check_renewal_list(*folder, settings, lists);
+    diagnose_renewal_list(*folder, settings, lists);
     for (const auto& one : lists.checks())
       report.findings.insert(report.findings.end(), one.findings.begin(), one.findings.end());
   }
@@ -173,7 +174,7 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   for (const auto& word : arguments.all("--vendor"))
     DDSSEC_RETURN_IF_ERROR(set_product(word, products));
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, wanted_directions(arguments));
-  DDSSEC_ASSIGN_OR_RETURN(const auto topics, topics_of(arguments));
+  DDSSEC_ASSIGN_OR_RETURN(const auto topics, checked_topics(arguments));
   for (const auto& folder : folders) DDSSEC_RETURN_IF_ERROR(check_participant_folder(folder));
 
   const auto now = context.clock.calendar_seconds();
@@ -187,14 +188,14 @@ Result<Answer<MeetingView>> check(const Arguments& arguments, const Context& con
   const bool are_stock = std::ranges::none_of(
       products, [](const auto& one) { return one.name == doctor::Product::ddssec; });
   for (const auto& [folder, product] : {std::pair{&a, &products[0]}, std::pair{&b, &products[1]}})
-    if (auto unknown = are_stock ? unpredictable(*folder, product->name) : std::nullopt)
+    if (auto unknown = are_stock ? unpredictable_report(*folder, product->name) : std::nullopt)
       return Answer<MeetingView>{{}, *std::move(unknown), false};
   Report report;
   DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&a, &b}, now, report));
   std::string names[2];
   name_parties(folders[0], folders[1], names);
   MeetingView view{
-      .meeting = meet_with_properties(
+      .meeting = predict_with_properties(
           party(a, products[0], names[0], report), party(b, products[1], names[1], report),
           {.now = now,
            .domain = domain,

@@ -444,7 +444,8 @@ std::vector<Command> crl_commands() {
                             true, true}},
            .options = {ca_option("the CA"), kClockIsRight},
            .examples = {"ddssec crl distribute --ca ca", "ddssec crl distribute talker --ca ca"},
-           .run = crl_distribute}};
+           .run = crl_distribute,
+           .sought_in = {"keystore"}}};
 }
 
 }  // namespace ddssec::cli

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iterator>
 #include <optional>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -279,8 +278,8 @@ std::vector<ProductMeeting> meetings_of(Report& report, const doctor::Party (&pa
   for (const auto a : products.list)
     for (const auto b : products.list) {
       const MeetingView view{
-          .meeting = meet_with_properties({self.folder, a, self.name, lineup},
-                                          {peer.folder, b, peer.name, lineup}, settings),
+          .meeting = predict_with_properties({self.folder, a, self.name, lineup},
+                                             {peer.folder, b, peer.name, lineup}, settings),
           .names = {self.name, peer.name}};
       const auto& meeting = view.meeting;
       out.push_back({doctor::id(a, lineup), doctor::id(b, lineup), view.talk(),
@@ -308,7 +307,7 @@ DiagnosedPeer peer_of(
   const fs::path folders[] = {arguments.text("DIR"), arguments.text("--peer")};
   const auto& [self, peer] = both;
   auto diagnosis = diagnosis_of(peer, settings);
-  doctor::check_lint(peer, settings, diagnosis);
+  doctor::diagnose_lint(peer, settings, diagnosis);
   DiagnosedPeer out{shown_diagnosis(report, folders[1], std::move(diagnosis), settings, products)};
   std::string names[2];
   name_parties(folders[0], folders[1], names);
@@ -401,24 +400,25 @@ Result<Answer<DoctorResult>> doctor_of(const Arguments& arguments, const Context
   const doctor::Settings settings{.now = now, .domain = domain, .lineup = products.lineup};
   auto diagnosis = diagnosis_of(loaded, settings);
   if (arguments.has("--ros"))
-    doctor::check_ros(loaded, doctor::ros_environment(), settings, diagnosis);
+    doctor::diagnose_ros(loaded, doctor::ros_environment(), settings, diagnosis);
   if (arguments.has("--plugins"))
-    doctor::check_plugins(
+    doctor::diagnose_plugins(
         arguments.text("--plugins") == "system" ? "" : arguments.text("--plugins"), diagnosis);
   if (!arguments.has("--ros")) warn_of_unset_variable(loaded, settings, diagnosis);
   if (!arguments.has("--ros") && arguments.has("--vendor"))
     warn_of_unset_profiles_file(loaded, settings, diagnosis);
   const auto in_force = doctor::cyclonedds_configuration();
-  doctor::check_shared_memory(loaded, in_force, settings, diagnosis);
-  doctor::check_transport(in_force, diagnosis);
+  doctor::diagnose_shared_memory(loaded, in_force, settings, diagnosis);
+  doctor::diagnose_transport(in_force, diagnosis);
   const auto places = doctor::LoaderPlaces::here();
   const auto plugins = host_plugins_for(folder, arguments.has("--ros"), places);
   if (arguments.has("--ros"))
-    doctor::check_loadable(plugins, diagnosis);
+    doctor::diagnose_loadable(plugins, diagnosis);
   else
-    doctor::check_host_plugins(plugins, places, path_exists(folder / "cyclonedds.xml"), diagnosis);
-  doctor::check_files_of_process(loaded, files_of_process(folder, domain, plugins), diagnosis);
-  doctor::check_lint(loaded, settings, diagnosis);
+    doctor::diagnose_host_plugins(plugins, places, path_exists(folder / "cyclonedds.xml"),
+                                  diagnosis);
+  doctor::diagnose_files_of_process(loaded, files_of_process(folder, domain, plugins), diagnosis);
+  doctor::diagnose_lint(loaded, settings, diagnosis);
   DoctorResult result{
       .domain = domain,
       .diagnosis = shown_diagnosis(report, folder, std::move(diagnosis), settings, products),
@@ -476,7 +476,8 @@ std::vector<Command> doctor_commands() {
                     "load the plugin libraries of this folder, or (system) Cyclone DDS's"}},
        .examples = {"ddssec doctor demo/talker", "ddssec doctor talker --vendor fastdds@3.1.2",
                     "ddssec doctor talker --peer listener"},
-       .run = doctor_of}};
+       .run = doctor_of,
+       .instead_of_extra = "ddssec check compares two participants"}};
 }
 
 }  // namespace ddssec::cli

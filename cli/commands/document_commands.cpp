@@ -71,8 +71,9 @@ Answer<Signing> not_signed(const fs::path& file, std::vector<Finding> findings) 
 }
 
 // A warning if the participant in whose folder the document is put has no grant in it.
-void check_own_grant(const governance::Permissions& document, const pki::ParticipantFolder& paths,
-                     const fs::path& file, std::vector<Finding>& findings) {
+void diagnose_own_grant(const governance::Permissions& document,
+                        const pki::ParticipantFolder& paths, const fs::path& file,
+                        std::vector<Finding>& findings) {
   const auto certificate = read_certificate(paths.certificate);
   if (!certificate) return;
   const auto subject = pki::SubjectName::of(*certificate);
@@ -100,7 +101,7 @@ std::vector<Finding> unfit_for_participants(const governance::Permissions& docum
                                             const fs::path& ca) {
   const auto paths = pki::participant_folder(folder_of(to));
   auto out = uncovered_grants(document, paths.governance, file);
-  if (to.filename() == paths.permissions.filename()) check_own_grant(document, paths, file, out);
+  if (to.filename() == paths.permissions.filename()) diagnose_own_grant(document, paths, file, out);
   std::ranges::move(mistyped_subjects(document, ca, file), std::back_inserter(out));
   return out;
 }

@@ -84,7 +84,7 @@ class Search {
 
   // Call this after the last path. A link to a folder is accepted if that folder was searched under
   // its own name.
-  void check_links() {
+  void diagnose_links() {
     for (const auto& link : links_) {
       std::error_code ignored;
       const auto target = fs::weakly_canonical(link, ignored);
@@ -137,10 +137,10 @@ class Search {
       }
     }
     if (error) leave_out(folder, error.message());
-    check_certificate_in(folder);
+    diagnose_certificate_in(folder);
   }
 
-  void check_certificate_in(const fs::path& folder) {
+  void diagnose_certificate_in(const fs::path& folder) {
     const auto has = [&](const char* name) {
       std::error_code ignored;
       return fs::exists(fs::symlink_status(folder / name, ignored));
@@ -385,7 +385,7 @@ Result<Answer<Expiry>> expiry(const Arguments& arguments, const Context& context
   auto paths = arguments.all("PATHS");
   if (paths.empty()) paths = {"."};
   for (const auto& path : paths) search.look_at(path);
-  search.check_links();
+  search.diagnose_links();
   const auto now = context.clock.calendar_seconds();
   const auto horizon = now + within;
   Answer<Expiry> out{{horizon}};

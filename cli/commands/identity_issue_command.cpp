@@ -1,7 +1,6 @@
 // identity issue: creates, completes or renews a participant's folder.
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -199,7 +198,7 @@ Result<IssueAnswer> create_folder(IssueRequest& request) {
   return issue_answer(issued_of(request, made.self.certificate), {}, request, folder.commit());
 }
 
-std::unexpected<Error> refuse_existing(const fs::path& file, std::string note) {
+std::unexpected<Error> would_overwrite_error(const fs::path& file, std::string note) {
   return fail(Code::would_overwrite,
               {.document = file,
                .note = std::move(note),
@@ -240,14 +239,14 @@ class Completion {
     if (!is_asked_for) return {};
     DDSSEC_ASSIGN_OR_RETURN(const auto found, read_file(file, pki::kMaxDocumentOctets));
     if (std::ranges::equal(found, octets)) return {};
-    return refuse_existing(file, "it is another one");
+    return would_overwrite_error(file, "it is another one");
   }
   Status put(const fs::path& file, std::string_view text) {
     ++count_;
     return out_.put_public(file, text);
   }
   Result<std::vector<WrittenFile>> commit() {
-    if (count_ == 0) return refuse_existing(request_.target, "nothing is missing in it");
+    if (count_ == 0) return would_overwrite_error(request_.target, "nothing is missing in it");
     return out_.commit();
   }
 
@@ -262,11 +261,11 @@ Status check_same(const IssueRequest& request, const pki::Certificate& certifica
                   const pki::Certificate& ca) {
   DDSSEC_ASSIGN_OR_RETURN(const auto wanted, pki::SubjectName::parse(request.spec.subject));
   if (pki::SubjectName::of(certificate).key() != wanted.key())
-    return refuse_existing(
+    return would_overwrite_error(
         request.files.certificate,
         fmt::format("it is that of {}, not of {}", certificate.subject(), request.spec.subject));
   if (!certificate.is_issued_by(ca))
-    return refuse_existing(
+    return would_overwrite_error(
         request.files.certificate,
         fmt::format("it was issued by {}, not by this CA", certificate.issuer()));
   return {};
@@ -281,7 +280,7 @@ Status add_permissions(const IssueRequest& request, const pki::Certificate& cert
     return out.add(request.files.permissions_ca, as_bytes(trust), 0644, is_used);
   }
   if (path_exists(request.files.permissions))
-    return refuse_existing(request.files.permissions, "the participant has permissions");
+    return would_overwrite_error(request.files.permissions, "the participant has permissions");
   const auto now = request.context.clock.calendar_seconds();
   DDSSEC_ASSIGN_OR_RETURN(const auto ca, CaOpener(request.arguments).open("permissions"));
   DDSSEC_ASSIGN_OR_RETURN(const auto xml,
@@ -328,7 +327,8 @@ Result<IssueAnswer> add_missing_files(IssueRequest& request) {
 Status check_nothing_in_token(const IssueRequest& request) {
   for (const auto* file :
        {&request.files.certificate, &request.files.identity_ca, &request.files.permissions_ca})
-    if (file->extension() == ".p11") return refuse_existing(*file, "it names what a token holds");
+    if (file->extension() == ".p11")
+      return would_overwrite_error(*file, "it names what a token holds");
   if (request.files.key.extension() != ".p11") return {};
   return fail(Code::key_in_token,
               {.document = request.files.key,
@@ -389,7 +389,7 @@ Result<IssueAnswer> fill_existing_folder(IssueRequest& request) {
        {&request.files.identity_ca, &request.files.permissions_ca, &request.files.governance,
         &request.files.permissions, &request.files.crl})
     if (path_exists(*file))
-      return refuse_existing(*file, "it is there without a key and a certificate");
+      return would_overwrite_error(*file, "it is there without a key and a certificate");
   return write_folder(request);
 }
 

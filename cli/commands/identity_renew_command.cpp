@@ -248,7 +248,7 @@ Status check_fits_key(const pki::ParticipantFolder& files, const pki::Certificat
   const auto encrypted = is_encrypted(files.key);
   if (!encrypted || *encrypted) return {};
   const auto key = read_key(files.key, nullptr);
-  if (!key || key->matches(certificate)) return {};
+  if (!key || key->check_fits(certificate)) return {};
   return unfit_key_error(files, certificate, "another key");
 }
 
@@ -260,7 +260,8 @@ Status check_has_key(const pki::ParticipantFolder& files, const pki::Certificate
   DDSSEC_ASSIGN_OR_RETURN(const bool encrypted, is_encrypted(files.key));
   if (encrypted) return unfit_key_error(files, certificate, "a key with a passphrase, unread");
   DDSSEC_ASSIGN_OR_RETURN(const auto key, read_key(files.key, nullptr));
-  return key.matches(certificate) ? Status() : unfit_key_error(files, certificate, "another key");
+  return key.check_fits(certificate) ? Status()
+                                     : unfit_key_error(files, certificate, "another key");
 }
 
 Status put_key(FileTransaction& out, const fs::path& path, const pki::PrivateKey& key) {
@@ -455,7 +456,8 @@ std::vector<Command> identity_renew_commands() {
                    kInsecureKeyMode},
        .examples = {"ddssec identity renew talker --ca ca --permissions",
                     "ddssec identity renew talker --ca ca --within 30d"},
-       .run = identity_renew}};
+       .run = identity_renew,
+       .sought_in = {"keystore"}}};
 }
 
 }  // namespace ddssec::cli

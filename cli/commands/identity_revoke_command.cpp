@@ -348,7 +348,8 @@ std::vector<Command> identity_revoke_commands() {
                        kPassphraseEnv,
                        kInsecureKeyMode},
            .examples = {"ddssec identity revoke talker --ca ca --reason keyCompromise"},
-           .run = identity_revoke}};
+           .run = identity_revoke,
+           .sought_in = {"keystore"}}};
 }
 
 }  // namespace ddssec::cli

@@ -245,7 +245,7 @@ Status watch(Capture& capture, int seconds, bool is_live, Observation& out) {
                                            .found = "link type " + std::to_string(capture.link())});
   rtps::Frames frames;
   Progress progress("seconds of listening", is_live ? static_cast<std::size_t>(seconds) : 0);
-  const auto take = [&](const Frame& frame) {
+  const auto take = [&](const CapturedFrame& frame) {
     out.cut += frame.is_whole ? 0 : 1;
     if (const auto datagram = frames.read(capture.link(), frame.octets))
       out.observer.on_datagram(datagram->payload, {datagram->from, datagram->port, frame.at});

@@ -63,7 +63,7 @@ struct KeystoreCa {
         "{}  {} CA is {} now, with a new key; {} signed again\nCopies of enclaves on other "
         "machines "
         "need the new files, too. Every participant must start again with them, unless it runs on "
-        "ddssec's plugins: old ones and new ones do not meet.\n",
+        "ddssec's plugins: old ones and new ones do not authenticate each other.\n",
         keystore.string(), ca.role, ca.subject, count_text(enclaves.size(), "enclave"));
     for (const auto& file : unlogged.value_or(std::vector<std::string>()))
       out += fmt::format("signed although the log does not have it: {}\n", file);

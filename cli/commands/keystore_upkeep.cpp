@@ -61,8 +61,8 @@ void add_once(const std::vector<Finding>& findings, Report& report) {
 }
 
 // An enclave that was copied from another keystore is valid in itself, but does not belong here.
-void check_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave,
-                   const std::string& name, Report& report) {
+void diagnose_belongs(const fs::path& keystore, const doctor::LoadedFolder& enclave,
+                      const std::string& name, Report& report) {
   const auto differs = [&](const fs::path& file, const fs::path& ours) {
     report.exit = Exit::no;
     report.findings.push_back(
@@ -151,7 +151,7 @@ void refuse(Rule rule, const fs::path& file, std::string message, Report& report
 }
 
 // Files in public/ are distributed to all participants.
-void check_no_key_in_public(const fs::path& keystore, Report& report) {
+void diagnose_no_key_in_public(const fs::path& keystore, Report& report) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(keystore / "public", error)) {
     const auto octets = read_file(entry.path(), pki::kMaxCertificateOctets);
@@ -164,7 +164,7 @@ void check_no_key_in_public(const fs::path& keystore, Report& report) {
 }
 
 // The folders of the enclaves are checked with the rest of each enclave.
-void check_writable_places(const fs::path& keystore, Report& report) {
+void diagnose_writable_places(const fs::path& keystore, Report& report) {
   struct stat status {};
   if (::stat(keystore.c_str(), &status) != 0) return;
   doctor::WritablePlaces places(status.st_uid);
@@ -219,8 +219,8 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
     if (key.parent_path() == keystore / "private")  // DOC003 reports an enclave's own key
       report.errors.emplace_back(Code::key_readable_by_others, ErrorDetails{.document = key});
   }
-  check_no_key_in_public(keystore, report);
-  check_writable_places(keystore, report);
+  diagnose_no_key_in_public(keystore, report);
+  diagnose_writable_places(keystore, report);
   add_empty(keystore, enclaves, report);
   Report domains;
   KeyCopies key_copies(keystore);
@@ -232,9 +232,9 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
     DDSSEC_ASSIGN_OR_RETURN(const auto domain, domain_for(arguments, {&loaded}, now, domains));
     const doctor::Settings settings{.now = now, .domain = domain, .lineup = lineup};
     auto diagnosis = doctor::diagnose(loaded, settings);
-    doctor::check_ros_rights(loaded, settings, diagnosis);
-    doctor::check_lint(loaded, settings, diagnosis);
-    check_renewal_list(loaded, settings, diagnosis);
+    doctor::diagnose_ros_rights(loaded, settings, diagnosis);
+    doctor::diagnose_lint(loaded, settings, diagnosis);
+    diagnose_renewal_list(loaded, settings, diagnosis);
     VerifiedEnclave enclave{name, domain};
     for (const auto product : doctor::kProducts) {
       const auto outcome = diagnosis.outcomes().of(product);
@@ -243,7 +243,7 @@ Result<Answer<VerifiedKeystore>> keystore_verify(const Arguments& arguments,
       enclave.words += fmt::format("  {}: {}", doctor::id(product, lineup), to_string(outcome));
     }
     add_findings_of(diagnosis, report);
-    check_belongs(keystore, loaded, name, report);
+    diagnose_belongs(keystore, loaded, name, report);
     key_copies.add(loaded, name, report);
     result.enclaves.push_back(std::move(enclave));
   }

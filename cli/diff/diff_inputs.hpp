@@ -104,6 +104,15 @@ struct ShownInterpretations {
   }
 };
 
+/// Returns the field "readings" of a comparison T, whose `diff` has the interpretations.
+template <class T>
+constexpr auto readings_field() {
+  return computed<T>(
+      "readings",
+      [](const T& one) { return ShownInterpretations::of(one.diff.interpretations, one.sides); },
+      {"what other products may read differently, and only one document has"});
+}
+
 /// Returns the text without control characters.
 std::string escaped(std::string_view name);
 /// Returns a name from a document, short and without control characters; "(empty name)" for "".

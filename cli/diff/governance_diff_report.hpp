@@ -120,12 +120,7 @@ struct GovernanceComparison {
         computed<T>(
             "unknown_domains", [](const T& one) { return domains_json(one.diff.unknown_domains); },
             kRanges),
-        field("complete", &T::diff, &Diff::complete),
-        computed<T>("readings",
-                    [](const T& one) {
-                      return ShownInterpretations::of(one.diff.interpretations, one.sides);
-                    },
-                    {"what other products may read differently, and only one document has"}),
+        field("complete", &T::diff, &Diff::complete), readings_field<T>(),
         field("signer", &T::sides, ShownSigners::of),
         field<&T::live>(
             {"what running participants do: same, live, two phases, live unless in use, live if "

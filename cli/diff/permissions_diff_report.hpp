@@ -78,12 +78,7 @@ struct PermissionsComparison {
         field<&T::changes>({.has_own_row = true}),
         field("complete", &T::diff, &governance::PermissionsDiff::is_complete),
         computed<T>("approximate", [](const T& one) { return !one.diff.is_exact; }),
-        computed<T>("readings",
-                    [](const T& one) {
-                      return ShownInterpretations::of(one.diff.interpretations, one.sides);
-                    },
-                    {"what other products may read differently, and only one document has"}),
-        field("signer", &T::sides, ShownSigners::of),
+        readings_field<T>(), field("signer", &T::sides, ShownSigners::of),
         field<&T::takes_effect>(
             {"what running participants do: same, live, live when it begins, live if the signer "
              "is believed, restart, refused; in Cyclone DDS also: live, sessions begin again (a "

@@ -64,8 +64,8 @@ std::string missing_response_reason(const doctor::Party& party, const LoadedFold
 
 }  // namespace
 
-void check_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
-                doctor::Diagnosis& out) {
+void diagnose_ocsp(const LoadedFolder& folder, const doctor::Settings& settings,
+                   doctor::Diagnosis& out) {
   const auto properties = readable_properties(folder.paths);
   const auto file = response_file(folder, properties);
   const auto policy = spi::ocsp_policy(properties);

@@ -9,8 +9,9 @@
 namespace ddssec::cli {
 
 /// Reports DOC112 if the folder has a response or a property about responses.
-void check_ocsp(const governance::doctor::LoadedFolder& folder,
-                const governance::doctor::Settings& settings, governance::doctor::Diagnosis& out);
+void diagnose_ocsp(const governance::doctor::LoadedFolder& folder,
+                   const governance::doctor::Settings& settings,
+                   governance::doctor::Diagnosis& out);
 
 /// Returns DOC113 for each participant that demands a response, if the other one has none that says
 /// "good".

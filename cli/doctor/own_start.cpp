@@ -52,8 +52,8 @@ std::string document_of(const Error& error, const fs::path& otherwise) {
 
 }  // namespace
 
-void check_own_start(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
-                     const doctor::Diagnosis& before, doctor::Diagnosis& out) {
+void diagnose_own_start(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
+                        const doctor::Diagnosis& before, doctor::Diagnosis& out) {
   const pki::LoginBan no_logins(pki::may_be_changed_by_others(folder.paths));
   std::error_code ignored;
   if (!fs::exists(folder.paths.properties, ignored)) return;
@@ -165,9 +165,9 @@ Status start_in_cyclonedds(spi::PropertyList of_host, const doctor::Settings& se
 
 }  // namespace
 
-void check_start_in_cyclonedds(const doctor::LoadedFolder& folder, const doctor::Settings& settings,
-                               bool is_in_use, const doctor::Diagnosis& before,
-                               doctor::Diagnosis& out) {
+void diagnose_start_in_cyclonedds(const doctor::LoadedFolder& folder,
+                                  const doctor::Settings& settings, bool is_in_use,
+                                  const doctor::Diagnosis& before, doctor::Diagnosis& out) {
   const pki::LoginBan no_logins(pki::may_be_changed_by_others(folder.paths));
   const auto file = variable(spi::kPropertiesVariable);
   const auto configuration = host_configuration_for(folder, settings);

@@ -68,8 +68,8 @@ void report_named_folder(const LoadedFolder& folder, const fs::path& named,
   out.report({}, std::move(finding));
 }
 
-void check_environment(const LoadedFolder& folder, const doctor::Settings& settings,
-                       doctor::Diagnosis& out) {
+void diagnose_environment(const LoadedFolder& folder, const doctor::Settings& settings,
+                          doctor::Diagnosis& out) {
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   if (uri == nullptr || *uri == '\0') return;
   const auto text = doctor::cyclonedds_configuration();
@@ -82,7 +82,7 @@ void check_environment(const LoadedFolder& folder, const doctor::Settings& setti
       return report_named_folder(folder, named, out);
   }
   if (text)
-    return doctor::check_configuration_in_force(folder, {*text, inline_from}, settings, out);
+    return doctor::diagnose_configuration_in_force(folder, {*text, inline_from}, settings, out);
   out.report(kCycloneFails,
              {.rule = Rule::DOC102,
               .message = fmt::format("CYCLONEDDS_URI is \"{}\" and names a file that cannot be "
@@ -92,11 +92,12 @@ void check_environment(const LoadedFolder& folder, const doctor::Settings& setti
               .hint = "correct the variable; file:// stands before an absolute path"});
 }
 
-void check_profiles_file(const LoadedFolder& folder, const doctor::Settings& settings,
-                         doctor::Diagnosis& out) {
+void diagnose_profiles_file(const LoadedFolder& folder, const doctor::Settings& settings,
+                            doctor::Diagnosis& out) {
   const char* const file = std::getenv(doctor::profile_places(settings.lineup.fastdds).variable);
-  if (file != nullptr && *file != '\0') doctor::check_profile_in_force(folder, file, settings, out);
-  doctor::check_profile_of_working_directory(folder, settings, out);
+  if (file != nullptr && *file != '\0')
+    doctor::diagnose_profile_in_force(folder, file, settings, out);
+  doctor::diagnose_profile_of_working_directory(folder, settings, out);
 }
 
 // Judges the rule as the plugins do when a participant is created.
@@ -119,8 +120,8 @@ Finding finding_of(const LoadedFolder& folder, std::string message, int line) {
           .line = line};
 }
 
-void check_participant(const LoadedFolder& folder, const governance::DomainRule& rule,
-                       bool is_in_use, doctor::Diagnosis& out) {
+void diagnose_participant(const LoadedFolder& folder, const governance::DomainRule& rule,
+                          bool is_in_use, doctor::Diagnosis& out) {
   const auto number = [](const Error& error) { return static_cast<int>(error.code()); };
   const access_control::AccessControlOptions embedded{
       .host_revises_keys = true, .host_has_pre_shared_keys = true, .host_changes_protection = true};
@@ -145,8 +146,8 @@ void check_participant(const LoadedFolder& folder, const governance::DomainRule&
   out.report({}, std::move(finding));
 }
 
-void check_topics(const LoadedFolder& folder, const governance::DomainRule& rule, bool is_in_use,
-                  doctor::Diagnosis& out) {
+void diagnose_topics(const LoadedFolder& folder, const governance::DomainRule& rule, bool is_in_use,
+                     doctor::Diagnosis& out) {
   for (const auto& topic : rule.topic_rules) {
     auto finding = refused_by_drop_in(folder, rule, topic, Action::publish);
     if (!finding) finding = refused_by_drop_in(folder, rule, topic, Action::subscribe);
@@ -161,15 +162,15 @@ void check_topics(const LoadedFolder& folder, const governance::DomainRule& rule
   }
 }
 
-void check_enforcement(const LoadedFolder& folder, const doctor::Settings& settings,
-                       doctor::Diagnosis& out) {
+void diagnose_enforcement(const LoadedFolder& folder, const doctor::Settings& settings,
+                          doctor::Diagnosis& out) {
   const auto* const rule =
       folder.governance.model ? folder.governance.model->find(settings.domain) : nullptr;
   if (rule == nullptr) return;
   const bool is_in_use = runs_drop_in(folder);
   if (is_in_use) out.pass(Rule::DOC103);
-  check_participant(folder, *rule, is_in_use, out);
-  check_topics(folder, *rule, is_in_use, out);
+  diagnose_participant(folder, *rule, is_in_use, out);
+  diagnose_topics(folder, *rule, is_in_use, out);
 }
 
 }  // namespace
@@ -216,11 +217,11 @@ void warn_of_unset_profiles_file(const LoadedFolder& folder, const doctor::Setti
 
 namespace {
 
-void check_tag(const LoadedFolder& folder, doctor::Diagnosis& out) {
+void diagnose_tag(const LoadedFolder& folder, doctor::Diagnosis& out) {
   const auto configuration = configuration_for(folder.paths.folder);
   if (!configuration) return;
   const bool is_named = doctor::cyclonedds_configuration().has_value();
-  doctor::check_domain_tag(
+  doctor::diagnose_domain_tag(
       *configuration, is_named ? "CYCLONEDDS_URI" : configuration_in(folder.paths.folder), out);
 }
 
@@ -268,16 +269,16 @@ std::optional<Finding> refused_by_drop_in(const LoadedFolder& folder,
 doctor::Diagnosis diagnosis_beyond_folder(const LoadedFolder& folder,
                                           const doctor::Settings& settings) {
   doctor::Diagnosis out(settings.lineup);
-  check_pre_shared_keys(folder, settings, out);
-  check_ocsp(folder, settings, out);
-  check_renewal_list(folder, settings, out);
-  check_weakened_protection(folder, out);
-  check_own_start(folder, settings, doctor::Diagnosis(out), out);
-  check_environment(folder, settings, out);
-  check_profiles_file(folder, settings, out);
-  check_enforcement(folder, settings, out);
-  check_start_in_cyclonedds(folder, settings, runs_drop_in(folder), doctor::Diagnosis(out), out);
-  check_tag(folder, out);
+  diagnose_pre_shared_keys(folder, settings, out);
+  diagnose_ocsp(folder, settings, out);
+  diagnose_renewal_list(folder, settings, out);
+  diagnose_weakened_protection(folder, out);
+  diagnose_own_start(folder, settings, doctor::Diagnosis(out), out);
+  diagnose_environment(folder, settings, out);
+  diagnose_profiles_file(folder, settings, out);
+  diagnose_enforcement(folder, settings, out);
+  diagnose_start_in_cyclonedds(folder, settings, runs_drop_in(folder), doctor::Diagnosis(out), out);
+  diagnose_tag(folder, out);
   return out;
 }
 

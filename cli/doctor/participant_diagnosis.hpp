@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
 #include "governance/decision.hpp"
 #include "governance/doctor/meeting.hpp"
@@ -15,7 +14,7 @@ namespace ddssec::cli {
 governance::doctor::Diagnosis diagnosis_of(const governance::doctor::LoadedFolder& folder,
                                            const governance::doctor::Settings& settings);
 
-/// Returns the part of diagnosis_of that `doctor::meet` does not check itself.
+/// Returns the part of diagnosis_of that `doctor::predict_meeting` does not check itself.
 governance::doctor::Diagnosis diagnosis_beyond_folder(
     const governance::doctor::LoadedFolder& folder, const governance::doctor::Settings& settings);
 

@@ -107,8 +107,8 @@ void compare(const doctor::Party& a, const doctor::Party& b, DomainId domain,
           {.rule = Rule::DOC092, .message = why, .document = b.folder.paths.properties.string()});
 }
 
-// Adds refusals that meet() cannot know of, because they come from the environment and the
-// properties. Missing passphrases are compared below.
+// Adds refusals that predict_meeting() cannot know of, because they come from the environment and
+// the properties. Missing passphrases are compared below.
 void refuse_beyond_folder(const doctor::Party& party, const doctor::Settings& settings,
                           doctor::Meeting& out) {
   const auto diagnosis = diagnosis_beyond_folder(party.folder, settings);
@@ -146,8 +146,8 @@ void refuse_topics(const doctor::Party& a, const doctor::Party& b, doctor::Meeti
 
 }  // namespace
 
-void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& settings,
-                           doctor::Diagnosis& out) {
+void diagnose_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& settings,
+                              doctor::Diagnosis& out) {
   const auto kind = required_protection(folder, settings.domain);
   if (!is_protected(kind)) return;
   out.pass(Rule::DOC091);
@@ -160,10 +160,10 @@ void check_pre_shared_keys(const LoadedFolder& folder, const doctor::Settings& s
                     .severity = Severity::warning});
 }
 
-doctor::Meeting meet_with_properties(const doctor::Party& a, const doctor::Party& b,
-                                     const doctor::Settings& settings,
-                                     const std::vector<std::string>& topics) {
-  auto out = doctor::meet(a, b, settings, topics);
+doctor::Meeting predict_with_properties(const doctor::Party& a, const doctor::Party& b,
+                                        const doctor::Settings& settings,
+                                        const std::vector<std::string>& topics) {
+  auto out = doctor::predict_meeting(a, b, settings, topics);
   for (const auto* party : {&a, &b}) refuse_beyond_folder(*party, settings, out);
   refuse_topics(a, b, out);
   for (auto& finding : demanded_responses(a, b, settings.now)) refuse(out, std::move(finding));

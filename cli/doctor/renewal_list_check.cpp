@@ -79,8 +79,8 @@ std::string to_text(const Reasons& reasons, std::size_t entries) {
 
 }  // namespace
 
-void check_renewal_list(const LoadedFolder& folder, const doctor::Settings& settings,
-                        doctor::Diagnosis& out) {
+void diagnose_renewal_list(const LoadedFolder& folder, const doctor::Settings& settings,
+                           doctor::Diagnosis& out) {
   const auto file = list_of(folder);
   if (!path_exists(file)) return;
   out.pass(Rule::DOC115);

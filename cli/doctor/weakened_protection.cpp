@@ -57,7 +57,7 @@ constexpr Weakening kWeakenings[] = {
      "processes of other users of this machine can share memory with this one"},
 };
 
-void check_file(const fs::path& file, doctor::Diagnosis& out) {
+void diagnose_file(const fs::path& file, doctor::Diagnosis& out) {
   const auto properties = spi::read_property_file(file);
   if (!properties) return;
   for (const auto& weakening : kWeakenings) {
@@ -73,13 +73,13 @@ void check_file(const fs::path& file, doctor::Diagnosis& out) {
 
 }  // namespace
 
-void check_weakened_protection(const doctor::LoadedFolder& folder, doctor::Diagnosis& out) {
+void diagnose_weakened_protection(const doctor::LoadedFolder& folder, doctor::Diagnosis& out) {
   std::error_code ignored;
   const auto& own = folder.paths.properties;
-  if (!own.empty() && fs::exists(own, ignored)) check_file(own, out);
+  if (!own.empty() && fs::exists(own, ignored)) diagnose_file(own, out);
   const char* const file = std::getenv(spi::kPropertiesVariable);
   if (file == nullptr || *file == '\0' || fs::equivalent(file, own, ignored)) return;
-  check_file(file, out);
+  diagnose_file(file, out);
 }
 
 }  // namespace ddssec::cli

@@ -9,7 +9,7 @@ namespace ddssec::cli {
 /// Reports DOC116 as a warning for each such property. It reads the folder's security.properties,
 /// which an embedded participant uses, and the file of DDSSEC_PROPERTIES, which the plugins in
 /// Cyclone DDS use. DOC093 reports a file that cannot be read.
-void check_weakened_protection(const governance::doctor::LoadedFolder& folder,
-                               governance::doctor::Diagnosis& out);
+void diagnose_weakened_protection(const governance::doctor::LoadedFolder& folder,
+                                  governance::doctor::Diagnosis& out);
 
 }  // namespace ddssec::cli

@@ -22,14 +22,22 @@ std::optional<governance::DomainRange> range_from(std::string_view text) {
   const auto* const end = text.data() + text.size();
   auto [at, error] = std::from_chars(text.data(), end, range.first);
   range.last = range.first;
-  if (error == std::errc() && at != end && *at == '-')
-    std::tie(at, error) = [&](auto r) {
-      return std::tuple(r.ptr, r.ec);
-    }(std::from_chars(at + 1, end, range.last));
+  if (error == std::errc() && at != end && *at == '-') {
+    const auto last = std::from_chars(at + 1, end, range.last);
+    at = last.ptr;
+    error = last.ec;
+  }
   const bool is_whole = error == std::errc() && at == end;
   const bool is_sound = 0 <= range.first && range.first <= range.last &&
                         range.last <= governance::kMaxGovernedDomainId;
   return is_whole && is_sound ? std::optional(range) : std::nullopt;
+}
+
+Error with_replace_hint(const Error& error) {
+  if (error.code() != Code::would_overwrite) return error;
+  auto details = error.details();
+  details.hint = "--replace puts the new one in its place; or choose another place with -o";
+  return Error(error.code(), std::move(details));
 }
 
 }  // namespace
@@ -71,17 +79,6 @@ void add_findings(Report& report, std::vector<Finding> findings, const fs::path&
     report.findings.push_back(std::move(finding));
   }
 }
-
-namespace {
-
-Error with_replace_hint(const Error& error) {
-  if (error.code() != Code::would_overwrite) return error;
-  auto details = error.details();
-  details.hint = "--replace puts the new one in its place; or choose another place with -o";
-  return Error(error.code(), std::move(details));
-}
-
-}  // namespace
 
 FindingCounts FindingCounts::of(const std::vector<Finding>& findings) {
   FindingCounts out;

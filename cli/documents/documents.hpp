@@ -16,7 +16,9 @@
 
 namespace ddssec::cli {
 
-/// Reads the signed document and verifies it at `now` with the permissions CA file `ca`.
+/// Reads the signed document and verifies it at `now` with the permissions CA file `ca`. Errors:
+/// those of read_file, of Certificate::bundle_from_pem (with the name of `ca`), and of the
+/// verification (with the name of `file`).
 Result<pki::SignedDocument> verified(const std::filesystem::path& file,
                                      const std::filesystem::path& ca, WallTime now);
 

@@ -66,11 +66,13 @@ constexpr std::array kSentences = {
                 "without a line of ddssec beside it, the log of the other side has the reason",
                 "the line before it; ddssec check OWN OTHER"},
     LogSentence{"match_remote_writer ... security_attributes mismatch: ...",
-                "the participants meet, and protect this topic differently: there is no match "
+                "the participants authenticate each other, and protect this topic differently: "
+                "there is no match "
                 "for it",
                 "ddssec governance diff OWN OTHER"},
     LogSentence{"match_remote_reader ... security_attributes mismatch: ...",
-                "the participants meet, and protect this topic differently: there is no match "
+                "the participants authenticate each other, and protect this topic differently: "
+                "there is no match "
                 "for it",
                 "ddssec governance diff OWN OTHER"},
     LogSentence{"Failed to register remote writer ... with reader ...",

@@ -67,6 +67,10 @@ struct Command {
   std::vector<Option> options;
   std::vector<std::string_view> examples;
   Runner run;
+  /// What the user probably wants if there is one argument too many, as the end of a sentence.
+  std::string_view instead_of_extra = {};
+  /// Other groups in which users look for this command.
+  std::vector<std::string_view> sought_in = {};
 
   /// Returns a text such as "ca create".
   std::string full_name() const;

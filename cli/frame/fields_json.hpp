@@ -15,7 +15,8 @@
 
 namespace ddssec::cli {
 
-/// The value as JSON.
+/// Makes an object of the field list of T, an array of a vector or a set, null of an empty
+/// optional, and a text or number of anything else.
 template <class T>
 Json to_json(const T& value) {
   using namespace fields_detail;

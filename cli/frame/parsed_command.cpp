@@ -30,13 +30,6 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-// The probable intention behind an argument too many.
-std::string_view instead_of_one_more(std::string_view command) {
-  if (command == "doctor") return "; ddssec check compares two participants";
-  if (command == "governance show") return "; --topic names a topic";
-  return {};
-}
-
 // Parses the arguments of one command with CLI11. The command itself was determined before.
 class CommandLine {
  public:
@@ -138,9 +131,8 @@ class CommandLine {
     return {};
   }
 
-  // Returns the positional that the user probably left out. If only the last one is missing, and
-  // the one before it has a word that is none of its choices, then that word is meant for the last
-  // one, and the one before it was left out.
+  // Returns the positional that the user probably left out. If only the last positional is missing
+  // and the word before it is not one of its choices, the user left out the one before.
   std::string left_out(const std::string& lacking) const {
     const auto& positionals = command_.positionals;
     if (positionals.size() < 2 || lacking != positionals.back().name) return lacking;
@@ -183,7 +175,8 @@ class CommandLine {
       extra += fmt::format("{}\"{}\"", extra.empty() ? "" : ", ", word.substr(0, 64));
     if (!extra.empty())
       extra += rest.size() == 1 ? " is one argument too many" : " are arguments too many";
-    if (rest.size() == 1) extra += instead_of_one_more(command_.full_name());
+    if (rest.size() == 1 && !command_.instead_of_extra.empty())
+      extra += fmt::format("; {}", command_.instead_of_extra);
     if (lacking.empty())
       return wrong_usage_error(extra.empty() ? std::string(error.what()) : extra);
     return wrong_usage_error(

@@ -1,6 +1,5 @@
 #include "cli/frame/stale_drafts.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <csignal>

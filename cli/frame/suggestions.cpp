@@ -44,16 +44,6 @@ constexpr Verb kVerbs[] = {
     {"copy", {"distribute"}},
 };
 
-// Commands that belong to another group.
-struct MisplacedCommand {
-  std::string_view group, typed, meant;
-};
-constexpr MisplacedCommand kElsewhere[] = {
-    {"keystore", "renew", "identity renew"},
-    {"keystore", "revoke", "identity revoke"},
-    {"keystore", "distribute", "crl distribute"},
-};
-
 // Options of other tools.
 struct Spelling {
   std::string_view typed;
@@ -94,6 +84,10 @@ bool has_group(std::string_view group) {
   return std::ranges::find(commands(), group, &Command::group) != commands().end();
 }
 
+bool is_sought_in(const Command& command, std::string_view group) {
+  return std::ranges::find(command.sought_in, group) != command.sought_in.end();
+}
+
 // The group's command with this name, or with a verb of the same meaning. nullptr if there is none.
 const Command* in_group(std::string_view group, std::string_view verb) {
   if (const auto* command = command_of(group, verb)) return command;
@@ -115,8 +109,8 @@ std::vector<std::string> names_in(std::string_view group) {
 
 void add_second_words(std::vector<std::string>& out, std::string_view group,
                       std::string_view word) {
-  for (const auto& row : kElsewhere)
-    if (row.group == group && row.typed == word) return add(out, std::string(row.meant));
+  for (const auto& command : commands())
+    if (command.name == word && is_sought_in(command, group)) return add(out, command.full_name());
   const auto* command = in_group(group, word);
   add(out, command != nullptr ? std::string(command->name) : nearest(word, names_in(group)));
 }

@@ -3,11 +3,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <fcntl.h>
-#include <filesystem>
 #include <limits>
 #include <pcap/pcap.h>
 #include <poll.h>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -104,7 +102,7 @@ Result<WrittenFile> Capture::saved() {
 }
 
 Status Capture::each(std::chrono::nanoseconds how_long,
-                     const std::function<void(const Frame&)>& take) {
+                     const std::function<void(const CapturedFrame&)>& take) {
   using Steady = std::chrono::steady_clock;
   const auto end = Steady::now() + how_long;
   pollfd ready{pcap_get_selectable_fd(impl_->pcap.get()), POLLIN, 0};

@@ -13,7 +13,7 @@
 namespace ddssec::cli {
 
 /// One frame. `octets` are valid until the next frame is read.
-struct Frame {
+struct CapturedFrame {
   std::chrono::nanoseconds at;  ///< since 1970
   BytesView octets;
   bool is_whole;  ///< false: the capture cut it
@@ -40,7 +40,8 @@ class Capture {
   Result<WrittenFile> saved();
   /// Passes frames to `take` until the end of the file, for `how_long` when listening, or until
   /// interrupted. Error: capture_unreadable.
-  Status each(std::chrono::nanoseconds how_long, const std::function<void(const Frame&)>& take);
+  Status each(std::chrono::nanoseconds how_long,
+              const std::function<void(const CapturedFrame&)>& take);
 
  private:
   struct Impl;

@@ -16,13 +16,13 @@ std::string uri(const fs::path& path) { return "file://" + path.string(); }
 }  // namespace
 
 // A file may have been read by the path of its folder's descriptor, which users cannot understand.
-std::unexpected<Error> error_in_file(const Error& error, const fs::path& path) {
-  return std::unexpected(pki::about_file(pki::about_file(error, path_in_held_folder(path)), path));
+std::unexpected<Error> file_error(const Error& error, const fs::path& path) {
+  return std::unexpected(pki::file_error(pki::file_error(error, path_in_held_folder(path)), path));
 }
 
 Result<Bytes> read_file(const fs::path& path, std::size_t max_octets) {
   auto octets = pki::load_uri(uri(path_in_held_folder(path)), "", max_octets);
-  if (!octets) return error_in_file(octets.error(), path);
+  if (!octets) return file_error(octets.error(), path);
   return octets;
 }
 
@@ -47,7 +47,7 @@ Status check_directory(const fs::path& folder, std::string_view expected) {
 Result<pki::Certificate> read_certificate(const fs::path& path) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, read_file(path, pki::kMaxCertificateOctets));
   auto certificate = pki::Certificate::from_pem(octets);
-  if (!certificate) return error_in_file(certificate.error(), path);
+  if (!certificate) return file_error(certificate.error(), path);
   return certificate;
 }
 

@@ -15,7 +15,7 @@ namespace ddssec::cli {
 
 /// Returns the error about a file. The user knows the file by `path`, but it may have been read by
 /// the path of its folder's descriptor.
-std::unexpected<Error> error_in_file(const Error& error, const std::filesystem::path& path);
+std::unexpected<Error> file_error(const Error& error, const std::filesystem::path& path);
 
 /// Reads a whole file. Errors: those of pki::load, with the path.
 Result<Bytes> read_file(const std::filesystem::path& path, std::size_t max_octets);

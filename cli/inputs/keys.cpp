@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 Result<bool> is_encrypted(const fs::path& key) {
   const auto pem = load_secret<pki::KeyPem>("file://" + path_in_held_folder(key).string(), "");
-  if (!pem) return error_in_file(pem.error(), key);
+  if (!pem) return file_error(pem.error(), key);
   return pem->expose([](BytesView octets) {
     const auto text = as_text(octets);
     return text.find("BEGIN ENCRYPTED") != text.npos || text.find(",ENCRYPTED") != text.npos;
@@ -21,9 +21,9 @@ Result<bool> is_encrypted(const fs::path& key) {
 
 Result<pki::PrivateKey> read_key(const fs::path& path, const pki::Passphrase* passphrase) {
   const auto uri = pki::uri_of(path_in_held_folder(path));
-  if (!uri) return error_in_file(uri.error(), path);
+  if (!uri) return file_error(uri.error(), path);
   auto key = pki::PrivateKey::load(*uri, "", passphrase);
-  if (!key) return error_in_file(key.error(), path);
+  if (!key) return file_error(key.error(), path);
   return key;
 }
 

@@ -1,6 +1,5 @@
 #include "cli/participant/keystore.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
 #include <sys/stat.h>

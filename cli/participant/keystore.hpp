@@ -3,9 +3,7 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "cli/frame/file_transaction.hpp"
 #include "cli/frame/new_folder.hpp"

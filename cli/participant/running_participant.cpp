@@ -18,7 +18,7 @@ bool is_another_key(const pki::ParticipantFolder& files, const pki::Certificate&
   const auto encrypted = is_encrypted(files.key);
   if (!encrypted || *encrypted) return false;
   const auto key = read_key(files.key, nullptr);
-  return key && !key->matches(certificate);
+  return key && !key->check_fits(certificate);
 }
 
 }  // namespace

@@ -9,37 +9,37 @@ namespace {
 
 // For each element: true if the entity's partitions (or tags) match it. For deny rules the values
 // are inverted, so that two such vectors are combined by "and".
-using Meets = std::vector<bool>;
+using Matches = std::vector<bool>;
 
-Meets both(const Meets& a, const Meets& b) {
-  Meets out(a.size());
+Matches both(const Matches& a, const Matches& b) {
+  Matches out(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] && b[i];
   return out;
 }
 
 // A set of an entity's partitions or tags, by number.
-struct ThingSet {
-  std::vector<std::uint32_t> things;
-  Meets meets;
+struct NumberSet {
+  std::vector<std::uint32_t> numbers;
+  Matches matches;
 };
 
 // The match results of all sets, each result once with the smallest set.
 class Closure {
  public:
-  Closure(std::vector<Meets> singles, SetEffort& effort)
+  Closure(std::vector<Matches> singles, SetEffort& effort)
       : singles_(std::move(singles)), effort_(effort) {}
 
-  void begin_with(ThingSet first) { add(std::move(first)); }
+  void begin_with(NumberSet first) { add(std::move(first)); }
 
   // Finds all results. False if there are more than kMaxContexts, or more than the effort allows.
   bool run() {
     for (std::uint32_t i = 0; i < singles_.size() && may_continue(); ++i) add({{i}, singles_[i]});
     for (std::size_t at = 0; at < all_.size() && may_continue(); ++at) {
       for (std::uint32_t i = 0; i < singles_.size() && may_continue(); ++i) {
-        is_paid_ = effort_.take_plain_steps(singles_[i].size() + all_[at].things.size());
-        ThingSet more{all_[at].things, both(all_[at].meets, singles_[i])};
-        if (known_.contains(more.meets)) continue;
-        more.things.push_back(i);
+        is_paid_ = effort_.take_plain_steps(singles_[i].size() + all_[at].numbers.size());
+        NumberSet more{all_[at].numbers, both(all_[at].matches, singles_[i])};
+        if (known_.contains(more.matches)) continue;
+        more.numbers.push_back(i);
         add(std::move(more));
       }
     }
@@ -47,20 +47,20 @@ class Closure {
     if (all_.size() > kMaxContexts) all_.resize(kMaxContexts);
     return is_complete;
   }
-  std::vector<ThingSet> take() { return std::move(all_); }
+  std::vector<NumberSet> take() { return std::move(all_); }
 
  private:
-  void add(ThingSet having) {
-    if (known_.insert(having.meets).second) all_.push_back(std::move(having));
+  void add(NumberSet set) {
+    if (known_.insert(set.matches).second) all_.push_back(std::move(set));
   }
 
   bool may_continue() const { return is_paid_ && all_.size() <= kMaxContexts; }
 
-  std::vector<Meets> singles_;
+  std::vector<Matches> singles_;
   SetEffort& effort_;
   bool is_paid_ = true;
-  std::set<Meets> known_;
-  std::vector<ThingSet> all_;
+  std::set<Matches> known_;
+  std::vector<NumberSet> all_;
 };
 
 class ContextFinder {
@@ -126,8 +126,8 @@ class ContextFinder {
     });
   }
 
-  Meets meets_partition(NameKinds::Kind kind) const {
-    Meets out;
+  Matches matches_of_partition(NameKinds::Kind kind) const {
+    Matches out;
     for (std::size_t i = 0; i < elements_.size(); ++i) {
       const auto& [rule, criteria] = elements_[i];
       out.push_back(rule->allow ? lists(i, kind) : criteria->partitions && !lists(i, kind));
@@ -135,8 +135,8 @@ class ContextFinder {
     return out;
   }
 
-  Meets meets_tag(const DataTag& tag) const {
-    Meets out;
+  Matches matches_of_tag(const DataTag& tag) const {
+    Matches out;
     for (const auto& [rule, criteria] : elements_) {
       const bool listed = criteria->data_tags && std::ranges::find(*criteria->data_tags, tag) !=
                                                      criteria->data_tags->end();
@@ -145,9 +145,9 @@ class ContextFinder {
     return out;
   }
 
-  // An entity without data tags does not meet a deny rule that lists some.
-  Meets meets_no_tag() const {
-    Meets out;
+  // An entity without data tags does not match a deny rule that lists some.
+  Matches matches_of_no_tag() const {
+    Matches out;
     for (const auto& [rule, criteria] : elements_)
       out.push_back(rule->allow || criteria->data_tags.has_value());
     return out;
@@ -160,26 +160,26 @@ class ContextFinder {
     return tag;
   }
 
-  std::vector<ThingSet> partition_sets() {
-    std::vector<Meets> singles;
+  std::vector<NumberSet> partition_sets() {
+    std::vector<Matches> singles;
     for (NameKinds::Kind kind = 0; kind < out_.partitions.size(); ++kind)
-      singles.push_back(meets_partition(kind));
+      singles.push_back(matches_of_partition(kind));
     Closure closure(std::move(singles), effort_);
     if (!closure.run()) out_.is_exact = false;
     return closure.take();
   }
 
-  std::vector<ThingSet> tag_sets() {
-    std::vector<Meets> singles;
-    for (const auto& tag : tags_) singles.push_back(meets_tag(tag));
+  std::vector<NumberSet> tag_sets() {
+    std::vector<Matches> singles;
+    for (const auto& tag : tags_) singles.push_back(matches_of_tag(tag));
     Closure closure(std::move(singles), effort_);
-    closure.begin_with({{}, meets_no_tag()});
+    closure.begin_with({{}, matches_of_no_tag()});
     if (!closure.run()) out_.is_exact = false;
     return closure.take();
   }
 
-  // The numbers of the elements that are met in both respects.
-  std::vector<std::uint32_t> fitting(const Meets& partitions, const Meets& tags) const {
+  // The numbers of the elements that match in both respects.
+  std::vector<std::uint32_t> fitting(const Matches& partitions, const Matches& tags) const {
     std::vector<std::uint32_t> out;
     for (std::uint32_t i = 0; i < elements_.size(); ++i) {
       const bool allow = elements_[i].rule->allow;
@@ -188,14 +188,14 @@ class ContextFinder {
     return out;
   }
 
-  void add(const ThingSet& partitions, const ThingSet& tags) {
-    auto fitting = this->fitting(partitions.meets, tags.meets);
+  void add(const NumberSet& partitions, const NumberSet& tags) {
+    auto fitting = this->fitting(partitions.matches, tags.matches);
     const auto [entry, is_new] = known_.try_emplace(fitting, out_.contexts.size());
     if (!is_new) return;
     EntityContext context;
-    for (const auto kind : partitions.things)
+    for (const auto kind : partitions.numbers)
       context.partitions.push_back(out_.partitions.example(kind));
-    for (const auto tag : tags.things) context.data_tags.push_back(tags_[tag]);
+    for (const auto tag : tags.numbers) context.data_tags.push_back(tags_[tag]);
     for (const auto element : fitting) {
       const bool is_old = element < old_count_;
       auto& list = is_old ? context.old_elements : context.new_elements;
@@ -205,9 +205,9 @@ class ContextFinder {
   }
 
   void note_single_partitions() {
-    const auto no_tag = meets_no_tag();
+    const auto no_tag = matches_of_no_tag();
     for (NameKinds::Kind kind = 0; kind < out_.partitions.size(); ++kind) {
-      const auto found = known_.find(fitting(meets_partition(kind), no_tag));
+      const auto found = known_.find(fitting(matches_of_partition(kind), no_tag));
       if (found != known_.end()) out_.contexts[found->second].single_partitions.push_back(kind);
     }
   }

@@ -28,7 +28,7 @@ struct TopicItem {
   const Text* topic;
 };
 
-// The expressions of the elements that entities can meet, in order, as a list of rules.
+// The expressions of the elements that entities can match, in order, as a list of rules.
 struct ItemList {
   std::vector<TopicItem> items = {};
   RuleList rules = {};

@@ -1,7 +1,6 @@
 // Compares two permissions documents by what they allow.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "governance/compare/grant_diff.hpp"

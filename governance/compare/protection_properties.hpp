@@ -2,7 +2,6 @@
 // whichever layer provides them.
 #pragma once
 
-#include <array>
 #include <bitset>
 #include <string_view>
 #include <vector>

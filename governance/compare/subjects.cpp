@@ -74,7 +74,7 @@ Form form_of(const std::vector<pki::Rdn>& rdns, bool is_expression, std::size_t 
 // The numbers of the forms that match so far.
 using Alive = std::vector<std::uint32_t>;
 
-// Finds every set of forms of one shape that some subject meets together.
+// Finds every set of forms of one shape that one subject matches together.
 class ShapeSearch {
  public:
   explicit ShapeSearch(std::vector<Form> forms) : forms_(std::move(forms)) {}

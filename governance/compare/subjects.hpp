@@ -1,7 +1,6 @@
 // Finds the subjects that the grants of two documents distinguish, with the grants of each.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "governance/model.hpp"

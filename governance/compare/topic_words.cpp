@@ -30,7 +30,7 @@ std::string_view beginning(std::string_view expression) {
 }
 
 // True if one name can match both. If that cannot be determined, the two count as overlapping.
-bool meets(std::string_view a, std::string_view b, SetEffort* effort) {
+bool may_overlap(std::string_view a, std::string_view b, SetEffort* effort) {
   const auto one = beginning(a), other = beginning(b);
   const auto common = std::min(one.size(), other.size());
   if (one.substr(0, common) != other.substr(0, common)) return false;
@@ -77,8 +77,8 @@ class Narrator {
       if (++looked_at > kMaxEarlier || out.more_exceptions) break;
       if (item.expression == out.expression || item.expression == out.also) continue;
       if (std::ranges::find(out.except, item.expression) != out.except.end()) continue;
-      if (!meets(item.expression, out.expression, effort_)) continue;
-      if (!out.also.empty() && !meets(item.expression, out.also, effort_)) continue;
+      if (!may_overlap(item.expression, out.expression, effort_)) continue;
+      if (!out.also.empty() && !may_overlap(item.expression, out.also, effort_)) continue;
       if (out.except.size() < kMaxExceptions)
         out.except.emplace_back(item.expression);
       else

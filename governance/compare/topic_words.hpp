@@ -1,8 +1,6 @@
 // Describes in words which topics a change affects.
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>

@@ -63,10 +63,11 @@ bool is_about_dates(Code code) {
 
 Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const std::vector<pki::Certificate>& cas,
-                        const Result<pki::ValidChain>& proof, bool dates_elsewhere,
+                        const Result<pki::ValidChain>& proof, WrongDates dates,
                         const Lineup& lineup) {
   Outcomes out;
-  if (!proof && !(dates_elsewhere && is_about_dates(proof.error().code()))) {
+  if (!proof &&
+      !(dates == WrongDates::reported_elsewhere && is_about_dates(proof.error().code()))) {
     const auto variant = unusual_certificate(certificate, cas, proof.error().code());
     if (!variant) return Outcomes::all(Outcome::fail);
     out = measured(*variant, lineup);

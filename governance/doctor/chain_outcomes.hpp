@@ -9,11 +9,10 @@
 namespace ddssec::governance::doctor {
 
 /// Returns the outcomes. `proof` is the result of ddssec's verifier; the behaviour of stock
-/// products was measured. Wrong dates count as ok if `dates_elsewhere`, because another check
-/// reports them.
+/// products was measured.
 Outcomes chain_outcomes(const pki::Certificate& certificate,
                         const std::vector<pki::Certificate>& cas,
-                        const Result<pki::ValidChain>& proof, bool dates_elsewhere,
+                        const Result<pki::ValidChain>& proof, WrongDates dates,
                         const Lineup& lineup);
 
 /// True for the codes certificate_expired and certificate_not_yet_valid.

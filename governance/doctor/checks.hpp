@@ -30,26 +30,26 @@ Outcomes outcomes_of_key(const pki::ParticipantFolder& paths, const std::filesys
                          const Error& error, const Lineup& lineup);
 
 /// Checks that the files exist, are of the right kind and are not accessible for other users.
-void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks the configuration files in the folder: whether a process that starts with them reads the
 /// checked files and uses security.
-void check_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks certificate, key, CA and revocation.
-void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks form, signature and signer of both documents, and whether they can be parsed.
-void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks the governance document's rule for the domain, and returns it; returns nullptr if there
-/// is none (a part of check_rights).
-const DomainRule* check_domain_rule(const LoadedFolder& folder, const Settings& settings,
-                                    Diagnosis& out);
+/// is none (a part of diagnose_rights).
+const DomainRule* diagnosed_domain_rule(const LoadedFolder& folder, const Settings& settings,
+                                        Diagnosis& out);
 /// Checks the rights of this participant in the domain.
-void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 /// Checks what the deny_rules of a grant, and its rules for other domains, mean to stock products,
-/// topic by topic (a part of check_rights).
-void check_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
-                   Diagnosis& out);
+/// topic by topic (a part of diagnose_rights).
+void diagnose_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
+                      Diagnosis& out);
 /// Checks which part expires first.
-void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
 /// Returns the grant that ddssec's plugins would apply to the participant, or nullptr.
 const Grant* grant_of(const LoadedFolder& folder, WallTime now);

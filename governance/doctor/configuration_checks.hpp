@@ -31,7 +31,7 @@ inline constexpr std::string_view kIfElsewhere =
 
 /// Checks that a process with this configuration starts, with the documents of the folder in force
 /// (DOC101, DOC102). Which files it names is checked elsewhere (DOC008).
-void check_effective_security(const CheckedConfiguration& question, Diagnosis& out);
+void diagnose_effective_security(const CheckedConfiguration& question, Diagnosis& out);
 
 /// A file of profiles of Fast DDS.
 struct CheckedProfile {
@@ -57,6 +57,6 @@ bool may_set_default_participant(std::string_view text);
 /// and without or with a misspelt plugin, it starts without security and says so only in its log. A
 /// file with a part that is not known to be accepted counts as one that may do the same
 /// (fastdds_elements.hpp).
-void check_profile(const CheckedProfile& question, Diagnosis& out);
+void diagnose_profile(const CheckedProfile& question, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

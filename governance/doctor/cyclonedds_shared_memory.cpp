@@ -31,9 +31,9 @@ std::string shared_memory_setting(std::string_view configuration) {
   return {};
 }
 
-void check_shared_memory(const LoadedFolder& folder,
-                         const std::optional<std::string>& configuration, const Settings& settings,
-                         Diagnosis& out) {
+void diagnose_shared_memory(const LoadedFolder& folder,
+                            const std::optional<std::string>& configuration,
+                            const Settings& settings, Diagnosis& out) {
   if (!configuration || !folder.governance.model) return;
   const auto* const rule = folder.governance.model->find(settings.domain);
   if (rule == nullptr) return;

@@ -19,8 +19,8 @@ std::string shared_memory_setting(std::string_view configuration);
 /// Reports shared memory that is enabled although the governance protects samples of the domain or
 /// controls read or write access. Stock plugins are not asked then; ddssec's refuse the endpoints.
 /// An application may give Cyclone DDS another configuration, which only the plugins notice.
-void check_shared_memory(const LoadedFolder& folder,
-                         const std::optional<std::string>& configuration, const Settings& settings,
-                         Diagnosis& out);
+void diagnose_shared_memory(const LoadedFolder& folder,
+                            const std::optional<std::string>& configuration,
+                            const Settings& settings, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

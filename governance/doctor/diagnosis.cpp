@@ -74,12 +74,12 @@ std::string hint_if_early(WallTime begin, WallTime now) {
 
 Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings) {
   Diagnosis out(settings.lineup);
-  check_files(folder, settings, out);
-  check_identity(folder, settings, out);
-  check_documents(folder, settings, out);
-  check_rights(folder, settings, out);
-  check_readings(folder, settings, out);
-  check_ends(folder, settings, out);
+  diagnose_files(folder, settings, out);
+  diagnose_identity(folder, settings, out);
+  diagnose_documents(folder, settings, out);
+  diagnose_rights(folder, settings, out);
+  diagnose_readings(folder, settings, out);
+  diagnose_ends(folder, settings, out);
   return out;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,7 +28,7 @@ struct Check {
 struct Settings {
   WallTime now;
   DomainId domain = 0;
-  /// The partitions of the endpoints of two participants that meet. An empty list means the
+  /// The partitions of the endpoints of the two participants. An empty list means the
   /// partition "".
   std::vector<std::string> partitions = {};
   /// The party that must be able to write a topic that the other one reads. If none is set, either
@@ -74,7 +73,7 @@ Diagnosis diagnose(const LoadedFolder& folder, const Settings& settings);
 
 /// Finds topics that ddssec's reading of the expressions protects or refuses, and a stock product's
 /// does not (DOC107). A part of diagnose(). Reports one finding for each product and document.
-void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
 /// The configuration that CYCLONEDDS_URI names.
 struct ConfigurationInForce {
@@ -84,18 +83,19 @@ struct ConfigurationInForce {
 
 /// Checks whether a configuration of Cyclone DDS makes the participant's process read the files of
 /// the folder. A configuration of another participant is ignored.
-void check_configuration_in_force(const LoadedFolder& folder, const ConfigurationInForce& in_force,
-                                  const Settings& settings, Diagnosis& out);
+void diagnose_configuration_in_force(const LoadedFolder& folder,
+                                     const ConfigurationInForce& in_force, const Settings& settings,
+                                     Diagnosis& out);
 
-/// As check_configuration_in_force, for a file of profiles of Fast DDS, named by the environment.
-/// One that is not of this participant is a warning if the participant has its own.
-void check_profile_in_force(const LoadedFolder& folder, const std::filesystem::path& file,
-                            const Settings& settings, Diagnosis& out);
+/// As diagnose_configuration_in_force, for a file of profiles of Fast DDS, named by the
+/// environment. One that is not of this participant is a warning if the participant has its own.
+void diagnose_profile_in_force(const LoadedFolder& folder, const std::filesystem::path& file,
+                               const Settings& settings, Diagnosis& out);
 
-/// As check_profile_in_force, for the file of profiles that Fast DDS reads in the working
+/// As diagnose_profile_in_force, for the file of profiles that Fast DDS reads in the working
 /// directory. Its default participant replaces that of the file that the environment names
 /// (measured with 2.9.1).
-void check_profile_of_working_directory(const LoadedFolder& folder, const Settings& settings,
-                                        Diagnosis& out);
+void diagnose_profile_of_working_directory(const LoadedFolder& folder, const Settings& settings,
+                                           Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

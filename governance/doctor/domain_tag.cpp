@@ -24,8 +24,8 @@ std::string domain_tag_setting(std::string_view configuration) {
   return {};
 }
 
-void check_domain_tag(std::string_view configuration, const std::filesystem::path& document,
-                      Diagnosis& out) {
+void diagnose_domain_tag(std::string_view configuration, const std::filesystem::path& document,
+                         Diagnosis& out) {
   const auto tag = domain_tag_setting(configuration);
   if (tag.empty()) return;
   out.report({},

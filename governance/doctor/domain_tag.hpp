@@ -16,7 +16,7 @@ std::string domain_tag_setting(std::string_view configuration);
 
 /// Reports a domain tag (DOC114): rules for it do not count under Cyclone DDS, and rules for no tag
 /// do. `document` is the configuration's file, or the variable that names it.
-void check_domain_tag(std::string_view configuration, const std::filesystem::path& document,
-                      Diagnosis& out);
+void diagnose_domain_tag(std::string_view configuration, const std::filesystem::path& document,
+                         Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -62,7 +62,7 @@ class OtherSections {
   }
 
   // Reports a value that a former element has set.
-  void check_single_value() {
+  void diagnose_single_value() {
     const auto& ended = elements_.innermost();
     if (ended.has_text && !values_.insert(ended.place).second)
       findings_.add_problem(ended.line, fmt::format("has <{}> twice", ended.name));
@@ -187,7 +187,7 @@ class ConfigurationReader {
   void on_end() {
     security_.on_end(elements_);
     if (is_old_id()) read_old_id();
-    others_.check_single_value();
+    others_.diagnose_single_value();
     elements_.close();
     if (elements_.is_empty()) had_root_ = true;
   }
@@ -196,7 +196,7 @@ class ConfigurationReader {
     const bool is_other = !elements_.is_empty() && elements_.innermost().is_for_other_domain;
     elements_.open(token);
     others_.set_own_place();
-    if (elements_.depth() == 1) is_file_ ? check_root(token) : check_part(token);
+    if (elements_.depth() == 1) is_file_ ? diagnose_root(token) : diagnose_part(token);
     if (security_.is_open()) return security_.on_start_tag(elements_, token);
     if (!is_other) others_.on_start_tag(token);
     if (is_old_id()) {
@@ -209,7 +209,7 @@ class ConfigurationReader {
     if (is_security(token.name) && is_at_its_place()) begin_security(token);
   }
 
-  void check_root(const Markup::Token& token) {
+  void diagnose_root(const Markup::Token& token) {
     if (had_root_) return findings_.add_problem(token.line, "goes on after </CycloneDDS>");
     if (token.name != "cyclonedds")
       return findings_.add_problem(
@@ -222,7 +222,7 @@ class ConfigurationReader {
 
   // Checks the first element in the variable: it may be <CycloneDDS>, <Domain> or an element from
   // inside a <Domain>.
-  void check_part(const Markup::Token& token) {
+  void diagnose_part(const Markup::Token& token) {
     if (token.name == "cyclonedds" || token.name == "domain") return;
     if (!is_one_of(kSections, token.name) && !is_one_of(kOfDomain, token.name))
       findings_.add_problem(token.line,

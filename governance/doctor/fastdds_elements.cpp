@@ -121,12 +121,12 @@ class Forms {
 
   std::vector<ConfiguredText> doubts_below(XmlElement root) {
     if (root.name() == "dds") {
-      check_attributes(root, {});
+      diagnose_attributes(root, {});
       root = only_profiles(root);
     }
     if (root) {
-      check_attributes(root, {});
-      check_children(root, "");
+      diagnose_attributes(root, {});
+      diagnose_children(root, "");
     }
     return std::move(doubts_);
   }
@@ -149,7 +149,7 @@ class Forms {
     return out;
   }
 
-  void check_attributes(XmlElement at, const std::vector<std::string_view>& known) {
+  void diagnose_attributes(XmlElement at, const std::vector<std::string_view>& known) {
     for (const auto name : at.attribute_names()) {
       const bool is_namespace = name.starts_with("xmlns") || name.starts_with("xsi:");
       if (!is_namespace && std::ranges::find(known, name) == known.end())
@@ -157,7 +157,7 @@ class Forms {
     }
   }
 
-  void check_children(XmlElement parent, const std::string& path) {
+  void diagnose_children(XmlElement parent, const std::string& path) {
     std::set<std::string_view> seen;
     for (auto child = parent.first_child(); child; child = child.next_sibling()) {
       const bool is_endpoint =
@@ -173,25 +173,25 @@ class Forms {
       if (!seen.insert(child.name()).second && !may_repeat(element->form))
         doubt(child, fmt::format("has a second {} in {}", in_brackets(child.name()),
                                  in_brackets(parent.name())));
-      check(child, *element);
+      diagnose_element(child, *element);
     }
     if (seen.empty() && !path.empty())
       doubt(parent,
             fmt::format("has {} without an element that is known", in_brackets(parent.name())));
   }
 
-  void check(XmlElement at, const Element& element) {
+  void diagnose_element(XmlElement at, const Element& element) {
     if (element.path == "participant") properties_.clear();
     if (element.form == Form::profile)
-      check_profile_name(at);
+      diagnose_profile_name(at);
     else
-      check_attributes(at, {});
-    if (!has_elements(element.form)) return check_value(at, element);
-    check_children(at, std::string(element.path));
-    check_required(at, element.path);
+      diagnose_attributes(at, {});
+    if (!has_elements(element.form)) return diagnose_value(at, element);
+    diagnose_children(at, std::string(element.path));
+    diagnose_required(at, element.path);
   }
 
-  void check_required(XmlElement at, std::string_view path) {
+  void diagnose_required(XmlElement at, std::string_view path) {
     for (const auto& [parent, child] : kRequired) {
       if (parent != path) continue;
       bool is_there = false;
@@ -202,8 +202,8 @@ class Forms {
     }
   }
 
-  void check_profile_name(XmlElement profile) {
-    check_attributes(profile, {"profile_name", "is_default_profile"});
+  void diagnose_profile_name(XmlElement profile) {
+    diagnose_attributes(profile, {"profile_name", "is_default_profile"});
     const char* const name = profile.attribute("profile_name");
     if (name == nullptr || *name == '\0')
       doubt(profile, fmt::format("has {} without a profile_name", in_brackets(profile.name())));
@@ -220,7 +220,7 @@ class Forms {
   }
 
   // The value of a property is not shown: it may be a password.
-  void check_value(XmlElement at, const Element& element) {
+  void diagnose_value(XmlElement at, const Element& element) {
     const auto text = at.raw_text();
     const bool is_known = text && has_form(*text, element);
     const bool is_shown = text && !element.path.starts_with(kPolicy);

@@ -209,8 +209,8 @@ Finding not_loadable(const std::vector<HostPlugin>& plugins) {
           .severity = Severity::warning};
 }
 
-void check_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
-                         bool were_ours_meant, Diagnosis& out) {
+void diagnose_stock_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
+                            bool were_ours_meant, Diagnosis& out) {
   for (const auto& folder : folders_of(places.library_path))
     if (const auto sign = sign_of_ours(folder, plugins); !sign.empty())
       return out.report(
@@ -266,8 +266,8 @@ bool is_ours(const fs::path& library) {
   return library_octets(library).find(kOurMark) != std::string::npos;
 }
 
-void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
-                        bool were_ours_meant, Diagnosis& out) {
+void diagnose_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
+                           bool were_ours_meant, Diagnosis& out) {
   if (plugins.empty()) return;
   const auto is_missing_path = [](const HostPlugin& plugin) {
     return plugin.product == PluginProduct::none && is_path(plugin.library);
@@ -296,12 +296,12 @@ void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlac
                                products.size() > 1 ? "products" : "versions", listed(plugins)),
                    plugins, places));
   if (!products.contains(PluginProduct::ddssec))
-    return check_stock_plugins(plugins, places, were_ours_meant, out);
+    return diagnose_stock_plugins(plugins, places, were_ours_meant, out);
   out.pass(Rule::DOC068);
-  check_loadable(plugins, out);
+  diagnose_loadable(plugins, out);
 }
 
-void check_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out) {
+void diagnose_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out) {
   const auto is_loadable = [](const HostPlugin& plugin) { return plugin.missing.empty(); };
   const auto first = std::ranges::find_if_not(plugins, is_loadable);
   if (first == plugins.end()) return;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,9 +45,9 @@ bool is_ours(const std::filesystem::path& library);
 /// Reports plugins that are missing, of several products or versions, or cannot be loaded. Also
 /// reports other plugins if LD_LIBRARY_PATH or `were_ours_meant` shows that ddssec's were intended:
 /// the application then runs without any message.
-void check_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
-                        bool were_ours_meant, Diagnosis& out);
+void diagnose_host_plugins(const std::vector<HostPlugin>& plugins, const LoaderPlaces& places,
+                           bool were_ours_meant, Diagnosis& out);
 /// Reports only ddssec plugins that cannot be loaded here.
-void check_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out);
+void diagnose_loadable(const std::vector<HostPlugin>& plugins, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -1,7 +1,6 @@
 #include "governance/doctor/library_search.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>

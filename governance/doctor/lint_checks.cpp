@@ -8,10 +8,10 @@ namespace ddssec::governance::doctor {
 namespace {
 
 // A rule of lint, and the check that reports the same about this participant.
-struct SameThing {
+struct SameRule {
   Rule lint, check;
 };
-constexpr SameThing kSame[] = {
+constexpr SameRule kSame[] = {
     {Rule::GOV001, Rule::DOC037},  {Rule::GOV004, Rule::DOC037},   {Rule::GOV005, Rule::DOC037},
     {Rule::GOV006, Rule::DOC037},  {Rule::GOV023, Rule::DOC037},   {Rule::GOV024, Rule::DOC037},
     {Rule::GOV003, Rule::DOC050},  {Rule::GOV011, Rule::DOC054},   {Rule::GOV025, Rule::DOC055},
@@ -23,8 +23,8 @@ constexpr SameThing kSame[] = {
     {Rule::PERM033, Rule::DOC066}, {Rule::PERM040, Rule::PERM040},
 };
 
-bool was_looked_at(const Diagnosis& diagnosis, Rule lint) {
-  return std::ranges::any_of(kSame, [&](const SameThing& same) {
+bool was_checked(const Diagnosis& diagnosis, Rule lint) {
+  return std::ranges::any_of(kSame, [&](const SameRule& same) {
     return same.lint == lint && std::ranges::find(diagnosis.checks(), same.check, &Check::rule) !=
                                     diagnosis.checks().end();
   });
@@ -33,7 +33,7 @@ bool was_looked_at(const Diagnosis& diagnosis, Rule lint) {
 void add(std::vector<Finding> findings, const std::filesystem::path& file, std::string_view about,
          Diagnosis& out) {
   for (auto& finding : findings) {
-    if (was_looked_at(out, finding.rule)) continue;
+    if (was_checked(out, finding.rule)) continue;
     finding.document = file;
     out.report({}, std::move(finding), about);
   }
@@ -41,7 +41,7 @@ void add(std::vector<Finding> findings, const std::filesystem::path& file, std::
 
 }  // namespace
 
-void check_lint(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_lint(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto* governance = folder.governance.model.get();
   if (governance != nullptr)
     add(lint(*governance, {.domain = settings.domain}), folder.paths.governance, "governance", out);

@@ -8,6 +8,6 @@ namespace ddssec::governance::doctor {
 /// Adds the findings of lint for both documents, as far as they can be read. A finding that repeats
 /// a check of `out` is left out. No outcome changes, because the other checks report what a product
 /// refuses. Call it after them.
-void check_lint(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_lint(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

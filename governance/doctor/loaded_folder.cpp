@@ -1,7 +1,5 @@
 #include "governance/doctor/loaded_folder.hpp"
 
-#include <system_error>
-
 #include "governance/doctor/lenient_text.hpp"
 #include "governance/read.hpp"
 #include "pki/certificate_source.hpp"
@@ -15,23 +13,23 @@ namespace fs = std::filesystem;
 
 std::string uri(const fs::path& path) { return "file://" + path.string(); }
 
-std::unexpected<Error> error_in_file(const Error& error, const fs::path& path) {
-  return std::unexpected(pki::about_file(error, path));
+std::unexpected<Error> file_error(const Error& error, const fs::path& path) {
+  return std::unexpected(pki::file_error(error, path));
 }
 
 template <class T>
 Result<T> with_file(Result<T> result, const fs::path& path) {
   if (result) return result;
-  return error_in_file(result.error(), path);
+  return file_error(result.error(), path);
 }
 
 template <class Parse>
 auto load_with(const fs::path& path, std::size_t max_octets, Parse parse)
     -> decltype(parse(BytesView())) {
   const auto uri = pki::uri_of(path);
-  if (!uri) return error_in_file(uri.error(), path);
+  if (!uri) return file_error(uri.error(), path);
   const auto octets = pki::load_certificates(*uri, path.string(), max_octets);
-  if (!octets) return error_in_file(octets.error(), path);
+  if (!octets) return file_error(octets.error(), path);
   return with_file(parse(*octets), path);
 }
 
@@ -80,7 +78,7 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
   LoadedDocument<Model> out;
   auto file = pki::load_uri(uri(path), path.string(), pki::kMaxDocumentOctets);
   if (!file) {
-    out.readable = error_in_file(file.error(), path);
+    out.readable = file_error(file.error(), path);
     out.parsed = out.readable;
     return out;
   }
@@ -92,14 +90,14 @@ LoadedDocument<Model> load_document(const fs::path& path, const Trust& trust,
   out.our_verdict = verify_signature_as(Product::ddssec, out.file, cas, ca_file, now);
   auto model = read(out.form.unverified_text, out.form.first_line);
   if (!model) {
-    out.parsed = error_in_file(model.error(), path);
+    out.parsed = file_error(model.error(), path);
     auto lenient = lenient_text(out.form.unverified_text);
     out.left_out = std::move(lenient.left_out);
     out.has_joined_values = lenient.has_joined_values;
     out.is_refused_by_fastdds = lenient.is_refused_by_fastdds;
     if (!out.left_out.empty() || out.has_joined_values || out.is_refused_by_fastdds) {
       model = read(lenient.text, out.form.first_line);
-      if (!model) out.parsed_without = error_in_file(model.error(), path);
+      if (!model) out.parsed_without = file_error(model.error(), path);
     }
   }
   if (model) out.model = std::make_shared<const Model>(*std::move(model));

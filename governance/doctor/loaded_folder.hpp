@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "base/clock.hpp"
@@ -37,7 +36,7 @@ struct LoadedDocument {
   /// The parts that were removed from the text so that it could be parsed, because stock products
   /// may skip them.
   std::vector<Variant> left_out = {};
-  /// The reason why it does not parse without these parts either. Stock products meet the same
+  /// The reason why it does not parse without these parts either. Stock products have the same
   /// fault.
   Status parsed_without = {};
   /// True if a comment or CDATA in a value was removed too.

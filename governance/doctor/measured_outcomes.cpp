@@ -1,7 +1,5 @@
 #include "governance/doctor/measured_outcomes.hpp"
 
-#include <algorithm>
-
 namespace ddssec::governance::doctor {
 namespace {
 

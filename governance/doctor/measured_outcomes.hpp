@@ -30,6 +30,9 @@ struct KnownVersion {
   bool operator==(const KnownVersion&) const = default;
 };
 
+/// Whether wrong dates count, or are ok because another check reports them.
+enum class WrongDates : std::uint8_t { count, reported_elsewhere };
+
 /// Returns the versions of the table, ascending. Empty for ddssec.
 std::vector<KnownVersion> known_versions(Product product);
 

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The judgement of `judge` about the certificate of `subject`.
-Status judge_certificate(const Party& judge, const Party& subject, WallTime now) {
+Status check_certificate(const Party& judge, const Party& subject, WallTime now) {
   const auto& certificate = subject.folder.certificate;
   if (!certificate) return std::unexpected(certificate.error());
   if (!judge.folder.identity_cas) return std::unexpected(judge.folder.identity_cas.error());
@@ -32,8 +32,8 @@ Status judge_certificate(const Party& judge, const Party& subject, WallTime now)
   const auto verifier = judge.folder.chain(judge.product);
   const auto proof = verifier ? verifier->verify(*certificate, now)
                               : Result<pki::ValidChain>(std::unexpected(verifier.error()));
-  const auto outcomes =
-      chain_outcomes(*certificate, *judge.folder.identity_cas, proof, false, judge.lineup);
+  const auto outcomes = chain_outcomes(*certificate, *judge.folder.identity_cas, proof,
+                                       WrongDates::count, judge.lineup);
   if (outcomes.of(judge.product) == Outcome::ok) return {};
   if (!proof) return std::unexpected(proof.error());
   return fail(Code::issuer_unknown,
@@ -73,10 +73,10 @@ bool is_out_of_date(const Result<pki::Certificate>& certificate, WallTime now) {
   return certificate && (now < certificate->not_before() || certificate->not_after() < now);
 }
 
-void judge_authentication(const MeetingScene& scene, int judge) {
+void diagnose_authentication(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
-  const auto status = judge_certificate(self, other, scene.settings.now);
+  const auto status = check_certificate(self, other, scene.settings.now);
   PartyDecision out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
   out.document = self.folder.paths.identity_ca.string();
   if (!status) {
@@ -111,7 +111,7 @@ bool reads_remote_subject(const Grant& grant, const pki::Certificate& certificat
   return outcomes.of(judge.product) != Outcome::fail;
 }
 
-Status judge_permissions_of(const Party& judge, const Party& subject, WallTime now) {
+Status check_permissions_of(const Party& judge, const Party& subject, WallTime now) {
   const auto& document = subject.folder.permissions;
   if (!document.readable) return document.readable;
   if (judge.product == Product::ddssec && document.file.size() > pki::kMaxSentPermissionsOctets)
@@ -196,7 +196,7 @@ std::string why_announced_cas_differ(const Party& judge, const Party& subject) {
       own->name, own->algorithm, judge.name, other->name, other->algorithm, subject.name);
 }
 
-void judge_announced_ca(const MeetingScene& scene, int judge, PartyDecision& out) {
+void diagnose_announced_ca(const MeetingScene& scene, int judge, PartyDecision& out) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
   out.reason = why_announced_cas_differ(self, other);
@@ -209,10 +209,10 @@ void judge_announced_ca(const MeetingScene& scene, int judge, PartyDecision& out
       "begin the permissions CA files of both with the same certificate");
 }
 
-void judge_permissions(const MeetingScene& scene, int judge) {
+void diagnose_permissions(const MeetingScene& scene, int judge) {
   const auto& self = scene.party(judge);
   const auto& other = scene.party(1 - judge);
-  const auto status = judge_permissions_of(self, other, scene.settings.now);
+  const auto status = check_permissions_of(self, other, scene.settings.now);
   PartyDecision out{.judge = judge, .about = 1 - judge, .ok = status.has_value()};
   out.document = other.folder.paths.permissions.string();
   if (!status) {
@@ -231,12 +231,12 @@ void judge_permissions(const MeetingScene& scene, int judge) {
                                  self.folder.paths.permissions_ca, self.folder.permissions_cas)),
           hint_for(kForeign, status.error()));
   } else {
-    judge_announced_ca(scene, judge, out);
+    diagnose_announced_ca(scene, judge, out);
   }
   scene.out.permissions.push_back(std::move(out));
 }
 
-void judge_join(const MeetingScene& scene, int judge, int about) {
+void diagnose_join(const MeetingScene& scene, int judge, int about) {
   const auto* rule = scene.out.rules[judge];
   const auto& folder = scene.folder(about);
   PartyDecision out{.judge = judge, .about = about, .ok = true};
@@ -299,7 +299,7 @@ std::string handshake_sentence(const Party& starts, const Party& waits, bool by_
       who, waits.name);
 }
 
-void judge_handshake_from(const MeetingScene& scene, int starts) {
+void diagnose_handshake_from(const MeetingScene& scene, int starts) {
   const auto& first = scene.party(starts);
   const auto& second = scene.party(1 - starts);
   Finding finding{
@@ -316,18 +316,18 @@ void judge_handshake_from(const MeetingScene& scene, int starts) {
   }
 }
 
-void judge_handshake(const MeetingScene& scene) {
+void diagnose_handshake(const MeetingScene& scene) {
   if (!scene.folder(0).certificate || !scene.folder(1).certificate) return;
   scene.out.starter = starter(*scene.folder(0).certificate, *scene.folder(1).certificate);
   if (scene.out.starter != Starter::chance)
-    return judge_handshake_from(scene, scene.out.starter == Starter::first ? 0 : 1);
+    return diagnose_handshake_from(scene, scene.out.starter == Starter::first ? 0 : 1);
   scene.out.notes.push_back(
       {.rule = Rule::DOC089,
        .message = fmt::format("both certificates have the subject \"{}\": which of the two starts "
                               "the handshake is left to chance at each start",
                               scene.folder(0).certificate->subject()),
        .document = scene.folder(1).paths.certificate.string()});
-  for (const int i : kBoth) judge_handshake_from(scene, i);
+  for (const int i : kBoth) diagnose_handshake_from(scene, i);
 }
 
 // Since 2.10 Fast DDS waits for a peer's data of DCPSParticipantsSecure, which Cyclone DDS 0.10
@@ -335,7 +335,7 @@ void judge_handshake(const MeetingScene& scene) {
 constexpr Version kFastDdsThatWaits{2, 10, 0};
 constexpr Version kCycloneDdsNotTried{11, 0, 0};
 
-void judge_discovery(const MeetingScene& scene, int fast) {
+void diagnose_discovery(const MeetingScene& scene, int fast) {
   const auto& self = scene.party(fast);
   const auto& other = scene.party(1 - fast);
   if (self.product != Product::fastdds || other.product == Product::fastdds) return;
@@ -463,26 +463,26 @@ Starter starter(const pki::Certificate& a, const pki::Certificate& b) {
   return first < second ? Starter::first : Starter::second;
 }
 
-Meeting meet(const Party& a, const Party& b, const Settings& settings,
-             const std::vector<std::string>& topics) {
+Meeting predict_meeting(const Party& a, const Party& b, const Settings& settings,
+                        const std::vector<std::string>& topics) {
   Meeting out;
   MeetingScene scene{{&a, &b}, settings, out, !topics.empty()};
   for (const int i : kBoth)
     if (const auto* grant = applied_grant(scene, i))
       scene.grants[i] = std::make_unique<const CompiledGrant>(scene.folder(i).permissions.model,
                                                               *grant, settings.domain);
-  for (const int i : kBoth) judge_start(scene, i);
+  for (const int i : kBoth) diagnose_start(scene, i);
   if (a.folder.is_empty() || b.folder.is_empty()) return out;
-  for (const int judge : {1, 0}) judge_authentication(scene, judge);
-  for (const int judge : {1, 0}) judge_permissions(scene, judge);
+  for (const int judge : {1, 0}) diagnose_authentication(scene, judge);
+  for (const int judge : {1, 0}) diagnose_permissions(scene, judge);
   compare_governance(scene);
   for (const int judge : kBoth)
-    for (const int about : kBoth) judge_join(scene, judge, about);
-  judge_handshake(scene);
-  for (const int i : kBoth) judge_discovery(scene, i);
-  for (const auto& topic : topics) meet_on_topic(scene, {.name = topic});
+    for (const int about : kBoth) diagnose_join(scene, judge, about);
+  diagnose_handshake(scene);
+  for (const int i : kBoth) diagnose_discovery(scene, i);
+  for (const auto& topic : topics) predict_topic(scene, {.name = topic});
   if (scene.named) return out;
-  for (const auto& topic : topics_of_interest(scene)) meet_on_topic(scene, topic);
+  for (const auto& topic : topics_of_interest(scene)) predict_topic(scene, topic);
   report_no_topic(scene);
   return out;
 }

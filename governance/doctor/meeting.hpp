@@ -88,7 +88,7 @@ struct Meeting {
   std::optional<Starter> starter;             ///< set if both certificates can be read
   bool handshake_works = true;  ///< false if a handshake between these two products fails
   bool discovery_works = true;  ///< false if discovery between these two versions fails
-  bool properties_fit = true;   ///< set by the caller that can read them, not by meet()
+  bool properties_fit = true;   ///< set by the caller that can read them, not by predict_meeting()
   std::vector<TopicMeeting> topics;
   bool topics_complete = true;    ///< false if there are more topics than were checked
   std::vector<Finding> findings;  ///< reasons why they do not communicate
@@ -104,8 +104,8 @@ inline constexpr std::size_t kMaxTopics = 256;
 /// Predicts the meeting of both in the domain. If `topics` is empty, it checks the topic names in
 /// both documents. It also checks one example for each other way in which their expressions match,
 /// if one of the parties has rights there.
-Meeting meet(const Party& a, const Party& b, const Settings& settings,
-             const std::vector<std::string>& topics = {});
+Meeting predict_meeting(const Party& a, const Party& b, const Settings& settings,
+                        const std::vector<std::string>& topics = {});
 
 /// Returns the first 48 bits of the GUID of every participant with this certificate's subject, with
 /// any product (DDS-Security 1.2, clause 10.3.3).

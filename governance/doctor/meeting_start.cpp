@@ -62,7 +62,7 @@ void note_places(const MeetingScene& scene, const Party& party, const Diagnosis&
 
 }  // namespace
 
-void judge_start(const MeetingScene& scene, int index) {
+void diagnose_start(const MeetingScene& scene, int index) {
   const auto& party = scene.party(index);
   const auto& folder = party.folder;
   PartyDecision out{.judge = index, .about = index, .ok = true};

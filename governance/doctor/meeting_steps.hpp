@@ -1,4 +1,4 @@
-// The parts of meet(). For governance/doctor/ only.
+// The parts of predict_meeting(). For governance/doctor/ only.
 #pragma once
 
 #include <memory>
@@ -37,13 +37,13 @@ void add_finding(const MeetingScene& scene, Rule rule, const PartyDecision& judg
 
 /// Judges whether a party starts on its own, and whether the CA has revoked it without its peers
 /// knowing.
-void judge_start(const MeetingScene& scene, int index);
+void diagnose_start(const MeetingScene& scene, int index);
 
 /// Returns the names to check if none are given; sets topics_complete.
 std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene);
 /// Checks both directions of one topic. If the topic was named by the caller, the result says which
 /// party refuses it.
-void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic);
+void predict_topic(const MeetingScene& scene, const TopicOfInterest& topic);
 
 /// Returns the differences in elements that must be equal for participants.
 std::vector<Difference> differences(const DomainRule& a, const DomainRule& b);

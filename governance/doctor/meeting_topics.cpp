@@ -1,7 +1,5 @@
 // Step five: which party may write and read which topic, according to which party.
 #include <algorithm>
-#include <array>
-#include <memory>
 #include <ranges>
 
 #include <fmt/format.h>
@@ -223,7 +221,7 @@ Obstacle obstacle_between(const MeetingScene& scene, const TopicMeeting& topic, 
   return refused_topic(scene, topic, 1 - writer);
 }
 
-TopicDirection meet_in_direction(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
+TopicDirection predict_direction(const MeetingScene& scene, const TopicMeeting& topic, int writer) {
   TopicDirection out{.writer = writer};
   const int reader = 1 - writer;
   for (const auto& question : {Question{writer, writer, Action::publish, topic.topic},
@@ -475,11 +473,11 @@ std::vector<TopicOfInterest> topics_of_interest(const MeetingScene& scene) {
   return out;
 }
 
-void meet_on_topic(const MeetingScene& scene, const TopicOfInterest& topic) {
+void predict_topic(const MeetingScene& scene, const TopicOfInterest& topic) {
   TopicMeeting out{
       .topic = topic.name, .expression = topic.expression, .directions = {}, .rules = {}};
   for (const int i : kBoth) out.rules[i] = topic_rule(scene, i, topic.name);
-  for (const int i : kBoth) out.directions[i] = meet_in_direction(scene, out, i);
+  for (const int i : kBoth) out.directions[i] = predict_direction(scene, out, i);
   // Differences come first, because they separate the two in both directions.
   report_differences(scene, out);
   if (scene.named) report_refusals(scene, out);

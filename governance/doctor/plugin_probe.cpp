@@ -122,7 +122,7 @@ PluginProbe probe_plugin(const std::string& library, const std::string& role) {
   return {result, said.substr(1)};
 }
 
-void check_plugins(const fs::path& folder, Diagnosis& out) {
+void diagnose_plugins(const fs::path& folder, Diagnosis& out) {
   const bool ours = !folder.empty();
   std::string host;
   if (!ours) host = ask_child(&find_host, "", "");

@@ -28,6 +28,6 @@ PluginProbe probe_plugin(const std::string& library, const std::string& role);
 /// Checks the three plugins in `folder` (for ddssec). If `folder` is empty, checks those that
 /// Cyclone DDS finds by its default names (for cyclonedds; nothing is reported without Cyclone
 /// DDS).
-void check_plugins(const std::filesystem::path& folder, Diagnosis& out);
+void diagnose_plugins(const std::filesystem::path& folder, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -29,8 +29,8 @@ std::string value(const RosEnvironment& environment, std::string_view name) {
 }
 
 // These two variables count only if they are spelt exactly so.
-void check_word(const RosEnvironment& environment, std::string_view name, std::string_view wanted,
-                Rule rule, Diagnosis& out) {
+void diagnose_word(const RosEnvironment& environment, std::string_view name,
+                   std::string_view wanted, Rule rule, Diagnosis& out) {
   const auto found = value(environment, name);
   if (found == wanted) return out.pass(rule);
   out.report(kAll, {.rule = rule,
@@ -46,7 +46,8 @@ fs::path resolved(const fs::path& path) {
   return error ? path : out;
 }
 
-void check_enclave(const LoadedFolder& folder, const RosEnvironment& environment, Diagnosis& out) {
+void diagnose_enclave(const LoadedFolder& folder, const RosEnvironment& environment,
+                      Diagnosis& out) {
   const auto keystore = value(environment, "ROS_SECURITY_KEYSTORE");
   const auto name = value(environment, "ROS_SECURITY_ENCLAVE_OVERRIDE");
   const auto report = [&](std::string message) {
@@ -75,8 +76,8 @@ void check_enclave(const LoadedFolder& folder, const RosEnvironment& environment
 }
 
 // A node runs in the domain of its environment, whatever the documents say.
-void check_domain(const LoadedFolder& folder, const RosEnvironment& environment,
-                  const Settings& settings, Diagnosis& out) {
+void diagnose_domain(const LoadedFolder& folder, const RosEnvironment& environment,
+                     const Settings& settings, Diagnosis& out) {
   const auto found = value(environment, "ROS_DOMAIN_ID");
   const auto domain = node_domain(found).value_or(0);
   const Domains named = domains_of(folder, settings.now);
@@ -92,7 +93,7 @@ void check_domain(const LoadedFolder& folder, const RosEnvironment& environment,
                                   named.front().first)});
 }
 
-void check_names(const LoadedFolder& folder, const RosEnvironment& environment, Diagnosis& out) {
+void diagnose_names(const LoadedFolder& folder, const RosEnvironment& environment, Diagnosis& out) {
   out.pass(Rule::DOC063);
   if (folder.paths.layout != pki::FolderLayout::sros2)
     out.report(kAll, {.rule = Rule::DOC063,
@@ -135,7 +136,7 @@ std::string reason_without_ours(std::string_view path, const char* library,
 }
 
 // Without ddssec's plugins a node still runs, with those that are installed.
-void check_plugins_of_node(const RosEnvironment& environment, Diagnosis& out) {
+void diagnose_plugins_of_node(const RosEnvironment& environment, Diagnosis& out) {
   const auto rmw = value(environment, "RMW_IMPLEMENTATION");
   if (rmw != "rmw_cyclonedds_cpp")
     return out.report(
@@ -172,7 +173,8 @@ void check_plugins_of_node(const RosEnvironment& environment, Diagnosis& out) {
   }
 }
 
-void check_discovery_topic(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
+void diagnose_discovery_topic(const LoadedFolder& folder, const CompiledGrant& grant,
+                              Diagnosis& out) {
   out.pass(Rule::DOC064);
   for (const auto action : {Action::publish, Action::subscribe}) {
     const auto decision = grant.judge(action, {.topic = "ros_discovery_info"});
@@ -203,7 +205,7 @@ void each_topic(const Grant& grant, Each&& each) {
         for (const auto& topic : criteria.topics) each(topic, list == &rule.publish);
 }
 
-void check_topic_names(const LoadedFolder& folder, const Grant& grant, Diagnosis& out) {
+void diagnose_topic_names(const LoadedFolder& folder, const Grant& grant, Diagnosis& out) {
   out.pass(Rule::DOC065);
   each_topic(grant, [&](const Text& topic, bool) {
     if (is_ros_name(topic.text)) return;
@@ -218,8 +220,8 @@ void check_topic_names(const LoadedFolder& folder, const Grant& grant, Diagnosis
 }
 
 // Measured with nodes of ROS 2 Humble: an rclcpp node aborts if any of these rights is missing.
-void check_node_rights(const LoadedFolder& folder, const Grant& grant, DomainId domain,
-                       Diagnosis& out) {
+void diagnose_node_rights(const LoadedFolder& folder, const Grant& grant, DomainId domain,
+                          Diagnosis& out) {
   out.pass(Rule::PERM040);
   const auto missing = missing_node_rights(grant, domain);
   if (missing.empty()) return;
@@ -237,7 +239,7 @@ void check_node_rights(const LoadedFolder& folder, const Grant& grant, DomainId 
        .severity = Severity::error});
 }
 
-void check_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
+void diagnose_rosout(const LoadedFolder& folder, const CompiledGrant& grant, Diagnosis& out) {
   out.pass(Rule::DOC066);
   if (grant.judge(Action::publish, {.topic = "rt/rosout"}).allowed) return;
   each_topic(grant.grant(), [&](const Text& topic, bool publish) {
@@ -274,28 +276,28 @@ std::optional<DomainId> node_domain(const std::string& ros_domain_id) {
   return static_cast<DomainId>(number);
 }
 
-void check_ros(const LoadedFolder& folder, const RosEnvironment& environment,
-               const Settings& settings, Diagnosis& out) {
-  check_word(environment, "ROS_SECURITY_ENABLE", "true", Rule::DOC060, out);
-  check_word(environment, "ROS_SECURITY_STRATEGY", "Enforce", Rule::DOC061, out);
-  check_enclave(folder, environment, out);
-  check_domain(folder, environment, settings, out);
-  check_plugins_of_node(environment, out);
-  check_names(folder, environment, out);
+void diagnose_ros(const LoadedFolder& folder, const RosEnvironment& environment,
+                  const Settings& settings, Diagnosis& out) {
+  diagnose_word(environment, "ROS_SECURITY_ENABLE", "true", Rule::DOC060, out);
+  diagnose_word(environment, "ROS_SECURITY_STRATEGY", "Enforce", Rule::DOC061, out);
+  diagnose_enclave(folder, environment, out);
+  diagnose_domain(folder, environment, settings, out);
+  diagnose_plugins_of_node(environment, out);
+  diagnose_names(folder, environment, out);
   const auto* grant = grant_of(folder, settings.now);
   if (grant == nullptr) return;
   const CompiledGrant compiled(folder.permissions.model, *grant, settings.domain);
-  check_discovery_topic(folder, compiled, out);
-  check_topic_names(folder, *grant, out);
-  check_rosout(folder, compiled, out);
-  check_node_rights(folder, *grant, settings.domain, out);
+  diagnose_discovery_topic(folder, compiled, out);
+  diagnose_topic_names(folder, *grant, out);
+  diagnose_rosout(folder, compiled, out);
+  diagnose_node_rights(folder, *grant, settings.domain, out);
 }
 
-void check_ros_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_ros_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto* grant = grant_of(folder, settings.now);
   if (grant == nullptr || !speaks_of_ros(*grant)) return;
-  check_discovery_topic(folder, {folder.permissions.model, *grant, settings.domain}, out);
-  check_node_rights(folder, *grant, settings.domain, out);
+  diagnose_discovery_topic(folder, {folder.permissions.model, *grant, settings.domain}, out);
+  diagnose_node_rights(folder, *grant, settings.domain, out);
 }
 
 }  // namespace ddssec::governance::doctor

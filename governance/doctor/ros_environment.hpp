@@ -25,11 +25,11 @@ std::optional<DomainId> node_domain(const std::string& ros_domain_id);
 /// Checks whether a node started in this environment uses the folder and ddssec's plugins. Also
 /// checks whether its grant contains the names that ROS 2 needs in settings.domain, or in a domain
 /// of the documents if ROS_DOMAIN_ID is not one of them.
-void check_ros(const LoadedFolder& folder, const RosEnvironment& environment,
-               const Settings& settings, Diagnosis& out);
+void diagnose_ros(const LoadedFolder& folder, const RosEnvironment& environment,
+                  const Settings& settings, Diagnosis& out);
 
-/// Does the last part of check_ros(): checks whether the grant has what a node of ROS 2 needs to
+/// Does the last part of diagnose_ros(): checks whether the grant has what a node of ROS 2 needs to
 /// start, without the environment. A grant that names no topic of ROS 2 is not judged.
-void check_ros_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
+void diagnose_ros_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -106,12 +106,12 @@ void SecuritySection::on_end(const OpenElements& elements) {
   }
   if (value_ == nullptr) return;
   value_->text = std::string(trimmed(value_->text, kMarkupBlanks));
-  if (ended.name == "includeoptionalfields") check_switch(ended);
+  if (ended.name == "includeoptionalfields") diagnose_switch(ended);
   value_ = nullptr;
 }
 
 // Measured: an empty value means the default.
-void SecuritySection::check_switch(const OpenElement& element) {
+void SecuritySection::diagnose_switch(const OpenElement& element) {
   const auto read = ascii_lower(expanded_variables(value_->text, domain_).value_or(""));
   if (!read.empty() && read != "true" && read != "false")
     findings_.add_problem(value_->line,

@@ -40,7 +40,7 @@ class SecuritySection {
   void begin_plugin(const Markup::Token& token);
   void read_library(const Markup::Token& token, ConfiguredPlugin& plugin);
   void add_unknown_element(const Markup::Token& token);
-  void check_switch(const OpenElement& element);
+  void diagnose_switch(const OpenElement& element);
 
   EffectiveSecurity& out_;
   ConfigurationFindings& findings_;

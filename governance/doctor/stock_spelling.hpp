@@ -2,8 +2,6 @@
 // ddssec cannot tell what they allow. Measured with Cyclone DDS 0.10.2 and Fast DDS 2.9.1.
 #pragma once
 
-#include <string_view>
-
 #include "governance/doctor/loaded_folder.hpp"
 
 namespace ddssec::governance::doctor {

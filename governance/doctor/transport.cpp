@@ -16,7 +16,7 @@ std::string tcp_setting(std::string_view configuration) {
   return {};
 }
 
-void check_transport(const std::optional<std::string>& configuration, Diagnosis& out) {
+void diagnose_transport(const std::optional<std::string>& configuration, Diagnosis& out) {
   if (!configuration) return;
   const auto setting = tcp_setting(*configuration);
   if (setting.empty()) return out.pass(Rule::DOC106);

@@ -17,6 +17,6 @@ std::string tcp_setting(std::string_view configuration);
 
 /// Reports TCP that is enabled: two participants that were separated by one forged announcement
 /// then stay separated, with stock plugins and with ddssec's.
-void check_transport(const std::optional<std::string>& configuration, Diagnosis& out);
+void diagnose_transport(const std::optional<std::string>& configuration, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -78,7 +78,7 @@ WritablePlaces::WritablePlaces(uid_t owner) : owner_(owner) {}
 
 void WritablePlaces::add(const fs::path& path) {
   struct stat status {};
-  if (::stat(path.c_str(), &status) == 0) judge(path, status);
+  if (::stat(path.c_str(), &status) == 0) diagnose_place(path, status);
 }
 
 void WritablePlaces::add_with_way(const fs::path& path) {
@@ -115,13 +115,13 @@ void WritablePlaces::add_folders_above(const fs::path& name) {
     struct stat status {};
     if (::stat(folder.c_str(), &status) != 0) return;
     const bool is_held = is_sticky(status) && is_trusted(below.st_uid);
-    if (!is_held || !is_trusted(status.st_uid)) judge(folder, status);
+    if (!is_held || !is_trusted(status.st_uid)) diagnose_place(folder, status);
     if (!folder.has_relative_path()) return;
     below = status;
   }
 }
 
-void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
+void WritablePlaces::diagnose_place(const fs::path& path, const struct stat& status) {
   const unsigned mode = status.st_mode & 07777U;
   if (!is_trusted(status.st_uid))
     return found(path,
@@ -133,7 +133,7 @@ void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
                  fmt::format("{} can be written by every user of this machine (mode {:03o})",
                              path.string(), mode),
                  Severity::error);
-  if (others_may_write(status)) judge_acl(path);
+  if (others_may_write(status)) diagnose_acl(path);
   if (!others_may_write(status) || status.st_gid == 0) return;
   const auto user = name_of_user(status.st_uid);
   const auto group = group_of(status.st_gid, user);
@@ -146,7 +146,7 @@ void WritablePlaces::judge(const fs::path& path, const struct stat& status) {
 
 // If the file has an access control list, the group's rights in the mode are the upper limit of all
 // its entries.
-void WritablePlaces::judge_acl(const fs::path& path) {
+void WritablePlaces::diagnose_acl(const fs::path& path) {
   const auto entries = acl_of(path);
   const auto mask = std::ranges::find(entries, kAclMask, &AclEntry::tag);
   if (mask == entries.end() || (mask->rights & kAclWrite) == 0) return;
@@ -188,8 +188,8 @@ uid_t user_of(const pki::ParticipantFolder& paths) {
   return status.st_uid;
 }
 
-void check_files_of_process(const LoadedFolder& folder, std::span<const fs::path> files,
-                            Diagnosis& out) {
+void diagnose_files_of_process(const LoadedFolder& folder, std::span<const fs::path> files,
+                               Diagnosis& out) {
   WritablePlaces places(user_of(folder.paths));
   for (const auto& file : files) places.add_with_way(file);
   places.report({.cyclonedds = Outcome::unsafe, .ddssec = Outcome::unsafe}, out);

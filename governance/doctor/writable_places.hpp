@@ -38,8 +38,8 @@ class WritablePlaces {
  private:
   void add_way(const std::filesystem::path& path, int& links_left);
   void add_folders_above(const std::filesystem::path& name);
-  void judge(const std::filesystem::path& path, const struct stat& status);
-  void judge_acl(const std::filesystem::path& path);
+  void diagnose_place(const std::filesystem::path& path, const struct stat& status);
+  void diagnose_acl(const std::filesystem::path& path);
   bool is_trusted(uid_t user) const;
   void found(const std::filesystem::path& path, std::string message, Severity severity);
 
@@ -53,7 +53,7 @@ uid_t user_of(const pki::ParticipantFolder& paths);
 
 /// Checks who can write to further files of the participant's process: libraries of plugins,
 /// properties.
-void check_files_of_process(const LoadedFolder& folder,
-                            std::span<const std::filesystem::path> files, Diagnosis& out);
+void diagnose_files_of_process(const LoadedFolder& folder,
+                               std::span<const std::filesystem::path> files, Diagnosis& out);
 
 }  // namespace ddssec::governance::doctor

@@ -29,7 +29,7 @@ class AccessControlPlugin final : public spi::AccessControl {
   AccessControlPlugin(const PluginServices& services, AccessControlOptions options)
       : services_(services),
         options_(std::move(options)),
-        judgement_(services_.clock, options_.accept_relays),
+        decisions_(services_.clock, options_.accept_relays),
         documents_(options_.one_partition_suffices ? governance::PartitionMatch::one
                                                    : governance::PartitionMatch::all,
                    kMaxCachedDocuments, kMaxCachedOctets),
@@ -40,7 +40,7 @@ class AccessControlPlugin final : public spi::AccessControl {
                                                        const spi::PropertyList& properties,
                                                        std::string_view domain_tag) override {
     auto holder = load_local(context(), identity, domain_id, properties, domain_tag);
-    if (!holder) return refuse_local(holder.error());
+    if (!holder) return report_local_error(holder.error());
     DDSSEC_ASSIGN_OR_RETURN(const auto handle, add(*holder));
     note_documents(handle);
     return handle;
@@ -57,24 +57,22 @@ class AccessControlPlugin final : public spi::AccessControl {
   Status note_presented(PermissionsHandle remote, const spi::SessionFacts& facts) override;
 
   Status check_create_participant(PermissionsHandle local, DomainId domain_id) override {
-    return check(local, domain_id, [&](PermissionsHolder& h) { return judgement_.participant(h); });
+    return check(local, domain_id, [&](auto& h) { return decisions_.check_participant(h); });
   }
   Status check_create_datawriter(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
-    return check(local, domain_id, [&](PermissionsHolder& h) {
-      return judgement_.announced(h, Action::publish, request);
-    });
+    return check(local, domain_id,
+                 [&](auto& h) { return decisions_.check_announced(h, Action::publish, request); });
   }
   Status check_create_datareader(PermissionsHandle local, DomainId domain_id,
                                  const EndpointRequest& request) override {
-    return check(local, domain_id, [&](PermissionsHolder& h) {
-      return judgement_.announced(h, Action::subscribe, request);
+    return check(local, domain_id, [&](auto& h) {
+      return decisions_.check_announced(h, Action::subscribe, request);
     });
   }
   Status check_create_topic(PermissionsHandle local, DomainId domain_id,
                             std::string_view topic_name) override {
-    return check(local, domain_id,
-                 [&](PermissionsHolder& h) { return judgement_.topic(h, topic_name); });
+    return check(local, domain_id, [&](auto& h) { return decisions_.check_topic(h, topic_name); });
   }
 
   // A peer is judged like a local participant: by the local governance and its own permissions.
@@ -142,7 +140,8 @@ class AccessControlPlugin final : public spi::AccessControl {
                             const EndpointRequest& request) override {
     const Holder holder = handles_.find(local);
     if (!holder || holder->remote()) return fail(Code::unknown_permissions_handle);
-    return judgement_.endpoint(*holder, writes ? Action::publish : Action::subscribe, request);
+    return decisions_.check_endpoint(*holder, writes ? Action::publish : Action::subscribe,
+                                     request);
   }
 
   std::optional<GovernanceVersion> governance_version(PermissionsHandle local) override {
@@ -186,30 +185,30 @@ class AccessControlPlugin final : public spi::AccessControl {
   LoadContext context() { return {documents_, options_, services_.clock.calendar_seconds()}; }
 
   // Raises the one event of a refusal.
-  std::unexpected<Error> refuse(const Error& error, const std::string& peer_subject = {},
-                                const std::string& peer_guid = {}) {
+  std::unexpected<Error> report_error(const Error& error, const std::string& peer_subject = {},
+                                      const std::string& peer_guid = {}) {
     services_.events.raise(event_about(peer_subject, error, peer_guid));
     return std::unexpected(error);
   }
 
   // Does the same for a call of the application, which gets the error.
-  std::unexpected<Error> refuse_local(const Error& error) {
+  std::unexpected<Error> report_local_error(const Error& error) {
     services_.events.raise(Event::of_returned(error));
     return std::unexpected(error);
   }
-  std::unexpected<Error> refuse(const Error& error, const PermissionsHolder& holder) {
-    return holder.remote() ? refuse(error, holder.peer_subject()) : refuse_local(error);
+  std::unexpected<Error> report_error(const Error& error, const PermissionsHolder& holder) {
+    return holder.remote() ? report_error(error, holder.peer_subject()) : report_local_error(error);
   }
 
   Result<PermissionsHandle> add(Holder holder) {
     auto handle = handles_.add(std::move(holder));
-    if (!handle) return refuse(handle.error());
+    if (!handle) return report_error(handle.error());
     return handle;
   }
 
   Result<Holder> find_or_refuse(PermissionsHandle handle) {
     if (Holder holder = handles_.find(handle)) return holder;
-    return refuse(Error(Code::unknown_permissions_handle));
+    return report_error(Error(Code::unknown_permissions_handle));
   }
 
   // Finds the holder, lets `judge` decide, and raises an event for a refusal.
@@ -221,7 +220,7 @@ class AccessControlPlugin final : public spi::AccessControl {
         own == domain_id ? judge(*holder)
                          : Status(fail(Code::other_domain, {.expected = std::to_string(own),
                                                             .found = std::to_string(domain_id)}));
-    if (!status) return refuse(status.error(), *holder);
+    if (!status) return report_error(status.error(), *holder);
     return {};
   }
 
@@ -237,13 +236,13 @@ class AccessControlPlugin final : public spi::AccessControl {
   void note_documents(PermissionsHandle local) noexcept;
   void note_end(const PermissionsHolder& local, const Error& why, WallTime now);
   void forget_documents(const PermissionsHolder& gone);
-  Status judge_own(const PermissionsHolder& remote, const Match& match);
+  Status check_own_match(const PermissionsHolder& remote, const Match& match);
   Result<spi::EndpointSecurityAttributes> attributes(PermissionsHandle local,
                                                      std::string_view topic);
 
   const PluginServices services_;
   const AccessControlOptions options_;
-  const AccessDecisions judgement_;
+  const AccessDecisions decisions_;
   DocumentCache documents_;
   HandleTable handles_;
   std::mutex noting_mutex_;  // prevents a participant that has left from being noted again
@@ -253,13 +252,13 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
     spi::IdentityHandle local_identity, spi::IdentityHandle remote_identity,
     const spi::Token& permissions_token, const spi::Token& credential) {
   const Holder local = handles_.find_local(local_identity);
-  if (!local) return refuse(Error(Code::unknown_local_identity));
+  if (!local) return report_error(Error(Code::unknown_local_identity));
   const auto& participant = local->participant();
   // The domain's algorithms apply with and without join access control.
   HolderSubject subject;
   if (const auto status = check_remote_algorithms(*participant, credential, subject); !status)
-    return refuse(status.error().with_default_document(participant->governance_name),
-                  subject.shown);
+    return report_error(status.error().with_default_document(participant->governance_name),
+                        subject.shown);
   auto judged = judge_remote(context(), *participant, permissions_token, credential, subject);
   const std::string name = subject.shown.empty() ? "permissions of a peer without certificate"
                                                  : "permissions of " + subject.shown;
@@ -267,7 +266,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   if (judged) {
     document = *std::move(judged);
   } else {
-    auto refused = refuse(judged.error().with_default_document(name), subject.shown);
+    auto refused = report_error(judged.error().with_default_document(name), subject.shown);
     // Without join access control such a peer may still use unprotected topics.
     if (participant->judging_documents()->governance->domain_rule().enable_join_access_control)
       return refused;
@@ -280,7 +279,7 @@ Result<PermissionsHandle> AccessControlPlugin::validate_remote_permissions(
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   // With this, next_expiry knows the end before the first check. An error comes again at that
   // check.
-  if (holder->has_document()) static_cast<void>(judgement_.grant_now(*holder));
+  if (holder->has_document()) static_cast<void>(decisions_.grant_now(*holder));
   if (const auto listed = holder->follow_list(services_.clock.calendar_seconds()))
     services_.events.raise(event_about(holder->peer_subject(), *listed));
   return add(std::move(holder));
@@ -294,12 +293,12 @@ Result<bool> AccessControlPlugin::renew_remote_permissions(PermissionsHandle rem
   const auto& name = holder->document_name();
   HolderSubject subject;
   if (const auto status = check_remote_algorithms(participant, credential, subject); !status)
-    return refuse(status.error().with_default_document(participant.governance_name), *holder);
+    return report_error(status.error().with_default_document(participant.governance_name), *holder);
   auto judged = judge_remote(context(), participant, permissions_token, credential, subject);
-  if (!judged) return refuse(judged.error().with_default_document(name), *holder);
+  if (!judged) return report_error(judged.error().with_default_document(name), *holder);
   const auto now = services_.clock.calendar_seconds();
   const auto rights = holder->adopt_presented(*std::move(judged), now);
-  if (!rights) return refuse(rights.error().with_default_document(name), *holder);
+  if (!rights) return report_error(rights.error().with_default_document(name), *holder);
   if (*rights == PresentedRights::same) return false;
   const auto ends = holder->ends();
   const auto shown = ends ? to_string(*ends) : std::string();
@@ -313,38 +312,38 @@ Status AccessControlPlugin::note_presented(PermissionsHandle remote,
                                            const spi::SessionFacts& facts) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
   const Holder local = handles_.find_local(holder->participant()->identity);
-  if (!local) return refuse(Error(Code::unknown_local_identity));
+  if (!local) return report_error(Error(Code::unknown_local_identity));
   if (!facts.peer_keeps_session) holder->note_seen(local, facts);
   return {};
 }
 
 // Our endpoint was judged when it was created, but renewed permissions may allow less.
-Status AccessControlPlugin::judge_own(const PermissionsHolder& remote, const Match& match) {
+Status AccessControlPlugin::check_own_match(const PermissionsHolder& remote, const Match& match) {
   const Holder own = handles_.find_local(remote.participant()->identity);
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
-  const auto status = judgement_.endpoint(*own, action, match.local);
-  if (!status) services_.events.raise(event_about({}, status.error()));
-  return status;
+  const auto status = decisions_.check_endpoint(*own, action, match.local);
+  return status ? status : report_error(status.error());
 }
 
 Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const Match& match) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(remote));
-  DDSSEC_RETURN_IF_ERROR(judge_own(*holder, match));
+  DDSSEC_RETURN_IF_ERROR(check_own_match(*holder, match));
   const auto action = match.remote_writes ? Action::publish : Action::subscribe;
-  if (!match.remote_hides && judgement_.may_as_announced(*holder, action, match.local)) return {};
-  const auto status = judgement_.endpoint(*holder, action, match.local);
+  if (!match.remote_hides && decisions_.may_as_announced(*holder, action, match.local)) return {};
+  const auto status = decisions_.check_endpoint(*holder, action, match.local);
   if (status) return {};
   const auto guid =
       match.remote ? Guid{*match.remote, kEntityIdParticipant}.to_string() : std::string();
-  return refuse(match_denied(status.error(), action, match), holder->peer_subject(), guid);
+  return report_error(match_denied_error(status.error(), action, match), holder->peer_subject(),
+                      guid);
 }
 
 Result<spi::AccessControl::RemoteDatareader> AccessControlPlugin::check_remote_datareader(
     PermissionsHandle remote, DomainId domain_id, const EndpointRequest& request) {
   RemoteDatareader answer;
   DDSSEC_RETURN_IF_ERROR(check(remote, domain_id, [&](PermissionsHolder& holder) -> Status {
-    DDSSEC_ASSIGN_OR_RETURN(answer, judgement_.reader(holder, request));
+    DDSSEC_ASSIGN_OR_RETURN(answer, decisions_.check_announced_reader(holder, request));
     return {};
   }));
   return answer;
@@ -355,21 +354,21 @@ std::optional<spi::AccessControl::RemoteDatareader> AccessControlPlugin::pending
     PermissionsHandle remote, bool writes, const EndpointRequest& request) {
   const Holder holder = handles_.find(remote);
   if (!holder || !holder->remote()) return std::nullopt;
-  return judgement_.pending(*holder, writes ? Action::publish : Action::subscribe, request);
+  return decisions_.judge_pending(*holder, writes ? Action::publish : Action::subscribe, request);
 }
 
 Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(PermissionsHandle local,
                                                                         std::string_view topic) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
-  const auto& participant = *holder->participant();
+  auto& participant = *holder->participant();
   const auto domain = participant.judging_documents();
   if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
     return *builtin;
-  const auto found = participant.judging_documents_for(topic);
+  const auto found = participant.use_topic(topic);
   if (!found)
-    return refuse(found.error().with_default_document(participant.governance_name), *holder);
+    return report_error(found.error().with_default_document(participant.governance_name), *holder);
   if (const auto* rule = (*found)->governance->topic_rule(topic)) return endpoint_attributes(*rule);
-  return refuse(topic_not_covered(participant, topic), *holder);
+  return report_error(topic_not_covered_error(participant, topic), *holder);
 }
 
 std::optional<WallTime> AccessControlPlugin::next_expiry() {
@@ -443,11 +442,11 @@ void AccessControlPlugin::note_end(const PermissionsHolder& local, const Error& 
 }
 
 void AccessControlPlugin::forget_documents(const PermissionsHolder& gone) {
-  constexpr std::array kOurs = {DocumentKind::permissions_ca, DocumentKind::permissions,
-                                DocumentKind::governance};
+  constexpr std::array kOwnDocuments = {DocumentKind::permissions_ca, DocumentKind::permissions,
+                                        DocumentKind::governance};
   if (services_.documents == nullptr || gone.remote()) return;
   const std::scoped_lock lock(noting_mutex_);
-  services_.documents->forget(gone.participant()->identity.value, kOurs);
+  services_.documents->forget(gone.participant()->identity.value, kOwnDocuments);
 }
 
 std::vector<PermissionsHandle> AccessControlPlugin::poll(PermissionsHandle local) {

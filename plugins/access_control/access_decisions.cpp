@@ -23,52 +23,53 @@ std::vector<governance::DataTag> data_tags_of(const EndpointRequest& request) {
 
 }  // namespace
 
-Status AccessDecisions::participant(PermissionsHolder& holder) const {
+Status AccessDecisions::check_participant(PermissionsHolder& holder) const {
   const auto documents = holder.participant()->judging_documents();
   if (!documents->governance->domain_rule().enable_join_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto decision = grant->judge_participant();
-  if (!decision.allowed) return std::unexpected(participant_denied(holder, *grant, decision));
+  if (!decision.allowed) return std::unexpected(participant_denied_error(holder, *grant, decision));
   return {};
 }
 
-Status AccessDecisions::topic(PermissionsHolder& holder, std::string_view name) const {
+Status AccessDecisions::check_topic(PermissionsHolder& holder, std::string_view name) const {
   if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_topic_length(name));
   const auto& participant = *holder.participant();
   const auto documents = participant.judging_documents();
   const auto* rule = documents->governance->topic_rule(name);
-  if (!rule) return std::unexpected(topic_not_covered(participant, name));
+  if (!rule) return std::unexpected(topic_not_covered_error(participant, name));
   if (!rule->enable_read_access_control || !rule->enable_write_access_control) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto publish = grant->judge_topic(Action::publish, name);
   if (publish.allowed || grant->judge_topic(Action::subscribe, name).allowed) return {};
-  return std::unexpected(topic_denied(holder, *grant, publish, name));
+  return std::unexpected(topic_denied_error(holder, *grant, publish, name));
 }
 
-Status AccessDecisions::endpoint(PermissionsHolder& holder, Action action,
-                                 const EndpointRequest& request) const {
+Status AccessDecisions::check_endpoint(PermissionsHolder& holder, Action action,
+                                       const EndpointRequest& request) const {
   const auto documents = holder.participant()->judging_documents();
-  return by(*documents->governance, holder, action, request);
+  return check_by(*documents->governance, holder, action, request);
 }
 
-Status AccessDecisions::by(const governance::CompiledGovernance& rules, PermissionsHolder& holder,
-                           Action action, const EndpointRequest& request) const {
+Status AccessDecisions::check_by(const governance::CompiledGovernance& rules,
+                                 PermissionsHolder& holder, Action action,
+                                 const EndpointRequest& request) const {
   const auto& participant = *holder.participant();
   const auto* rule = rules.topic_rule(request.topic_name);
-  if (!rule) return std::unexpected(topic_not_covered(participant, request.topic_name));
+  if (!rule) return std::unexpected(topic_not_covered_error(participant, request.topic_name));
   if (!is_access_controlled(*rule, action)) return {};
   DDSSEC_ASSIGN_OR_RETURN(const SharedGrant grant, grant_now(holder));
   const auto tags = data_tags_of(request);
   const auto decision = grant->judge(action, {request.topic_name, request.partitions, tags});
   if (!decision.allowed)
-    return std::unexpected(endpoint_denied(holder, *grant, decision, action, request));
+    return std::unexpected(endpoint_denied_error(holder, *grant, decision, action, request));
   return {};
 }
 
-Status AccessDecisions::announced(PermissionsHolder& holder, Action action,
-                                  const EndpointRequest& request) const {
+Status AccessDecisions::check_announced(PermissionsHolder& holder, Action action,
+                                        const EndpointRequest& request) const {
   if (holder.remote()) DDSSEC_RETURN_IF_ERROR(check_lengths(request));
-  const auto status = endpoint(holder, action, request);
+  const auto status = check_endpoint(holder, action, request);
   if (!holder.remote()) return status;
   if (status)
     holder.announced().note(action, request);
@@ -84,9 +85,9 @@ bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
   if (announced.empty()) return false;
   const PartitionNames ours(local.partitions);
   return std::ranges::any_of(announced, [&](const AllowedEndpoints::One& one) {
-    if (!one->partitions.meet(ours)) return false;
+    if (!one->partitions.overlap(ours)) return false;
     const auto partitions = one->partitions.views();
-    return endpoint(holder, action, {one->topic, partitions, one->data_tags}).has_value();
+    return check_endpoint(holder, action, {one->topic, partitions, one->data_tags}).has_value();
   });
 }
 
@@ -101,9 +102,9 @@ bool AccessDecisions::may_relay(PermissionsHolder& holder, const EndpointRequest
   return decision.allowed && decision.criteria;
 }
 
-Result<spi::AccessControl::RemoteDatareader> AccessDecisions::reader(
+Result<spi::AccessControl::RemoteDatareader> AccessDecisions::check_announced_reader(
     PermissionsHolder& holder, const EndpointRequest& request) const {
-  const auto status = announced(holder, Action::subscribe, request);
+  const auto status = check_announced(holder, Action::subscribe, request);
   if (status) return spi::AccessControl::RemoteDatareader{};
   if (status.error().code() == Code::announced_reader_not_allowed && accepts_relays_ &&
       may_relay(holder, request))
@@ -111,11 +112,11 @@ Result<spi::AccessControl::RemoteDatareader> AccessDecisions::reader(
   return std::unexpected(status.error());
 }
 
-std::optional<spi::AccessControl::RemoteDatareader> AccessDecisions::pending(
+std::optional<spi::AccessControl::RemoteDatareader> AccessDecisions::judge_pending(
     PermissionsHolder& holder, Action action, const EndpointRequest& request) const {
   const auto document = holder.participant()->pending();
   if (!document) return std::nullopt;
-  if (by(*document->governance, holder, action, request))
+  if (check_by(*document->governance, holder, action, request))
     return spi::AccessControl::RemoteDatareader{};
   if (action != Action::subscribe || !accepts_relays_ || !may_relay(holder, request))
     return std::nullopt;

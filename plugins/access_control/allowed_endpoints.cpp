@@ -52,15 +52,16 @@ PartitionNames::PartitionNames(std::span<const std::string_view> names) {
   if (names_.empty()) names_.emplace_back();
 }
 
-bool PartitionNames::Name::meets(const Name& other) const {
+bool PartitionNames::Name::overlaps(const Name& other) const {
   if (text == other.text) return true;
   if (expression.has_value() == other.expression.has_value()) return false;
   return expression ? expression->matches(other.text) : other.expression->matches(text);
 }
 
-bool PartitionNames::meet(const PartitionNames& others) const {
+bool PartitionNames::overlap(const PartitionNames& others) const {
   return std::ranges::any_of(names_, [&](const Name& name) {
-    return std::ranges::any_of(others.names_, [&](const Name& other) { return name.meets(other); });
+    return std::ranges::any_of(others.names_,
+                               [&](const Name& other) { return name.overlaps(other); });
   });
 }
 

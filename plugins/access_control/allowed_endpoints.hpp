@@ -35,7 +35,7 @@ class PartitionNames {
   explicit PartitionNames(std::span<const std::string_view> names);
   /// True if the two sets match (DDS 2.2.3.13): two names are equal, or one is an expression that
   /// matches a name of the other. No partition means the partition "".
-  bool meet(const PartitionNames& others) const;
+  bool overlap(const PartitionNames& others) const;
   std::vector<std::string_view> views() const;
   bool operator==(const PartitionNames& others) const;
   /// Returns the octets of memory that it needs.
@@ -43,7 +43,7 @@ class PartitionNames {
 
  private:
   struct Name {
-    bool meets(const Name& other) const;
+    bool overlaps(const Name& other) const;
     std::string text;
     std::optional<governance::Pattern> expression;
   };

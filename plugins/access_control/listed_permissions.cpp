@@ -55,7 +55,7 @@ ListedPermissions::Documents ListedPermissions::documents_for(
 
 std::optional<GrantOfDocument> ListedPermissions::extension_of(
     const PresentedPermissions& presented, const PermissionsCa& ca, WallTime now) const {
-  const auto& [subject, shown, domain, tag, former_document, former, only_same] = presented;
+  const auto& [subject, shown, domain, tag, former_document, former, by] = presented;
   std::optional<GrantOfDocument> out;
   for (const auto& document : documents_for(presented)) {
     if (!ca.holds(document->signer())) continue;
@@ -64,7 +64,8 @@ std::optional<GrantOfDocument> ListedPermissions::extension_of(
     const auto& next = (*grant)->grant();
     // Permissions with fewer rights that were signed later are not extended by the former, wider
     // ones.
-    const bool may_give_more = !only_same && is_signed_later(*document, former_document);
+    const bool may_give_more =
+        by == ExtendingRights::at_least_the_same && is_signed_later(*document, former_document);
     if (!give_same_rights(next, former, domain, tag) &&
         (!may_give_more || !gives_at_least(next, former, domain, tag)))
       continue;

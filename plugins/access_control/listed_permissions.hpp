@@ -22,6 +22,9 @@ struct GrantOfDocument {
 /// Returns the end of the grant, or of the signer's certificate if that ends before.
 WallTime end_of(const GrantOfDocument& one);
 
+/// The rights that other permissions must give to extend those that a subject presented.
+enum class ExtendingRights : std::uint8_t { at_least_the_same, the_same };
+
 /// Documents whose signatures were verified. Thread-safe; only the cache changes.
 class ListedPermissions {
  public:
@@ -36,7 +39,7 @@ class ListedPermissions {
     const std::string& tag;
     const PermissionsDocument& document;
     const governance::Grant& grant;
-    bool only_by_the_same = false;  ///< permissions that give more do not extend them
+    ExtendingRights by = ExtendingRights::at_least_the_same;
   };
   /// Returns the document that extends the presented permissions. It is signed by the CA, has a
   /// grant for the subject's name (not for an expression) that is valid now, and gives the same in

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
 
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/access_control/permissions_holder.hpp"

@@ -99,8 +99,8 @@ void LocalParticipant::set_listed(std::shared_ptr<const ListedPermissions> liste
   listed_ = std::move(listed);
 }
 
-Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::judging_documents_for(
-    std::string_view topic) const {
+Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::use_topic(
+    std::string_view topic) {
   const std::lock_guard lock(mutex_);
   if (topics_in_use_.contains(topic)) return judging_documents_;
   DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
@@ -113,28 +113,29 @@ Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::judging_docume
 // use. The caller holds mutex_.
 Status LocalParticipant::check_new_topic(std::string_view topic) const {
   if (!pending_) return {};
-  const auto refused = [&](ErrorDetails details) {
+  const auto under_way_error = [&](ErrorDetails details) {
     details.note += (details.note.empty() ? "" : "; ") + std::string("the topic \"") +
                     std::string(topic) + "\" was not in use when revision " +
                     std::to_string(pending_->governance->revision()) + " of the document was taken";
     return std::unexpected(Error(Code::governance_change_under_way, std::move(details)));
   };
   if (topics_in_use_.size() >= kMaxTopicsInUse)
-    return refused({.field = "topics in use",
-                    .expected = "fewer than " + std::to_string(kMaxTopicsInUse),
-                    .found = "more"});
+    return under_way_error({.field = "topics in use",
+                            .expected = "fewer than " + std::to_string(kMaxTopicsInUse),
+                            .found = "more"});
   const auto* const before = judging_documents_->governance->topic_rule(topic);
   const auto* const after = pending_->governance->topic_rule(topic);
   if (are_alike(before, after)) return {};
   if (before == nullptr || after == nullptr)
-    return refused({.line = after == nullptr ? 0 : after->line,
-                    .field = "topic_rule",
-                    .expected = before == nullptr ? "none" : "one, as in the document in force",
-                    .found = after == nullptr ? "none" : "one"});
+    return under_way_error(
+        {.line = after == nullptr ? 0 : after->line,
+         .field = "topic_rule",
+         .expected = before == nullptr ? "none" : "one, as in the document in force",
+         .found = after == nullptr ? "none" : "one"});
   const auto fits =
       governance::check_topic_change(*before, pending_->governance->domain_rule(), *after);
   if (fits) return {};
-  return refused(fits.error().details());
+  return under_way_error(fits.error().details());
 }
 
 Result<LocalParticipant::Change> LocalParticipant::check_governance(

@@ -38,6 +38,7 @@ class LocalParticipant {
   /// The largest number of topics that are remembered.
   static constexpr std::size_t kMaxTopicsInUse = 4096;
 
+  /// Set once, before the object is shared, and only read afterwards: they need no lock.
   spi::IdentityHandle identity = {};
   DomainId domain = 0;
   std::string domain_tag = {};
@@ -46,11 +47,10 @@ class LocalParticipant {
 
   /// Returns the documents in force.
   std::shared_ptr<const JudgingDocuments> judging_documents() const;
-  /// Returns them for a host that asks how the topic is protected, and keeps the answer.
-  /// Error: governance_change_under_way, if the topic comes into use while a document waits that
-  /// cannot be applied to it.
-  Result<std::shared_ptr<const JudgingDocuments>> judging_documents_for(
-      std::string_view topic) const;
+  /// Records that the topic is in use, because the host asks how it is protected and keeps the
+  /// answer. Returns the documents in force. Error: governance_change_under_way, if the topic comes
+  /// into use while a document waits that cannot be applied to it; it then is not in use.
+  Result<std::shared_ptr<const JudgingDocuments>> use_topic(std::string_view topic);
   /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {
     at_once,  ///< the domain, and each topic that was ever in use, are protected as before
@@ -97,8 +97,8 @@ class LocalParticipant {
   std::shared_ptr<const ListedPermissions> listed_;
   PendingGovernance
       former_;  ///< in force before the last document that waited; nullptr: there was none
-  mutable std::set<std::string, std::less<>> topics_in_use_;
-  mutable bool has_more_topics_ = false;
+  std::set<std::string, std::less<>> topics_in_use_;
+  bool has_more_topics_ = false;
 };
 
 }  // namespace ddssec::access_control

@@ -55,7 +55,7 @@ std::optional<Error> changed(const governance::DomainRule& former,
 
 // The event contains a part of the digest, so that the rate limit does not take two documents with
 // the same end for one event.
-Error renewed(const std::string& file, const DocumentPart& permissions) {
+Error renewed_event(const std::string& file, const DocumentPart& permissions) {
   constexpr std::size_t kShownDigits = 16;
   return Error(Code::permissions_renewed,
                {.document = file,
@@ -151,7 +151,7 @@ std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, LocalParticipa
   renew_list(now, events);
   keep_one_of_folder(events);
   if (holder.renewals() == renewals) return events;
-  events.push_back(renewed(permissions_.name(), holder.permissions_part()));
+  events.push_back(renewed_event(permissions_.name(), holder.permissions_part()));
   return events;
 }
 

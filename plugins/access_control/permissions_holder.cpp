@@ -267,13 +267,13 @@ Status PermissionsHolder::adopt(std::shared_ptr<PermissionsDocument> document, B
 // ---- permissions of the renewal list
 
 std::optional<GrantOfDocument> PermissionsHolder::extension_of(const GrantOfDocument& presented,
-                                                               bool only_by_the_same,
+                                                               ExtendingRights by,
                                                                WallTime now) const {
   const auto listed = participant_->listed();
   if (!listed || !presented.grant) return std::nullopt;
   return listed->extension_of(
       {subject_.name, subject_.shown, participant_->domain, participant_->domain_tag,
-       *presented.document, presented.grant->grant(), only_by_the_same},
+       *presented.document, presented.grant->grant(), by},
       *participant_->judging_documents()->ca, now);
 }
 
@@ -302,9 +302,10 @@ std::optional<Error> PermissionsHolder::follow_list(WallTime now) {
     const auto end = last_end();
     return one && (!end || end_of(*one) > *end);
   };
-  auto found = extension_of({document_, grant_}, false, now);
+  auto found = extension_of({document_, grant_}, ExtendingRights::at_least_the_same, now);
   if (!ends_later(found)) return std::nullopt;
-  if (are_wanted(found->grant)) found = extension_of({document_, grant_}, true, now);
+  if (are_wanted(found->grant))
+    found = extension_of({document_, grant_}, ExtendingRights::the_same, now);
   if (!ends_later(found)) return std::nullopt;
   extension_ = std::move(found);
   return Error(
@@ -330,7 +331,9 @@ std::optional<Error> PermissionsHolder::outlived(WallTime now) {
   if (status || own->grant_in(*seen->document, now)) return std::nullopt;
   // The peer continues by its list. If it has no such list, it ends the session, and we follow.
   if (extension && check_not_over(*extension, now)) return std::nullopt;
-  if (auto extended = reads_lists ? own->extension_of(*seen, false, now) : std::nullopt) {
+  if (auto extended = reads_lists
+                          ? own->extension_of(*seen, ExtendingRights::at_least_the_same, now)
+                          : std::nullopt) {
     const std::lock_guard lock(mutex_);
     seen_extension_ = std::move(extended);
     return std::nullopt;

@@ -138,8 +138,8 @@ class PermissionsHolder {
   Status check_follows(const PermissionsDocument& document, const SharedGrant& renewed) const;
   std::optional<Error> outlived(WallTime now);
   bool are_wanted(const SharedGrant& others) const;
-  std::optional<GrantOfDocument> extension_of(const GrantOfDocument& presented,
-                                              bool only_by_the_same, WallTime now) const;
+  std::optional<GrantOfDocument> extension_of(const GrantOfDocument& presented, ExtendingRights by,
+                                              WallTime now) const;
 
   mutable std::mutex renewal_mutex_;  ///< before mutex_: no check waits while a file is read
   std::unique_ptr<OwnDocuments> own_documents_;

@@ -43,9 +43,9 @@ std::string hint_about_peer(const PermissionsHolder& holder, Code code,
 }
 
 // Returns the error for a refusal by a deny_rule or by the grant's default.
-Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
-             const Decision& decision, std::string expected,
-             const governance::RefusalAdvice& advice = {}) {
+Error denied_error(Code code, const PermissionsHolder& holder, const CompiledGrant& grant,
+                   const Decision& decision, std::string expected,
+                   const governance::RefusalAdvice& advice = {}) {
   return Error(
       code, {.document = holder.document_name(),
              .line = decision.line(grant.grant()),
@@ -61,7 +61,7 @@ Error denied(Code code, const PermissionsHolder& holder, const CompiledGrant& gr
 }
 
 // Does the same for an endpoint that was announced in a peer's name, possibly by an attacker.
-Error as_announced(const Error& refusal, Action action) {
+Error announced_endpoint_error(const Error& refusal, Action action) {
   const Code code = action == Action::publish ? Code::announced_writer_not_allowed
                                               : Code::announced_reader_not_allowed;
   auto details = refusal.details();
@@ -71,7 +71,7 @@ Error as_announced(const Error& refusal, Action action) {
 
 }  // namespace
 
-Error topic_not_covered(const LocalParticipant& participant, std::string_view topic) {
+Error topic_not_covered_error(const LocalParticipant& participant, std::string_view topic) {
   const auto documents = participant.judging_documents();
   return Error(Code::topic_not_covered,
                {.document = participant.governance_name,
@@ -81,9 +81,9 @@ Error topic_not_covered(const LocalParticipant& participant, std::string_view to
                 .found = "none"});
 }
 
-Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
-                      const Decision& decision, Action action,
-                      const spi::EndpointRequest& request) {
+Error endpoint_denied_error(const PermissionsHolder& holder, const CompiledGrant& grant,
+                            const Decision& decision, Action action,
+                            const spi::EndpointRequest& request) {
   const Code code =
       action == Action::publish ? Code::publish_not_allowed : Code::subscribe_not_allowed;
   std::vector<governance::DataTag> tags;
@@ -93,13 +93,13 @@ Error endpoint_denied(const PermissionsHolder& holder, const CompiledGrant& gran
   // make that as expensive as it likes.
   const auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, decision)
                                       : advice_on(grant, action, asked, decision);
-  const auto refusal =
-      denied(code, holder, grant, decision,
-             fmt::format("an allow_rule to {} {}", to_string(action), shown(request)), advice);
-  return holder.remote() ? as_announced(refusal, action) : refusal;
+  const auto refusal = denied_error(
+      code, holder, grant, decision,
+      fmt::format("an allow_rule to {} {}", to_string(action), shown(request)), advice);
+  return holder.remote() ? announced_endpoint_error(refusal, action) : refusal;
 }
 
-Error match_denied(const Error& why, Action action, const spi::AccessControl::Match& match) {
+Error match_denied_error(const Error& why, Action action, const spi::AccessControl::Match& match) {
   auto details = why.details();
   // The hint of match_not_permitted counts, because the announcement may be forged.
   details.hint.clear();
@@ -113,23 +113,23 @@ Error match_denied(const Error& why, Action action, const spi::AccessControl::Ma
   return Error(Code::match_not_permitted, std::move(details));
 }
 
-Error topic_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
-                   const Decision& decision, std::string_view topic) {
+Error topic_denied_error(const PermissionsHolder& holder, const CompiledGrant& grant,
+                         const Decision& decision, std::string_view topic) {
   governance::RefusalAdvice advice;
   if (!holder.remote() && decision.rule == nullptr) {
     advice = advice_on_name(grant, Action::publish, topic);
     if (advice.hint.empty()) advice = advice_on_name(grant, Action::subscribe, topic);
   }
-  return denied(Code::topic_not_allowed, holder, grant, decision,
-                fmt::format("an allow_rule for topic \"{}\"", shortened(topic)), advice);
+  return denied_error(Code::topic_not_allowed, holder, grant, decision,
+                      fmt::format("an allow_rule for topic \"{}\"", shortened(topic)), advice);
 }
 
-Error participant_denied(const PermissionsHolder& holder, const CompiledGrant& grant,
-                         const Decision& decision) {
-  return denied(Code::participant_not_allowed, holder, grant, decision,
-                "an allow_rule as the first rule for " +
-                    governance::describe_domain(holder.participant()->domain,
-                                                holder.participant()->domain_tag));
+Error participant_denied_error(const PermissionsHolder& holder, const CompiledGrant& grant,
+                               const Decision& decision) {
+  return denied_error(Code::participant_not_allowed, holder, grant, decision,
+                      "an allow_rule as the first rule for " +
+                          governance::describe_domain(holder.participant()->domain,
+                                                      holder.participant()->domain_tag));
 }
 
 }  // namespace ddssec::access_control

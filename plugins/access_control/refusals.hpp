@@ -19,24 +19,25 @@ inline Event event_about(const std::string& peer_subject, const Error& error,
 }
 
 /// Returns the error for a topic that no topic_rule matches: topic_not_covered.
-Error topic_not_covered(const LocalParticipant& participant, std::string_view topic);
+Error topic_not_covered_error(const LocalParticipant& participant, std::string_view topic);
 /// Returns the error for an endpoint that a rule or the default of the grant denies. Codes:
 /// publish_not_allowed, subscribe_not_allowed; for an endpoint announced in a peer's name,
 /// announced_writer_not_allowed, announced_reader_not_allowed.
-Error endpoint_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
-                      const governance::Decision& decision, governance::Action action,
-                      const spi::EndpointRequest& request);
+Error endpoint_denied_error(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
+                            const governance::Decision& decision, governance::Action action,
+                            const spi::EndpointRequest& request);
 /// Returns the error for a match whose keys the peer's permissions do not allow, for the reason
 /// `why`. The code is match_not_permitted.
-Error match_denied(const Error& why, governance::Action action,
-                   const spi::AccessControl::Match& match);
+Error match_denied_error(const Error& why, governance::Action action,
+                         const spi::AccessControl::Match& match);
 /// Returns the error for a topic to which the grant allows neither to publish nor to subscribe. The
 /// code is topic_not_allowed.
-Error topic_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
-                   const governance::Decision& decision, std::string_view topic);
+Error topic_denied_error(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
+                         const governance::Decision& decision, std::string_view topic);
 /// Returns the error for a participant that the grant does not let join the domain. The code is
 /// participant_not_allowed.
-Error participant_denied(const PermissionsHolder& holder, const governance::CompiledGrant& grant,
-                         const governance::Decision& decision);
+Error participant_denied_error(const PermissionsHolder& holder,
+                               const governance::CompiledGrant& grant,
+                               const governance::Decision& decision);
 
 }  // namespace ddssec::access_control

@@ -1,7 +1,6 @@
 // Errors about the document that a property names.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "base/result.hpp"

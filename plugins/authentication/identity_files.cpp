@@ -6,7 +6,6 @@
 
 #include "pki/certificate_source.hpp"
 #include "plugins/authentication/document_errors.hpp"
-#include "plugins/authentication/identity_watch.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
 
@@ -20,8 +19,8 @@ constexpr std::size_t kMaxTrustedCas = 100;
 
 // Adds to an error the files that the properties name, unless they are in it already, so that the
 // folder with the wrong file can be found. A value that is in the property itself is never shown.
-Error locate(const Error& error, const spi::PropertyList& properties,
-             std::initializer_list<std::string_view> names) {
+Error with_file_names(const Error& error, const spi::PropertyList& properties,
+                      std::initializer_list<std::string_view> names) {
   auto details = error.details();
   for (const auto name : names) {
     const auto value = spi::property_value(properties, name);
@@ -34,10 +33,10 @@ Error locate(const Error& error, const spi::PropertyList& properties,
 }
 
 template <class T>
-Result<T> locate(Result<T> result, const spi::PropertyList& properties,
-                 std::initializer_list<std::string_view> names) {
+Result<T> with_file_names(Result<T> result, const spi::PropertyList& properties,
+                          std::initializer_list<std::string_view> names) {
   if (result) return result;
-  return std::unexpected(locate(result.error(), properties, names));
+  return std::unexpected(with_file_names(result.error(), properties, names));
 }
 
 Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::string_view name) {
@@ -112,7 +111,7 @@ Result<pki::AuthorityWatch> watch_authorities(const spi::PropertyList& propertie
 }
 
 Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certificate) {
-  return with_property(key.matches(certificate), property::kPrivateKey);
+  return with_property(key.check_fits(certificate), property::kPrivateKey);
 }
 
 }  // namespace
@@ -127,18 +126,22 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
   constexpr auto kOwn = property::kIdentityCertificate;
-  DDSSEC_ASSIGN_OR_RETURN(auto anchors, locate(load_anchors(properties), properties, {kCa}));
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors,
+                          with_file_names(load_anchors(properties), properties, {kCa}));
   DDSSEC_ASSIGN_OR_RETURN(auto lists, RevocationLists::load(properties, anchors, now));
   DDSSEC_ASSIGN_OR_RETURN(
-      auto own, locate(with_property(stores.open(std::move(anchors), lists.in_force()), kCa),
-                       properties, {kCa}));
+      auto own,
+      with_file_names(with_property(stores.open(std::move(anchors), lists.in_force()), kCa),
+                      properties, {kCa}));
   DDSSEC_ASSIGN_OR_RETURN(auto peers, load_peer_trust(properties, lists, own, stores));
-  DDSSEC_ASSIGN_OR_RETURN(auto certificate,
-                          locate(load_identity_certificate(properties), properties, {kOwn}));
-  DDSSEC_ASSIGN_OR_RETURN(auto key, locate(load_identity_key(properties), properties, {kKey}));
-  DDSSEC_RETURN_IF_ERROR(locate(check_belongs(key, certificate), properties, {kKey, kOwn}));
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto certificate, with_file_names(load_identity_certificate(properties), properties, {kOwn}));
+  DDSSEC_ASSIGN_OR_RETURN(auto key,
+                          with_file_names(load_identity_key(properties), properties, {kKey}));
   DDSSEC_RETURN_IF_ERROR(
-      locate(with_property(own->verify(certificate, now), kOwn), properties, {kOwn, kCa}));
+      with_file_names(check_belongs(key, certificate), properties, {kKey, kOwn}));
+  DDSSEC_RETURN_IF_ERROR(
+      with_file_names(with_property(own->verify(certificate, now), kOwn), properties, {kOwn, kCa}));
   DDSSEC_RETURN_IF_ERROR(ocsp_response.read_first({certificate, *own, now}));
   return IdentityFiles{
       .certificate = std::move(certificate),

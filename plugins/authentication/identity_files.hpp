@@ -33,9 +33,10 @@ struct IdentityFiles {
 
   /// Loads identity_ca, identity_certificate, private_key (with password), and the optional
   /// revocation list or trusted_ca_dir; checks that our own CA accepts the certificate at `now`,
-  /// and that the certificate belongs to the key. Every error names the property. Errors: those of
-  /// pki, and trusted_ca_dir_with_crl, trusted_ca_dir_unreadable, trusted_ca_dir_too_many,
-  /// own_ca_not_trusted, crl_file_empty, ocsp_revoked (our own response says so).
+  /// and that the certificate belongs to the key. Every error names the property. Errors:
+  /// invalid_property (a number, a mode or an interval), those of pki, and trusted_ca_dir_with_crl,
+  /// trusted_ca_dir_unreadable, trusted_ca_dir_too_many, own_ca_not_trusted, crl_file_empty,
+  /// ocsp_revoked (our own response says so).
   static Result<IdentityFiles> load(const spi::PropertyList& properties, TrustStores& stores,
                                     WallTime now);
 };

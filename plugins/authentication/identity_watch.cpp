@@ -127,7 +127,7 @@ Result<std::optional<IdentityWatch::FoundIdentity>> IdentityWatch::judge(
   if (certificate == in_force.certificate) {
     // The file may hold the key of a certificate that has not come yet, or the old key in another
     // form.
-    DDSSEC_RETURN_IF_ERROR(with_property(own_key.matches(certificate), property::kPrivateKey));
+    DDSSEC_RETURN_IF_ERROR(with_property(own_key.check_fits(certificate), property::kPrivateKey));
     return std::nullopt;
   }
   FoundIdentity found{std::move(certificate), std::move(own_key)};

@@ -41,7 +41,7 @@ std::optional<pki::ValidChain> followed_own(const AuthenticatedPeer& peer, const
   return chain ? std::optional(*std::move(chain)) : std::nullopt;
 }
 
-Error listed(const pki::ValidChain& chain) {
+Error listed_event(const pki::ValidChain& chain) {
   return Error(Code::peer_renewal_listed,
                {.document = "certificate of " + chain.certificate().subject(),
                 .field = "notAfter",
@@ -59,7 +59,7 @@ std::optional<std::string> follow(IdentityTable& table, const AuthenticatedPeer&
   const auto own = followed_own(peer, local, now);
   if (!own) return "";
   table.extend_by_renewal_list(peer.handle, {*found.peer, *own});
-  if (found.by_list) services.events.raise(event_about(peer.name, listed(*found.peer)));
+  if (found.by_list) services.events.raise(event_about(peer.name, listed_event(*found.peer)));
   return std::nullopt;
 }
 

@@ -186,7 +186,7 @@ Status OwnIdentity::check_renewed(const IdentityWatch::FoundIdentity& found,
                    to_string(renewed.not_after()),
                    "it ends before the one in force: renew it with more --days, or start the "
                    "participant again to use it");
-  DDSSEC_RETURN_IF_ERROR(with_property(found.key.matches(renewed), property::kPrivateKey));
+  DDSSEC_RETURN_IF_ERROR(with_property(found.key.check_fits(renewed), property::kPrivateKey));
   DDSSEC_RETURN_IF_ERROR(with_property(trust.verify(renewed, now), property::kIdentityCertificate));
   return {};
 }

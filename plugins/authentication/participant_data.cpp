@@ -7,9 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "base/parameter_ids.hpp"
 #include "base/reader.hpp"
 #include "plugins/authentication/identity_token.hpp"
+#include "wire/parameter_list.hpp"
+#include "wire/vendor.hpp"
 
 namespace ddssec::authentication {
 namespace {
@@ -18,21 +19,14 @@ std::unexpected<Error> malformed_error(std::string found) {
   return fail(Code::participant_data_malformed, {.field = "c.pdata", .found = std::move(found)});
 }
 
-struct Parameter {
-  std::uint16_t id;
-  BytesView value;
-};
-
-// Reads the next parameter; empty at the end of the list.
-Result<std::optional<Parameter>> next_parameter(Reader& reader) {
-  if (reader.at_end()) return std::nullopt;
-  const auto id = reader.read<std::uint16_t>();
-  const auto length = reader.read<std::uint16_t>();
-  if (!id || !length) return malformed_error("half a parameter header");
-  if (*id == pid::kSentinel) return std::nullopt;
-  const auto value = reader.read_bytes(*length);
-  if (!value) return malformed_error("a parameter longer than the list");
-  return Parameter{*id, *value};
+// Reads the next parameter; empty at the end of the list, which may have no sentinel.
+Result<std::optional<rtps::Parameter>> next_parameter(rtps::ParameterReader& list) {
+  if (list.at_end()) return std::nullopt;
+  auto parameter = list.next_or_pad();
+  if (parameter) return parameter;
+  return malformed_error(parameter.error().code() == Code::truncated
+                             ? "a list that ends within a parameter"
+                             : "a length that is not a multiple of 4");
 }
 
 // Reads an RTPS Locator_t (RTPS 9.3.2.3): kind, port, 16 octets of address.
@@ -67,10 +61,10 @@ std::string text_in(BytesView value) {
 }  // namespace
 
 Result<Guid> participant_guid_in(BytesView participant_data) {
-  Reader reader(participant_data, Endian::big);
+  rtps::ParameterReader list(participant_data, Endian::big);
   std::optional<Guid> found;
   while (true) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, next_parameter(reader));
+    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, next_parameter(list));
     if (!parameter) break;
 
     if (parameter->id != pid::kParticipantGuid) continue;
@@ -84,10 +78,10 @@ Result<Guid> participant_guid_in(BytesView participant_data) {
 }
 
 spi::CipherMask ciphers_in_participant_data(BytesView participant_data) {
-  Reader reader(participant_data, Endian::big);
+  rtps::ParameterReader list(participant_data, Endian::big);
   std::optional<spi::Token> found;
   for (;;) {
-    const auto parameter = next_parameter(reader);
+    const auto parameter = next_parameter(list);
     if (!parameter || !*parameter) break;
     if ((*parameter)->id != pid::kIdentityToken) continue;
     Reader value((*parameter)->value, Endian::big);
@@ -99,10 +93,10 @@ spi::CipherMask ciphers_in_participant_data(BytesView participant_data) {
 }
 
 std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data) {
-  Reader reader(participant_data, Endian::big);
+  rtps::ParameterReader list(participant_data, Endian::big);
   std::optional<std::uint32_t> found;
   for (;;) {
-    const auto parameter = next_parameter(reader);
+    const auto parameter = next_parameter(list);
     if (!parameter || !*parameter) break;
     if ((*parameter)->id != pid::kBuiltinEndpointSet) continue;
     const auto set = Reader((*parameter)->value, Endian::big).read<std::uint32_t>();
@@ -113,38 +107,35 @@ std::uint32_t builtin_endpoints_in_participant_data(BytesView participant_data) 
 }
 
 bool is_of_fast_dds(BytesView participant_data) {
-  constexpr std::array<std::uint8_t, 2> kFastDds = {0x01, 0x0f};
-  Reader reader(participant_data, Endian::big);
+  rtps::ParameterReader list(participant_data, Endian::big);
   std::optional<bool> found;
   for (;;) {
-    const auto parameter = next_parameter(reader);
+    const auto parameter = next_parameter(list);
     if (!parameter || !*parameter) break;
     if ((*parameter)->id != pid::kVendorId) continue;
     const auto& value = (*parameter)->value;
-    if (found || value.size() < kFastDds.size()) return false;
-    found = std::ranges::equal(value.first(kFastDds.size()), kFastDds);
+    if (found || value.size() < rtps::VendorId::size) return false;
+    found = rtps::VendorId::from(value) == rtps::kVendorFastDds;
   }
   return found.value_or(false);
 }
 
 SignedDomain domain_in_participant_data(BytesView participant_data) {
-  constexpr std::array<std::uint8_t, 2> kCyclone = {0x01, 0x10}, kOurs = {0x01, 0xd5};
-  Reader reader(participant_data, Endian::big);
+  rtps::ParameterReader list(participant_data, Endian::big);
   constexpr std::array kIds = {pid::kVendorId, pid::kDomainId, pid::kDomainTag};
   std::array<bool, kIds.size()> seen{};
   SignedDomain out{.id = {}, .tag = {}, .may_lack_tag = true};
   for (;;) {
-    const auto parameter = next_parameter(reader);
+    const auto parameter = next_parameter(list);
     if (!parameter || !*parameter) break;
-    const auto& [id, value] = **parameter;
+    const auto& [id, value, endian] = **parameter;
     if (const auto known = std::ranges::find(kIds, id); known != kIds.end())
       out.is_ambiguous |= std::exchange(seen[static_cast<std::size_t>(known - kIds.begin())], true);
-    if (id == pid::kVendorId && value.size() >= 2) {
-      const auto vendor = value.first(2);
-      out.may_lack_tag =
-          !std::ranges::equal(vendor, kCyclone) && !std::ranges::equal(vendor, kOurs);
+    if (id == pid::kVendorId && value.size() >= rtps::VendorId::size) {
+      const auto vendor = rtps::VendorId::from(value);
+      out.may_lack_tag = vendor != rtps::kVendorCyclone && vendor != rtps::kVendorDdssec;
     } else if (id == pid::kDomainId) {
-      const auto number = Reader(value, Endian::big).read<std::uint32_t>();
+      const auto number = Reader(value, endian).read<std::uint32_t>();
       if (number) out.id = *number;
     } else if (id == pid::kDomainTag) {
       out.tag = text_in(value);
@@ -168,10 +159,10 @@ Status check_same_domain(const SignedDomain& peer, const SignedDomain& own) {
 }
 
 std::vector<spi::UdpAddress> addresses_in_participant_data(BytesView participant_data) {
-  Reader reader(participant_data, Endian::big);
+  rtps::ParameterReader list(participant_data, Endian::big);
   std::vector<spi::UdpAddress> out;
   while (out.size() < kMaxAddresses) {
-    const auto parameter = next_parameter(reader);
+    const auto parameter = next_parameter(list);
     if (!parameter || !*parameter) break;
     if ((*parameter)->id != pid::kMetatrafficUnicastLocator) continue;
     const auto address = unicast_address((*parameter)->value);

@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxParticipantDataOctets = 64 * 1024;
 
 /// Returns PID_PARTICIPANT_GUID of a big-endian parameter list without encapsulation header. Any
 /// number of unknown parameters is skipped, and a missing sentinel is tolerated. Errors:
-/// participant_data_malformed, participant_guid_missing.
+/// participant_data_malformed (also if a length is not a multiple of 4), participant_guid_missing.
 Result<Guid> participant_guid_in(BytesView participant_data);
 
 /// Returns the ciphers in the IdentityToken of such a list. If the list has no token, two tokens or

@@ -41,7 +41,7 @@ void renew_ocsp_response(OwnIdentity& identity, const PluginServices& services) 
                  .found = response ? to_string(response->good.until()) : std::string("passed")})));
 }
 
-Error renewed_until(const OwnIdentity& identity, const pki::ValidChain& chain) {
+Error renewed_event(const OwnIdentity& identity, const pki::ValidChain& chain) {
   return Error(Code::identity_renewed, {.document = identity.identity_path(),
                                         .field = "notAfter",
                                         .found = to_string(chain.not_after()),
@@ -72,7 +72,7 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
     table.set_renewed(local.handle, *chain);
     if (is_renewed)
       services.events.raise(
-          event_about(our_name(identity.guid()), renewed_until(identity, *chain)));
+          event_about(our_name(identity.guid()), renewed_event(identity, *chain)));
   }
 }
 

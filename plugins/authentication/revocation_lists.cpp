@@ -149,21 +149,26 @@ Result<RevocationLists> RevocationLists::load(const spi::PropertyList& propertie
   const auto name = must.empty() ? property::kLaterCrl : property::kCrl;
   if (!must.empty() || !may.empty()) {
     out.places_.emplace_back(must.empty() ? may : must, out.interval_);
-    DDSSEC_RETURN_IF_ERROR(out.read_first(out.places_.front(), name, must.empty()));
+    DDSSEC_RETURN_IF_ERROR(
+        out.read_first(out.places_.front(), name,
+                       must.empty() ? MissingFile::may_come_later : MissingFile::refused));
     out.lists_ = out.together(anchors, now);
     return out;
   }
   if (!spi::property_value(properties, property::kTrustedCaDir).empty()) return out;
   for (const auto& uri : usual_places(properties)) out.places_.emplace_back(uri, out.interval_);
-  for (auto& place : out.places_) DDSSEC_RETURN_IF_ERROR(read_first(place, place.path, true));
+  for (auto& place : out.places_)
+    DDSSEC_RETURN_IF_ERROR(read_first(place, place.path, MissingFile::may_come_later));
   out.lists_ = out.together(anchors, now);
   return out;
 }
 
 // Reads a place for the first time. `name` is the name of the file in errors.
-Status RevocationLists::read_first(Place& place, std::string_view name, bool may_come_later) {
+Status RevocationLists::read_first(Place& place, std::string_view name, MissingFile missing) {
   const auto octets = ddssec::load_uri(place.watch.uri(), name, pki::kMaxDocumentOctets);
-  if (!octets && may_come_later && octets.error().code() == Code::file_not_found) return {};
+  if (!octets && missing == MissingFile::may_come_later &&
+      octets.error().code() == Code::file_not_found)
+    return {};
   if (!octets) return std::unexpected(octets.error());
   DDSSEC_ASSIGN_OR_RETURN(
       place.lists, with_default_document(parse(*octets, place.watch.uri()), std::string(name)));
@@ -247,7 +252,7 @@ Result<bool> RevocationLists::poll_place(Place& place, const Question& question)
   const auto content = octets ? sha256(*octets) : Sha256Digest{};
   Result<bool> taken = false;
   if (!octets && !not_yet) taken = std::unexpected(octets.error());
-  if (octets && content != place.content) taken = judge(*octets, place, question);
+  if (octets && content != place.content) taken = adopt_lists(*octets, place, question);
   if (taken && octets) place.content = content;
   if (taken && !*taken)
     if (const auto behind = check_current(place, question); !behind)
@@ -264,13 +269,16 @@ Result<RevocationLists> RevocationLists::read(const std::vector<pki::Certificate
                                               WallTime now) const {
   auto out = *this;
   for (auto& place : out.places_)
-    DDSSEC_RETURN_IF_ERROR(read_first(place, place.path, place.lists.empty()));
+    DDSSEC_RETURN_IF_ERROR(
+        read_first(place, place.path,
+                   place.lists.empty() ? MissingFile::may_come_later : MissingFile::refused));
   out.lists_ = out.together(anchors, now);
   return out;
 }
 
 // Judges the octets of a place. Returns true if other lists came into force.
-Result<bool> RevocationLists::judge(BytesView octets, Place& place, const Question& question) {
+Result<bool> RevocationLists::adopt_lists(BytesView octets, Place& place,
+                                          const Question& question) {
   DDSSEC_ASSIGN_OR_RETURN(auto lists, parse(octets, place.watch.uri()));
   std::swap(place.lists, lists);
   Rollback back([&] { std::swap(place.lists, lists); });

@@ -102,10 +102,11 @@ class RevocationLists {
     const Accept& accept;
   };
 
-  static Status read_first(Place& place, std::string_view name, bool may_come_later);
+  enum class MissingFile : std::uint8_t { refused, may_come_later };
+  static Status read_first(Place& place, std::string_view name, MissingFile missing);
   std::vector<pki::Crl> together(const std::vector<pki::Certificate>& anchors, WallTime now) const;
   Result<bool> poll_place(Place& place, const Question& question);
-  Result<bool> judge(BytesView octets, Place& place, const Question& question);
+  Result<bool> adopt_lists(BytesView octets, Place& place, const Question& question);
   Status check_current(const Place& place, const Question& question) const;
   Result<bool> refuse(Place& place, const Error& error, const Sha256Digest& content);
 

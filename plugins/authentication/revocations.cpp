@@ -82,8 +82,8 @@ std::optional<Error> refusal(const IdentityTable::AuthenticatedPeer& peer, const
   return has_expired ? std::nullopt : std::move(reason);
 }
 
-void judge(IdentityTable& table, const OwnIdentityEntry& local, bool by_other_authorities,
-           const PluginServices& services, Revocations& out) {
+void add_revocations(IdentityTable& table, const OwnIdentityEntry& local, bool by_other_authorities,
+                     const PluginServices& services, Revocations& out) {
   const auto now = services.clock.calendar_seconds();
   // This waits for handshake steps that began under the former lists, so that no peer authenticates
   // under these after the judgement.
@@ -110,7 +110,7 @@ Revocations find_revocations(IdentityTable& table, spi::IdentityHandle which, Tr
       out.identities.push_back(
           {local.handle, our_name(local.identity->guid()), *std::move(reason)});
     if (const auto unapplied = local.identity->unapplied_renewal()) {
-      judge(table, local, unapplied->authorities, services, out);
+      add_revocations(table, local, unapplied->authorities, services, out);
       out.judgements.push_back({local.identity, unapplied->renewal});
     }
   }

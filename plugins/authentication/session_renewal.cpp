@@ -32,7 +32,7 @@ Bytes signed_octets(const EstablishedSession& session, const Guid& sender,
 }
 
 spi::Token answer_to(const Sha256Digest& digest) {
-  spi::Token answer{std::string(class_id_of(TokenClass::renewal_taken))};
+  spi::Token answer{std::string(class_id_of(TokenClass::renewal_accepted))};
   add_field(answer, kDigest.name, digest);
   return answer;
 }
@@ -77,11 +77,11 @@ Result<JudgedOffer> judge_offer(const EstablishedSession& session, const spi::To
 }
 
 Status check_answer(const std::optional<RenewalOffer>& offer, const spi::Token& answer) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto fields, TokenFields::of(answer, TokenClass::renewal_taken));
+  DDSSEC_ASSIGN_OR_RETURN(const auto fields, TokenFields::of(answer, TokenClass::renewal_accepted));
   DDSSEC_ASSIGN_OR_RETURN(const auto digest, fields.required(kDigest));
   if (offer && std::ranges::equal(digest, offer->digest)) return {};
   return fail(Code::unexpected_message,
-              {.document = std::string(document_name(TokenClass::renewal_taken)),
+              {.document = std::string(document_name(TokenClass::renewal_accepted)),
                .note = offer ? "to another offer" : "nothing was offered"});
 }
 

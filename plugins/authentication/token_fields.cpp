@@ -22,7 +22,7 @@ constexpr std::array kClasses = {
     ClassRow{TokenClass::final, "DDS:Auth:PKI-DH:1.0+Final", "+Final", "handshake final"},
     ClassRow{TokenClass::renewal, "DDS:Auth:PKI-DH:1.0+org.ddssec.Renewal", "+org.ddssec.Renewal",
              "renewed documents"},
-    ClassRow{TokenClass::renewal_taken, "DDS:Auth:PKI-DH:1.0+org.ddssec.RenewalTaken",
+    ClassRow{TokenClass::renewal_accepted, "DDS:Auth:PKI-DH:1.0+org.ddssec.RenewalTaken",
              "+org.ddssec.RenewalTaken", "answer to renewed documents"},
 };
 constexpr std::string_view kNameAndMajor = "DDS:Auth:PKI-DH:1.";

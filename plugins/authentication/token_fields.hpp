@@ -19,7 +19,7 @@ enum class TokenClass : std::uint8_t {
   final,
   // Specific to ddssec, between two of its participants:
   renewal,
-  renewal_taken,
+  renewal_accepted,
 };
 
 /// Returns the class id to send, such as "DDS:Auth:PKI-DH:1.0+Req".

@@ -1,6 +1,5 @@
 #include "plugins/cryptography/aead.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include "base/hash.hpp"

@@ -4,19 +4,13 @@
 
 #include <openssl/evp.h>
 
+#include "base/deleter.hpp"
 #include "base/secret.hpp"
 #include "plugins/cryptography/aead_backends.hpp"
 
 namespace ddssec::cryptography {
 namespace {
 
-template <auto Free>
-struct Deleter {
-  template <class T>
-  void operator()(T* object) const noexcept {
-    Free(object);
-  }
-};
 using Context = std::unique_ptr<EVP_CIPHER_CTX, Deleter<EVP_CIPHER_CTX_free>>;
 using Fetched = std::unique_ptr<EVP_CIPHER, Deleter<EVP_CIPHER_free>>;
 
@@ -56,7 +50,7 @@ class Openssl final : public AeadBackend {
   bool seal(KeyStorage storage, Cipher, const SealRequest& request) const override {
     return with_context(*key_in(storage), [&](EVP_CIPHER_CTX* context) {
       int octets = 0;
-      return start(context, request.iv, request.aad, 1) &&
+      return start(context, request.iv, request.aad, Direction::encrypt) &&
              update(context, request.plain, request.out) &&
              EVP_EncryptFinal_ex(context, nullptr, &octets) == 1 &&
              EVP_CIPHER_CTX_ctrl(context, EVP_CTRL_AEAD_GET_TAG, kTagSize, request.tag.data()) == 1;
@@ -71,7 +65,7 @@ class Openssl final : public AeadBackend {
     std::ranges::copy(expected, tag.begin());
     const bool right = with_context(*key_in(storage), [&](EVP_CIPHER_CTX* context) {
       int octets = 0;
-      return start(context, request.iv, request.aad, 0) &&
+      return start(context, request.iv, request.aad, Direction::decrypt) &&
              update(context, request.cipher, request.out) &&
              EVP_CIPHER_CTX_ctrl(context, EVP_CTRL_AEAD_SET_TAG, kTagSize, tag.data()) == 1 &&
              EVP_DecryptFinal_ex(context, nullptr, &octets) == 1;
@@ -107,8 +101,11 @@ class Openssl final : public AeadBackend {
     return own && f(own.get());
   }
 
-  static bool start(EVP_CIPHER_CTX* context, const Iv& iv, BytesView aad, int encrypt) {
-    return EVP_CipherInit_ex(context, nullptr, nullptr, nullptr, iv.data(), encrypt) == 1 &&
+  // The numbers are those of EVP_CipherInit_ex().
+  enum class Direction : int { decrypt = 0, encrypt = 1 };
+  static bool start(EVP_CIPHER_CTX* context, const Iv& iv, BytesView aad, Direction direction) {
+    return EVP_CipherInit_ex(context, nullptr, nullptr, nullptr, iv.data(),
+                             static_cast<int>(direction)) == 1 &&
            update(context, aad, nullptr);
   }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "wire/entity_ids.hpp"
+
 namespace ddssec::cryptography {
 namespace {
 
@@ -12,9 +14,6 @@ std::unexpected<Error> too_much_announced_error(const DiscoveryTopic& topic) {
   return unreadable_name_error(topic, "its certificate has announced more than " +
                                           std::to_string(AnnouncedOctets::kMax >> 20) + " MiB");
 }
-
-constexpr EntityId kPublications{{0, 0, 3, 0xc2}}, kSecurePublications{{0xff, 0, 3, 0xc2}};
-constexpr EntityId kSubscriptions{{0, 0, 4, 0xc2}}, kSecureSubscriptions{{0xff, 0, 4, 0xc2}};
 
 bool hides_endpoint(const Announcement& announcement) {
   return announcement.kind == Announcement::Kind::announces && announcement.hides;
@@ -163,17 +162,18 @@ bool AnnouncedEndpoints::hides(const EntityId& writer) const {
 
 bool AnnouncedEndpoints::hides_writers() const {
   const std::lock_guard lock(mutex_);
-  return hides(kPublications) || hides(kSecurePublications);
+  return hides(rtps::kPublicationsWriter) || hides(rtps::kPublicationsSecureWriter);
 }
 
 bool AnnouncedEndpoints::hides_readers() const {
   const std::lock_guard lock(mutex_);
-  return hides(kSubscriptions) || hides(kSecureSubscriptions);
+  return hides(rtps::kSubscriptionsWriter) || hides(rtps::kSubscriptionsSecureWriter);
 }
 
 bool AnnouncedEndpoints::has_secured(const EntityId& endpoint, bool is_writer) const {
   const std::lock_guard lock(mutex_);
-  const auto known = writers_.find(is_writer ? kSecurePublications : kSecureSubscriptions);
+  const auto known =
+      writers_.find(is_writer ? rtps::kPublicationsSecureWriter : rtps::kSubscriptionsSecureWriter);
   if (known == writers_.end()) return false;
   const auto& [id, writer] = *known;
   return writer.endpoints.contains(endpoint) || writer.again.contains(endpoint) ||
@@ -185,7 +185,8 @@ bool AnnouncedEndpoints::has_secured(const EntityId& endpoint, bool is_writer) c
 
 bool AnnouncedEndpoints::has_ended(const EntityId& endpoint, bool is_writer) const {
   const std::lock_guard lock(mutex_);
-  const auto known = writers_.find(is_writer ? kSecurePublications : kSecureSubscriptions);
+  const auto known =
+      writers_.find(is_writer ? rtps::kPublicationsSecureWriter : rtps::kSubscriptionsSecureWriter);
   if (known == writers_.end()) return false;
   const auto& ended = known->second.ended;
   return std::ranges::find(ended, endpoint) != ended.end();

@@ -1,8 +1,9 @@
 #include "plugins/cryptography/builtin_checks.hpp"
 
-#include "base/parameter_ids.hpp"
 #include "plugins/cryptography/builtin_names.hpp"
 #include "plugins/cryptography/data_piece.hpp"
+#include "wire/entity_ids.hpp"
+#include "wire/parameter_list.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -30,7 +31,7 @@ struct InlineForm {
   bool is_usual = true;
   std::size_t status_infos = 0, key_hashes = 0;
 
-  void note(const Parameter& parameter) {
+  void note(const rtps::Parameter& parameter) {
     const auto& value = parameter.value;
     if (parameter.id == pid::kStatusInfo) {
       const bool is_known = value.size() == 4 && value[0] == 0 && value[1] == 0 && value[2] == 0 &&
@@ -51,10 +52,10 @@ struct InlineForm {
 // the host uses.
 Result<Ending> check_inline_qos(const DiscoveryTopic& topic, const Owner& owner,
                                 const DataPiece& piece) {
-  Reader in(piece.inline_qos, piece.endian);
+  rtps::ParameterReader list(piece.inline_qos, piece.endian);
   InlineForm form;
-  while (!in.at_end()) {
-    const auto parameter = next_parameter(in);
+  while (!list.at_end()) {
+    const auto parameter = list.next_or_pad();
     if (!parameter || !*parameter) break;  // it was read once already
     if (is_deprecated_address((*parameter)->id))
       return unreadable_name_error(topic, "it has an address in the form of RTPS 1");
@@ -75,17 +76,17 @@ Result<Ending> check_inline_qos(const DiscoveryTopic& topic, const Owner& owner,
 Status check_other_inline_qos(BytesView submessage) {
   constexpr std::uint8_t kInlineQosFlag = 2;
   if ((submessage[1] & kInlineQosFlag) == 0) return {};
-  const auto refused = [](std::string_view why) {
+  const auto inline_qos_error = [](std::string_view why) {
     return fail(Code::inline_qos_refused, {.document = "a sample", .note = std::string(why)});
   };
   const auto piece = read_data_piece(submessage);
-  if (!piece) return refused("its lengths contradict one another");
-  Reader in(piece->inline_qos, piece->endian);
-  while (!in.at_end()) {
-    const auto parameter = next_parameter(in);
+  if (!piece) return inline_qos_error("its lengths contradict one another");
+  rtps::ParameterReader list(piece->inline_qos, piece->endian);
+  while (!list.at_end()) {
+    const auto parameter = list.next_or_pad();
     if (!parameter || !*parameter) break;  // it was read once already
     if (is_deprecated_address((*parameter)->id))
-      return refused("it has an address in the form of RTPS 1");
+      return inline_qos_error("it has an address in the form of RTPS 1");
   }
   return {};
 }
@@ -158,8 +159,8 @@ PeerDiscovery* announcer(const DiscoveryTopic& topic, const Owner& owner, Discov
 // True for a writer that announces endpoints under a key of its own. Announcements in the clear are
 // not delayed, because an attacker may have sent them in the peer's name.
 bool announces_securely(const DiscoveryTopic& topic) {
-  constexpr EntityId kWriters{{0xff, 0, 3, 0xc2}}, kReaders{{0xff, 0, 4, 0xc2}};
-  return topic.writer == kWriters || topic.writer == kReaders;
+  return topic.writer == rtps::kPublicationsSecureWriter ||
+         topic.writer == rtps::kSubscriptionsSecureWriter;
 }
 
 // Charges the work of endpoints that were announced again.

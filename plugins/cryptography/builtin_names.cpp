@@ -4,7 +4,8 @@
 #include <numeric>
 #include <string>
 
-#include "base/parameter_ids.hpp"
+#include "base/reader.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -14,15 +15,15 @@ namespace {
 constexpr std::uint16_t kFlags = pid::kMustUnderstand | pid::kVendorSpecific;
 
 constexpr std::array kTopics = {
-    DiscoveryTopic{{{0x00, 0x01, 0x00, 0xc2}}, pid::kParticipantGuid},
-    DiscoveryTopic{{{0xff, 0x01, 0x01, 0xc2}}, pid::kParticipantGuid},
-    DiscoveryTopic{{{0x00, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
-    DiscoveryTopic{{{0xff, 0x00, 0x03, 0xc2}}, pid::kEndpointGuid},
-    DiscoveryTopic{{{0x00, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
-    DiscoveryTopic{{{0xff, 0x00, 0x04, 0xc2}}, pid::kEndpointGuid},
-    DiscoveryTopic{{{0x00, 0x00, 0x02, 0xc2}}, pid::kCycloneTopicGuid},
-    DiscoveryTopic{{{0x00, 0x02, 0x00, 0xc2}}, 0},
-    DiscoveryTopic{{{0xff, 0x02, 0x00, 0xc2}}, 0},
+    DiscoveryTopic{rtps::kSpdpWriter, pid::kParticipantGuid},
+    DiscoveryTopic{rtps::kParticipantsSecureWriter, pid::kParticipantGuid},
+    DiscoveryTopic{rtps::kPublicationsWriter, pid::kEndpointGuid},
+    DiscoveryTopic{rtps::kPublicationsSecureWriter, pid::kEndpointGuid},
+    DiscoveryTopic{rtps::kSubscriptionsWriter, pid::kEndpointGuid},
+    DiscoveryTopic{rtps::kSubscriptionsSecureWriter, pid::kEndpointGuid},
+    DiscoveryTopic{rtps::kTopicsWriter, pid::kCycloneTopicGuid},
+    DiscoveryTopic{rtps::kParticipantMessageWriter, 0},
+    DiscoveryTopic{rtps::kParticipantMessageSecureWriter, 0},
 };
 
 // The kinds of locators, of which an announcement may have several (RTPS 9.6.3).
@@ -78,9 +79,8 @@ const DiscoveryTopic* discovery_topic_of(const EntityId& writer) {
 }
 
 bool ClosedDiscovery::includes(const EntityId& writer) const {
-  constexpr EntityId kParticipants{{0x00, 0x01, 0x00, 0xc2}};
   const auto* const topic = discovery_topic_of(writer);
-  if (topic == nullptr || topic->key == 0 || writer == kParticipants) return false;
+  if (topic == nullptr || topic->key == 0 || writer == rtps::kSpdpWriter) return false;
   constexpr std::uint8_t kSecure = 0xff;
   return writer.octets[0] == kSecure ? secure_topics : clear_topics;
 }
@@ -126,7 +126,7 @@ Status ParameterWalk::read(const DiscoveryTopic& topic, const Owner& owner, Byte
     if (filled_ == wanted_) DDSSEC_RETURN_IF_ERROR(read_filled(topic, owner));
   }
   // The host gets this piece before the rest of the header has come.
-  if (state_ == State::header && filled_ >= sizeof(id_) && word(0) == pid::kTypeInformation)
+  if (state_ == State::header && filled_ >= sizeof(id_) && arriving_id() == pid::kTypeInformation)
     return note_type_information(topic, position_ - static_cast<std::uint32_t>(filled_));
   return {};
 }
@@ -178,14 +178,16 @@ Status ParameterWalk::begin_list(const DiscoveryTopic& topic) {
 }
 
 Status ParameterWalk::begin_parameter(const DiscoveryTopic& topic) {
-  id_ = word(0);
-  length_ = word(2);
-  if (id_ == pid::kSentinel) {
+  Reader in(BytesView(part_).first(kHeaderSize), is_little_ ? Endian::little : Endian::big);
+  const auto header = rtps::read_parameter_header(in);
+  if (!header) return unreadable_name_error(topic, "its parameters have lengths that lie");
+  if (header->is_sentinel()) {
     state_ = State::ended;
     return {};
   }
+  id_ = header->id;
+  length_ = header->length;
   note_name(topic);
-  if (length_ % 4 != 0) return unreadable_name_error(topic, "its parameters have lengths that lie");
   if (is_deprecated_address(id_))
     return unreadable_name_error(topic, "it has an address in the form of RTPS 1");
   if (id_ == pid::kTypeInformation)
@@ -267,8 +269,8 @@ Status ParameterWalk::note_type_information(const DiscoveryTopic& topic, std::ui
   return {};
 }
 
-std::uint16_t ParameterWalk::word(std::size_t at) const {
-  const auto high = part_[is_little_ ? at + 1 : at], low = part_[is_little_ ? at : at + 1];
+std::uint16_t ParameterWalk::arriving_id() const {
+  const auto high = part_[is_little_ ? 1 : 0], low = part_[is_little_ ? 0 : 1];
   return static_cast<std::uint16_t>(high << 8 | low);
 }
 

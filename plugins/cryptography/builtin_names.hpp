@@ -13,6 +13,7 @@
 #include "base/result.hpp"
 #include "plugins/cryptography/partition_walk.hpp"
 #include "plugins/cryptography/type_information.hpp"
+#include "wire/parameter_list.hpp"
 
 namespace ddssec::cryptography {
 
@@ -51,11 +52,12 @@ std::unexpected<Error> unreadable_name_error(const DiscoveryTopic& topic, std::s
 /// created, and crashes when it uses that list's memory. No product in use sends them.
 bool is_deprecated_address(std::uint16_t parameter_id);
 
-/// Reads a parameter list with its encapsulation, in pieces of any size. Checks each GUID as soon
-/// as its prefix is complete. Limits values that are costly for Cyclone DDS: locators, which it
-/// compares with those of all readers, and partitions. Finds PID_TYPE_INFORMATION. The object is
-/// small, so that it can be copied: a caller that refuses a piece continues with the copy from
-/// before it.
+/// Reads a parameter list with its encapsulation, in pieces of any size. rtps::ParameterReader
+/// cannot do that: it needs the whole list, and the host joins the fragments itself. Checks each
+/// GUID as soon as its prefix is complete. Limits values that are costly for Cyclone DDS: locators,
+/// which it compares with those of all readers, and partitions. Finds PID_TYPE_INFORMATION. The
+/// object is small, so that it can be copied: a caller that refuses a piece continues with the copy
+/// from before it.
 class ParameterWalk {
  public:
   /// The largest number of locators of each kind: the same as in the embedded participant.
@@ -107,7 +109,8 @@ class ParameterWalk {
   Result<std::size_t> read_partitions(const DiscoveryTopic& topic, BytesView octets);
   /// Notes the place of type information. `header` is the position of the parameter's first octet.
   Status note_type_information(const DiscoveryTopic& topic, std::uint32_t header);
-  std::uint16_t word(std::size_t at) const;
+  /// Returns the id of the parameter of whose header at least the id has arrived.
+  std::uint16_t arriving_id() const;
 
   enum class State : std::uint8_t {
     encapsulation,
@@ -117,7 +120,7 @@ class ParameterWalk {
     security_info,
     ended,
   };
-  static constexpr std::size_t kHeaderSize = 4;
+  static constexpr std::size_t kHeaderSize = rtps::ParameterHeader::size;
   static constexpr std::size_t kLocatorKinds = 6;
   static constexpr std::size_t kGuidSize = GuidPrefix::size + EntityId::size;
 

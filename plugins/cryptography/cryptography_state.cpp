@@ -55,6 +55,10 @@ void CryptographyState::report(const Error& error, const std::optional<GuidPrefi
   services.events.raise(Event(error, {}, guid, PeerProof::authenticated));
 }
 
+void CryptographyState::note_former(std::int64_t handle, const RemoteKeys& remote_keys) {
+  if (!remote_keys.former.empty()) former_until[handle] = remote_keys.former.front().until;
+}
+
 void CryptographyState::publish_route(RemoteEndpointCrypto& endpoint) {
   Route route{.key_id = {},
               .receiver_key_id = {},

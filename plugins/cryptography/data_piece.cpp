@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "plugins/cryptography/crypto_framing.hpp"
+#include "wire/parameter_list.hpp"
+#include "wire/submessage_layout.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -11,11 +13,11 @@ constexpr std::uint8_t kInlineQosFlag = 0x02;
 constexpr std::uint8_t kDataFlag = 0x04;     // a flag of DATA
 constexpr std::uint8_t kKeyFlag = 0x08;      // a flag of DATA
 constexpr std::uint8_t kFragKeyFlag = 0x04;  // a flag of DATA_FRAG
-constexpr std::uint16_t kSentinel = 1;
-constexpr std::size_t kWriterAt = 12;
-// The position of the reader and writer ids in GAP, HEARTBEAT, ACKNACK and NACK_FRAG.
-constexpr std::size_t kEntitiesAt = kSubmessageHeaderSize,
-                      kEntitiesEnd = kEntitiesAt + 2 * EntityId::size;
+// The same for DATA and DATA_FRAG.
+constexpr auto kDataLayout = *rtps::layout_of(SubmessageId::data);
+// The same for GAP, HEARTBEAT, ACKNACK and NACK_FRAG.
+constexpr auto kLayout = *rtps::layout_of(SubmessageId::gap);
+constexpr std::size_t kEntitiesEnd = kLayout.writer_at + EntityId::size;
 
 // Reads the fields of a DATA_FRAG after writerSN; returns the number of octets of the sample that
 // it contains.
@@ -33,16 +35,6 @@ Result<std::uint64_t> read_fragment(Reader& in, DataPiece& piece) {
   const auto size = std::min(std::uint64_t{count} * piece.fragment_size, whole - begin);
   piece.fragments_size = static_cast<std::uint32_t>(size);
   return size;
-}
-
-Result<BytesView> read_inline_qos(Reader& in) {
-  const auto all = in.rest();
-  const auto begin = in.position();
-  for (;;) {
-    const auto size = in.position() - begin;
-    DDSSEC_ASSIGN_OR_RETURN(const auto parameter, next_parameter(in));
-    if (!parameter) return all.first(size);
-  }
 }
 
 Result<std::uint64_t> read_number(Reader& in) {
@@ -82,19 +74,19 @@ Result<SkippedRanges> read_heartbeat(Reader& in, const EntityId& writer) {
 std::optional<EntityId> writer_of_data(BytesView submessage) {
   const auto id = submessage[0];
   if (id != submessage_id::kData && id != submessage_id::kDataFrag) return std::nullopt;
-  if (submessage.size() < kWriterAt + EntityId::size) return std::nullopt;
-  return EntityId::from(submessage.subspan(kWriterAt, EntityId::size));
+  if (submessage.size() < kDataLayout.writer_at + EntityId::size) return std::nullopt;
+  return EntityId::from(submessage.subspan(kDataLayout.writer_at, EntityId::size));
 }
 
 EntityId reader_of_data(BytesView submessage) {
-  return EntityId::from(submessage.subspan(kWriterAt - EntityId::size, EntityId::size));
+  return EntityId::from(submessage.subspan(kDataLayout.reader_at, EntityId::size));
 }
 
 std::optional<SkippedRanges> read_skipped(BytesView submessage) {
   const auto id = submessage[0];
   if (id != submessage_id::kGap && id != submessage_id::kHeartbeat) return std::nullopt;
   if (submessage.size() < kEntitiesEnd) return std::nullopt;
-  const auto writer = EntityId::from(submessage.subspan(kEntitiesAt + EntityId::size));
+  const auto writer = EntityId::from(submessage.subspan(kLayout.writer_at));
   Reader in(submessage.subspan(kEntitiesEnd), endian_of(submessage));
   auto skipped = id == submessage_id::kGap ? read_gap(in, writer) : read_heartbeat(in, writer);
   return skipped ? std::optional(std::move(*skipped)) : std::nullopt;
@@ -106,7 +98,7 @@ std::optional<Acknowledgment> read_acknowledgment(BytesView submessage) {
   Reader in(submessage.subspan(kEntitiesEnd), endian_of(submessage));
   const auto next = read_number(in);
   if (!next) return std::nullopt;
-  return Acknowledgment{EntityId::from(submessage.subspan(kEntitiesAt + EntityId::size)), *next};
+  return Acknowledgment{EntityId::from(submessage.subspan(kLayout.writer_at)), *next};
 }
 
 std::optional<std::uint64_t> read_fragment_request(BytesView submessage) {
@@ -127,14 +119,15 @@ Result<DataPiece> read_data_piece(BytesView submessage) {
   const auto header = read_submessage_header(submessage);
   const bool is_fragment = header.id == submessage_id::kDataFrag;
   const bool key = (header.flags & (is_fragment ? kFragKeyFlag : kKeyFlag)) != 0;
-  DataPiece piece{.writer = EntityId::from(submessage.subspan(kWriterAt, EntityId::size)),
-                  .number = 0,
-                  .has_data = is_fragment ? !key : (header.flags & kDataFlag) != 0,
-                  .has_key = key,
-                  .is_fragment = is_fragment,
-                  .endian = endian_of(submessage),
-                  .inline_qos = {},
-                  .payload = {}};
+  DataPiece piece{
+      .writer = EntityId::from(submessage.subspan(kDataLayout.writer_at, EntityId::size)),
+      .number = 0,
+      .has_data = is_fragment ? !key : (header.flags & kDataFlag) != 0,
+      .has_key = key,
+      .is_fragment = is_fragment,
+      .endian = endian_of(submessage),
+      .inline_qos = {},
+      .payload = {}};
   Reader in(submessage, piece.endian);
   DDSSEC_RETURN_IF_ERROR(in.skip(kSubmessageHeaderSize + 2));
   DDSSEC_ASSIGN_OR_RETURN(const auto to_inline_qos, in.read<std::uint16_t>());
@@ -149,22 +142,14 @@ Result<DataPiece> read_data_piece(BytesView submessage) {
     return fail(Code::malformed);
   DDSSEC_RETURN_IF_ERROR(in.skip(counted_from + to_inline_qos - in.position()));
   if ((header.flags & kInlineQosFlag) != 0) {
-    DDSSEC_ASSIGN_OR_RETURN(piece.inline_qos, read_inline_qos(in));
+    DDSSEC_ASSIGN_OR_RETURN(piece.inline_qos, rtps::parameter_list_prefix(in.rest(), piece.endian));
+    DDSSEC_RETURN_IF_ERROR(in.skip(piece.inline_qos.size()));
   }
   if (!piece.has_data && !piece.has_key) return piece;
   piece.payload = in.rest();
   if (piece.payload.size() > most)
     piece.payload = piece.payload.first(static_cast<std::size_t>(most));
   return piece;
-}
-
-Result<std::optional<Parameter>> next_parameter(Reader& in) {
-  DDSSEC_ASSIGN_OR_RETURN(const auto id, in.read<std::uint16_t>());
-  DDSSEC_ASSIGN_OR_RETURN(const auto length, in.read<std::uint16_t>());
-  if (id == kSentinel) return std::nullopt;
-  if (length % 4 != 0) return fail(Code::malformed);
-  DDSSEC_ASSIGN_OR_RETURN(const auto value, in.read_bytes(length));
-  return Parameter{id, value};
 }
 
 }  // namespace ddssec::cryptography

@@ -25,7 +25,7 @@ struct DataPiece {
   std::uint32_t sample_size = 0;     ///< in a DATA_FRAG: octets of the whole sample
   std::uint32_t fragments_size = 0;  ///< in a DATA_FRAG: the least number of octets of its payload
   Endian endian;
-  BytesView inline_qos;  ///< parameters up to the sentinel, which is left out
+  BytesView inline_qos;  ///< the parameter list; empty if there is none
   BytesView payload;     ///< the payload of this piece, from the encapsulation on
 };
 
@@ -36,7 +36,8 @@ std::optional<EntityId> writer_of_data(BytesView submessage);
 /// Returns the reader that a DATA or DATA_FRAG names; zero for all readers.
 EntityId reader_of_data(BytesView submessage);
 
-/// Parses a submessage for which writer_of_data is not empty. Errors: truncated, malformed.
+/// Parses a submessage for which writer_of_data is not empty. Errors: truncated, malformed,
+/// rtps_parameter_invalid.
 Result<DataPiece> read_data_piece(BytesView submessage);
 
 /// The numbers that a GAP names, or those below the first number of a HEARTBEAT.
@@ -61,13 +62,5 @@ std::optional<std::uint64_t> read_fragment_request(BytesView submessage);
 
 /// True for a payload that begins with the encapsulation of plain CDR 1 or 2 in either byte order.
 bool is_plain_cdr(BytesView payload);
-
-/// One parameter of a parameter list (RTPS 9.4.2.11).
-struct Parameter {
-  std::uint16_t id;
-  BytesView value;
-};
-/// Reads the next parameter; empty at the sentinel. Errors: truncated, malformed.
-Result<std::optional<Parameter>> next_parameter(Reader& in);
 
 }  // namespace ddssec::cryptography

@@ -5,7 +5,7 @@
 //
 // Each match is charged to the participant and to its certificate. While either is in debt by more
 // than it may be, further announcements do not pass. Discovery is reliable: what does not pass is
-// sent again, so endpoints are met later, and none is refused.
+// sent again, so endpoints are discovered later, and none is refused.
 #pragma once
 
 #include <cstddef>

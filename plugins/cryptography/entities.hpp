@@ -24,7 +24,6 @@
 #include "plugins/cryptography/fragment_walks.hpp"
 #include "plugins/cryptography/fragmented_tokens.hpp"
 #include "plugins/cryptography/key_life.hpp"
-#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/match_shares.hpp"
 #include "plugins/cryptography/payload_positions.hpp"
 #include "plugins/cryptography/receive_key.hpp"

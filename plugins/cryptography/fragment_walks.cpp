@@ -1,7 +1,6 @@
 #include "plugins/cryptography/fragment_walks.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 namespace ddssec::cryptography {
 namespace {

@@ -9,6 +9,7 @@
 #include "plugins/cryptography/cryptography.hpp"
 #include "plugins/cryptography/key_exchange.hpp"
 #include "plugins/cryptography/key_material.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -41,7 +42,7 @@ bool may_be_used(const CryptographyState& state, const RemoteEndpointCrypto& sen
   if (message.remote.entity == kEntityIdParticipant) return true;
   const std::unique_lock lock(state.mutex, std::try_to_lock);
   if (!lock.owns_lock()) return true;
-  const bool for_builtin = is_builtin(message.remote.entity);
+  const bool for_builtin = rtps::is_builtin(message.remote.entity);
   const auto kind = message.is_of_reader ? EntityKind::local_writer : EntityKind::local_reader;
   return std::ranges::any_of(sender.local.participant.endpoints, [&](std::int64_t handle) {
     const auto found = state.registry.find<LocalEndpointCrypto>(handle, kind);
@@ -73,15 +74,16 @@ Result<Judgement> judge(const CryptographyState& state, const RemoteEndpointCryp
                                                          .expected = pair.own_prefix->to_string(),
                                                          .found = message.local.to_string()})};
   if (!may_be_used(state, sender, message)) return Judgement{{Kind::hidden}};
-  const bool are_matched = is_builtin(message.remote.entity) && are_builtin_matched(state, sender);
+  const bool are_matched =
+      rtps::is_builtin(message.remote.entity) && are_builtin_matched(state, sender);
   auto noted = state.ledger.note(message, {pair.number, pair.peer_prefix.has_value()}, are_matched,
                                  state.services.clock.monotonic());
   // A message that is not accepted would delay all that follow, including those of honest
   // endpoints.
   if (!noted) return Judgement{{Kind::hidden}, std::move(noted).error()};
   const auto passage = *noted;
-  // The host logs it. No event is raised, because honest peers that met again after a loss send
-  // such messages.
+  // The host logs it. No event is raised, because honest peers that discovered each other again
+  // after a loss send such messages.
   if (passage.kind == Kind::later) return fail(Code::crypto_tokens_repeated);
   if (passage.kind != Kind::repeated) return Judgement{passage};
   return Judgement{

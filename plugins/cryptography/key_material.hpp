@@ -2,7 +2,6 @@
 // it (clause 10.5.2.1).
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "base/ids.hpp"

@@ -205,10 +205,6 @@ std::uint64_t KeyFactory::blocks_used(const LocalParticipantCrypto& participant)
 
 // ---- former keys of peers
 
-void CryptographyState::note_former(std::int64_t handle, const RemoteKeys& remote_keys) {
-  if (!remote_keys.former.empty()) former_until[handle] = remote_keys.former.front().until;
-}
-
 void KeyFactory::forget_former_keys() {
   const std::lock_guard lock(state_.mutex);
   const auto now = state_.services.clock.monotonic();

@@ -12,9 +12,8 @@ namespace ddssec::cryptography {
 Result<std::size_t> seal_message(BytesView plain, Frame frame, SendKey& key, MutableBytes out);
 
 /// Verifies a message and returns its octets, with INFO_SRC after the header. After an error
-/// nothing decrypted remains in `out`. CryptographyOptions describes `prefix_is_network_order`.
+/// nothing decrypted remains in `out`. The header's GUID prefix is in network order.
 /// Errors: see spi::CryptoTransform.
-Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
-                                 bool prefix_is_network_order = true);
+Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out);
 
 }  // namespace ddssec::cryptography

@@ -18,7 +18,7 @@ struct Place {
   std::string_view property;
   int line;
 
-  std::unexpected<Error> refuse(std::string expected, std::string found) const {
+  std::unexpected<Error> line_error(std::string expected, std::string found) const {
     return fail(Code::invalid_property, {.document = std::string(property),
                                          .line = line,
                                          .expected = std::move(expected),
@@ -32,23 +32,23 @@ Result<std::uint32_t> parse_id(std::string_view text, const Place& place) {
   std::uint32_t id = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
   if (error != std::errc() || end != text.data() + text.size())
-    return place.refuse("ID:PASSPHRASE with a decimal ID from 0 to 4294967294", "no such ID");
+    return place.line_error("ID:PASSPHRASE with a decimal ID from 0 to 4294967294", "no such ID");
   if ((id & 0xff) == 0xff)
-    return place.refuse("an ID that is not reserved",
-                        std::to_string(id) + ", whose last octet is 255");
+    return place.line_error("an ID that is not reserved",
+                            std::to_string(id) + ", whose last octet is 255");
   return id;
 }
 
 Result<Passphrase> parse_line(std::string_view line, const Place& place) {
   const auto colon = line.find(':');
-  if (colon == line.npos) return place.refuse("ID:PASSPHRASE", "no colon");
+  if (colon == line.npos) return place.line_error("ID:PASSPHRASE", "no colon");
   DDSSEC_ASSIGN_OR_RETURN(const auto id, parse_id(line.substr(0, colon), place));
   const auto text = line.substr(colon + 1);
   if (text.empty() || text.size() > kMaxPassphraseOctets)
-    return place.refuse("1 to " + std::to_string(kMaxPassphraseOctets) + " characters",
-                        std::to_string(text.size()));
+    return place.line_error("1 to " + std::to_string(kMaxPassphraseOctets) + " characters",
+                            std::to_string(text.size()));
   if (!std::ranges::all_of(text, is_printable) || text.front() == ' ' || text.back() == ' ')
-    return place.refuse("printable ASCII without a blank at either end", "something else");
+    return place.line_error("printable ASCII without a blank at either end", "something else");
   DDSSEC_ASSIGN_OR_RETURN(auto secret, Passphrase::Text::copy_of(as_bytes(text)));
   return Passphrase{id, std::move(secret)};
 }
@@ -60,7 +60,7 @@ Status add(Passphrase passphrase, const Place& place, std::vector<Passphrase>& o
   if (known == out.end())
     out.push_back(std::move(passphrase));
   else if (known->text != passphrase.text)
-    return place.refuse("another ID for another passphrase", std::to_string(passphrase.id));
+    return place.line_error("another ID for another passphrase", std::to_string(passphrase.id));
   return {};
 }
 
@@ -73,15 +73,15 @@ Status parse_lines(std::string_view text, std::string_view property, std::size_t
     const Place place{property, line};
     if (size > 0) {
       if (++found > limit)
-        return place.refuse("at most " + std::to_string(limit) + (limit == 1 ? " line" : " lines"),
-                            "more");
+        return place.line_error(
+            "at most " + std::to_string(limit) + (limit == 1 ? " line" : " lines"), "more");
       DDSSEC_ASSIGN_OR_RETURN(auto passphrase, parse_line(text.substr(0, size), place));
       DDSSEC_RETURN_IF_ERROR(add(std::move(passphrase), place, out));
     }
     const bool pair = text.substr(size).starts_with("\r\n");
     text.remove_prefix(std::min(size + (pair ? 2 : 1), text.size()));
   }
-  if (found == 0) return Place{property, 0}.refuse("ID:PASSPHRASE", "nothing");
+  if (found == 0) return Place{property, 0}.line_error("ID:PASSPHRASE", "nothing");
   return {};
 }
 

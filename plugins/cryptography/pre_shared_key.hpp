@@ -50,8 +50,6 @@ class PreSharedKeyRing final : public spi::PreSharedKeys {
   bool remembers(BytesView encoded) const override;
   Result<std::size_t> decode(BytesView encoded, MutableBytes out) override;
   void refresh() override;
-  /// Returns the number of remembered senders.
-  std::size_t senders() const { return senders_.size(); }
 
  private:
   struct Entry {

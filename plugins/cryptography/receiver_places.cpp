@@ -4,7 +4,8 @@
 
 namespace ddssec::cryptography {
 
-std::unexpected<Error> ReceiverPlaces::refuse(std::size_t limit, std::string_view whose) const {
+std::unexpected<Error> ReceiverPlaces::limit_error(std::size_t limit,
+                                                   std::string_view whose) const {
   return fail(Code::receiver_places_taken,
               {.document = "origin authentication",
                .field = std::string(of_),
@@ -12,9 +13,9 @@ std::unexpected<Error> ReceiverPlaces::refuse(std::size_t limit, std::string_vie
 }
 
 Status ReceiverPlaces::claim(SubjectId subject) {
-  if (all_ >= max_) return refuse(max_, "");
+  if (all_ >= max_) return limit_error(max_, "");
   auto& count = of_subject_[subject];
-  if (count >= share_of(max_)) return refuse(share_of(max_), " of one certificate");
+  if (count >= share_of(max_)) return limit_error(share_of(max_), " of one certificate");
   ++count, ++all_;
   return {};
 }

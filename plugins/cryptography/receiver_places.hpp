@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <unordered_map>
@@ -42,7 +41,7 @@ class ReceiverPlaces {
   }
 
  private:
-  std::unexpected<Error> refuse(std::size_t limit, std::string_view whose) const;
+  std::unexpected<Error> limit_error(std::size_t limit, std::string_view whose) const;
 
   std::size_t max_;
   std::string_view of_;

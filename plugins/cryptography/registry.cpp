@@ -44,7 +44,7 @@ std::unique_ptr<CryptoEntity> Registry::remove(const CryptoEntity& entity) noexc
   return removed;
 }
 
-std::unexpected<Error> Registry::refuse(std::int64_t handle, const CryptoEntity* found) {
+std::unexpected<Error> Registry::handle_error(std::int64_t handle, const CryptoEntity* found) {
   if (handle == 0) return fail(Code::crypto_handle_nil);
   return fail(found != nullptr ? Code::crypto_handle_wrong_kind : Code::crypto_handle_unknown);
 }

@@ -65,7 +65,7 @@ class Registry {
     CryptoEntity* const entity = at(handle);
     if (entity != nullptr && entity->kind() == kind) [[likely]]
       return static_cast<T*>(entity);
-    return refuse(handle, entity);
+    return handle_error(handle, entity);
   }
   std::size_t size() const { return size_; }
 
@@ -91,7 +91,7 @@ class Registry {
     return entity != nullptr && entity->handle_ == handle ? entity : nullptr;
   }
   Place& place(std::uint64_t index) const;
-  static std::unexpected<Error> refuse(std::int64_t handle, const CryptoEntity* found);
+  static std::unexpected<Error> handle_error(std::int64_t handle, const CryptoEntity* found);
 
   const std::uint64_t first_generation_;
   std::array<std::atomic<Chunk*>, kMaxChunks> chunks_ = {};

@@ -5,7 +5,7 @@
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/crypto_framing.hpp"
 #include "plugins/cryptography/data_piece.hpp"
-#include "plugins/cryptography/key_owner.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -51,9 +51,9 @@ Error unreadable_group_error() {
 // True for samples of the builtin writers of DDS-XTypes 7.6.3.3.3. Some of them crash the process
 // that reads them.
 bool is_type_lookup(BytesView submessage) {
-  constexpr EntityId kRequests{{0x00, 0x03, 0x00, 0xc3}}, kReplies{{0x00, 0x03, 0x01, 0xc3}};
   const auto writer = writer_of_data(submessage);
-  return writer && (*writer == kRequests || *writer == kReplies);
+  return writer &&
+         (*writer == rtps::kTypeLookupRequestWriter || *writer == rtps::kTypeLookupReplyWriter);
 }
 
 // Checks the first submessage of `rest`; the sender's part ends before a submessage that fails.
@@ -153,14 +153,14 @@ Status check_token_source(BytesView submessage, bool is_key_exchange,
     const bool is_data = id == submessage_id::kData || id == submessage_id::kDataFrag;
     return is_key_exchange && is_data ? unreadable_token_error("it ends too early") : Status();
   }
-  if ((*writer == kVolatileWriter) != is_key_exchange)
+  if ((*writer == rtps::kVolatileMessageWriter) != is_key_exchange)
     return fail(Code::submessage_not_of_sender,
                 {.field = "writerId", .found = writer->to_string()});
   if (!is_key_exchange) return {};
   // A message that names no reader reaches all participants in the process, and a host that trusts
   // it would hold its ticket twice.
   const auto reader = reader_of_data(submessage);
-  if (reader != kVolatileReader)
+  if (reader != rtps::kVolatileMessageReader)
     return fail(Code::submessage_not_of_sender, {.field = "readerId", .found = reader.to_string()});
   const auto piece = read_data_piece(submessage);
   if (!piece) return unreadable_token_error("its lengths contradict one another");

@@ -4,7 +4,7 @@
 
 #include "base/rollback.hpp"
 #include "plugins/cryptography/key_material.hpp"
-#include "plugins/cryptography/key_owner.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -93,7 +93,8 @@ bool TokenLedger::is_given_up(const Key& key, Entry& entry, bool are_builtin_mat
 Status TokenLedger::check_room(const Key& key, const TokenSender& sender) {
   const auto found = accounts_.find(account_of(key, sender));
   const auto [pending, all] = found == accounts_.end() ? Account{} : found->second;
-  const bool waits = key.remote.entity != kEntityIdParticipant && !is_builtin(key.remote.entity) &&
+  const bool waits = key.remote.entity != kEntityIdParticipant &&
+                     !rtps::is_builtin(key.remote.entity) &&
                      !awaited_.contains(sender.exchange, key);
   const auto of_certificate = waits ? kMaxPending : kMaxPending + kReserved;
   const auto most =
@@ -131,7 +132,7 @@ Result<TokenDecision> TokenLedger::note(const TokenMessage& message, const Token
   if (const auto known = entries_.find(key); known != entries_.end()) {
     auto& entry = known->second;
     if (entry.is_pending) {
-      const bool is_other = exchange > entry.passed.exchange && is_builtin(key.remote.entity);
+      const bool is_other = exchange > entry.passed.exchange && rtps::is_builtin(key.remote.entity);
       if (!is_other) return of_held(entry, message, age);
       if (!is_given_up(key, entry, are_builtin_matched, now))
         return TokenDecision{TokenDecision::Kind::later};

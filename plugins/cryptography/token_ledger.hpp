@@ -5,7 +5,6 @@
 // receives tickets instead of tokens.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <deque>

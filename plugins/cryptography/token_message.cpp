@@ -1,11 +1,13 @@
 #include "plugins/cryptography/token_message.hpp"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "base/hash.hpp"
 #include "plugins/cryptography/key_material.hpp"
-#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/spi/message_class.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -26,28 +28,17 @@ std::size_t octets_with_names(const spi::Token& token) {
   return octets;
 }
 
-bool is_writer(const EntityId& id) {
-  const auto kind = id.octets[3] & 0x3f;
-  return kind == 0x02 || kind == 0x03;
-}
-bool is_reader(const EntityId& id) {
-  const auto kind = id.octets[3] & 0x3f;
-  return kind == 0x04 || kind == 0x07;
-}
-
 // True for a writer and a reader of one secure builtin topic (DDS-Security 1.2, clause 7.5.8). The
 // sender chooses the bits of an entity id that mark it as builtin, and the host matches no other
 // builtin endpoints by itself.
-bool are_builtin_pair(const EntityId& remote, const EntityId& local) {
-  constexpr std::array<std::uint32_t, 4> kTopics = {0xff0003, 0xff0004, 0xff0200, 0xff0101};
-  const auto topic_of = [](const EntityId& id) {
-    return std::uint32_t{id.octets[0]} << 16 | std::uint32_t{id.octets[1]} << 8 | id.octets[2];
-  };
-  constexpr auto is_keyed = [](const EntityId& id) {
-    return id.octets[3] == 0xc2 || id.octets[3] == 0xc7;
-  };
-  return topic_of(remote) == topic_of(local) && is_keyed(remote) && is_keyed(local) &&
-         std::ranges::find(kTopics, topic_of(remote)) != kTopics.end();
+bool are_builtin_pair(const EntityId& writer, const EntityId& reader) {
+  using namespace rtps;
+  constexpr std::array kPairs = {
+      std::pair(kPublicationsSecureWriter, kPublicationsSecureReader),
+      std::pair(kSubscriptionsSecureWriter, kSubscriptionsSecureReader),
+      std::pair(kParticipantMessageSecureWriter, kParticipantMessageSecureReader),
+      std::pair(kParticipantsSecureWriter, kParticipantsSecureReader)};
+  return std::ranges::find(kPairs, std::pair(writer, reader)) != kPairs.end();
 }
 
 // True for two endpoints, or two participants, for which the host can use tokens at all.
@@ -56,8 +47,9 @@ bool are_two_of_a_kind(const TokenMessage& message) {
   if (remote == kEntityIdParticipant) return local == kEntityIdParticipant;
   const auto &writer = message.is_of_reader ? local : remote,
              &reader = message.is_of_reader ? remote : local;
-  if (!is_writer(writer) || !is_reader(reader)) return false;
-  return is_builtin(remote) || is_builtin(local) ? are_builtin_pair(remote, local) : true;
+  if (!rtps::is_writer(writer) || !rtps::is_reader(reader)) return false;
+  const bool is_builtin = rtps::is_builtin(remote) || rtps::is_builtin(local);
+  return !is_builtin || are_builtin_pair(writer, reader);
 }
 
 Result<std::vector<spi::Token>> read_tokens(Reader& in) {

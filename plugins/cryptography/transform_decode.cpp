@@ -4,6 +4,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cryptography/builtin_checks.hpp"
 #include "plugins/cryptography/kept_tokens.hpp"
+#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/key_revision.hpp"
 #include "plugins/cryptography/message.hpp"
 #include "plugins/cryptography/token_destination.hpp"
@@ -250,11 +251,14 @@ Result<std::size_t> decode_submessage(CryptographyState& state, Local receiver, 
   return size;
 }
 
+// The order of octets of the GUID prefix in a header (CryptographyOptions).
+enum class PrefixOrder : std::uint8_t { network, host };
+
 // Returns the header's version, vendor and GUID prefix, in network order.
-std::array<std::uint8_t, 16> source_of(BytesView rtps_header, bool prefix_is_network_order) {
+std::array<std::uint8_t, 16> source_of(BytesView rtps_header, PrefixOrder order) {
   std::array<std::uint8_t, 16> source;
   std::ranges::copy(rtps_header.subspan(4, 16), source.begin());
-  if (!prefix_is_network_order && std::endian::native == std::endian::little)
+  if (order == PrefixOrder::host && std::endian::native == std::endian::little)
     for (auto word = source.begin() + 4; word != source.end(); word += 4)
       std::reverse(word, word + 4);
   return source;
@@ -278,14 +282,14 @@ Status check_source(BytesView content, const std::array<std::uint8_t, 16>& outsi
 // `fits(content)` refuses the content, it must return an error.
 template <class F>
 Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes out,
-                                 bool prefix_is_network_order, F&& open_group) {
+                                 PrefixOrder order, F&& open_group) {
   if (encoded.size() < kRtpsHeaderSize || as_text(encoded.first(4)) != "RTPS")
     return fail(Code::secure_group_malformed);
   DDSSEC_ASSIGN_OR_RETURN(const auto message,
                           read_protected_group(encoded.subspan(kRtpsHeaderSize), frame));
   if (out.size() < kRtpsHeaderSize) return fail(Code::length_out_of_range);
   const auto content = out.subspan(kRtpsHeaderSize);
-  const auto source = source_of(encoded, prefix_is_network_order);
+  const auto source = source_of(encoded, order);
   const auto fits = [&](BytesView plain) { return check_source(plain, source); };
   DDSSEC_ASSIGN_OR_RETURN(const auto size, open_group(message, content, fits));
   // INFO_SRC stays first, and the header gets the same values, in network order.
@@ -297,9 +301,9 @@ Result<std::size_t> open_message(BytesView encoded, Frame frame, MutableBytes ou
 
 }  // namespace
 
-Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key, MutableBytes out,
-                                 bool prefix_is_network_order) {
-  return open_message(encoded, frame, out, prefix_is_network_order,
+Result<std::size_t> open_message(BytesView encoded, Frame frame, ReceiveKey& key,
+                                 MutableBytes out) {
+  return open_message(encoded, frame, out, PrefixOrder::network,
                       [&](const ProtectedParts& message, MutableBytes to, const auto& fits) {
                         return open_with_key(message, key, to, fits);
                       });
@@ -352,7 +356,9 @@ Result<std::size_t> Transform::open_message_of(spi::ParticipantCryptoHandle rece
   DDSSEC_ASSIGN_OR_RETURN(const auto found_key,
                           received(pair->remote_keys, &LevelKeys::submessage));
   auto& key = *found_key;
-  return open_message(encoded, kMessageFrame, out, state_.header_prefix_is_network_order,
+  const auto order =
+      state_.header_prefix_is_network_order ? PrefixOrder::network : PrefixOrder::host;
+  return open_message(encoded, kMessageFrame, out, order,
                       [&](const ProtectedParts& message, MutableBytes to, const auto& fits) {
                         return open_with_any_revision(
                             {state_, pair->remote_keys, &LevelKeys::submessage, key}, message, to,

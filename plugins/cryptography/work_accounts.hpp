@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <unordered_map>
@@ -18,8 +17,11 @@ class WorkAccount {
   /// The time in which a unit is paid off: 500,000 units in a second, 32 million at once.
   static constexpr MonotonicTime kPrice = std::chrono::microseconds(2);
 
+  /// Adds the cost of work that was done for a participant of the certificate.
   void charge(WorkUnits units, MonotonicTime now);
+  /// True if nothing is owed any more.
   bool is_paid(MonotonicTime now) const;
+  /// True if so much is owed that no further work is done now (WorkDebt).
   bool is_too_large(MonotonicTime now) const;
 
  private:
@@ -31,12 +33,15 @@ class WorkAccount {
 /// debts. A participant that leaves takes no debt with it. Thread-safe.
 class WorkAccounts {
  public:
+  /// Returns the account of the subject, and opens it if there is none. Forgets accounts that are
+  /// paid and that no participant holds.
   std::shared_ptr<WorkAccount> of(SubjectId subject, MonotonicTime now);
+  /// Returns the number of accounts.
   std::size_t size() const;
 
  private:
   mutable std::mutex mutex_;
-  std::unordered_map<std::uint64_t, std::shared_ptr<WorkAccount>> accounts_;
+  std::unordered_map<SubjectId, std::shared_ptr<WorkAccount>> accounts_;
 };
 
 }  // namespace ddssec::cryptography

@@ -454,9 +454,9 @@ void AccessControlAdapter::listen(const dds_security_access_control_listener* li
                 .next_expiry = [this] { return plugin_->next_expiry(); }});
 }
 
-void AccessControlAdapter::judge_endpoints() {
+void AccessControlAdapter::poll_endpoints() {
   for (const auto local : facts_.locals())
-    if (const auto lost = endpoints_.judge(local, *plugin_)) host_->notice(Event(*lost));
+    if (const auto lost = endpoints_.poll(local, *plugin_)) host_->notice(Event(*lost));
 }
 
 // All local participants are cut off before the host is informed of one, so that none of them
@@ -464,7 +464,7 @@ void AccessControlAdapter::judge_endpoints() {
 void AccessControlAdapter::revoke_ended(const std::stop_token& stop, const Revoke& revoke) {
   std::vector<std::pair<spi::PermissionsHandle, std::optional<spi::IdentityHandle>>> ended;
   const auto expired = plugin_->poll();
-  judge_endpoints();
+  poll_endpoints();
   for (const auto handle : expired) ended.emplace_back(handle, facts_.identity_of(handle));
   for (const auto& [handle, own] : ended) {
     if (!own) continue;

@@ -73,7 +73,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   using Revoke = std::function<void(spi::PermissionsHandle)>;
   void revoke_ended(const std::stop_token& stop, const Revoke& revoke);
   /// Reports endpoints that renewed permissions no longer allow.
-  void judge_endpoints();
+  void poll_endpoints();
   /// Adds this adapter to, or removes it from, the list of adapters in the process.
   void register_in_process();
   void unregister_from_process();

@@ -83,7 +83,7 @@ CResult validate_local_identity(Instance* instance, CIdentity* handle,
                             adapter.plugin().validate_local_identity(domain_id, properties,
                                                                      guid_from(*candidate_guid)));
     adapter.lost_sessions().add_local(local.handle, local.adjusted_guid.prefix);
-    adapter.farewells().add_local(local.handle, local.adjusted_guid.prefix);
+    adapter.dispose_announcements().add_local(local.handle, local.adjusted_guid.prefix);
     *handle = local.handle.value;
     *adjusted_guid = cyclonedds::to_c(local.adjusted_guid);
     return DDS_SECURITY_VALIDATION_OK;
@@ -132,13 +132,13 @@ struct DiscoveredPeer {
 // temporary. An error would end the core's handshake for as long as the peer is present. So the
 // core asks again until the watch makes it discover the peer again. If governance admits
 // unauthenticated participants, the core treats the peer as one.
-Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& met,
+Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& discovered,
                              Error refusal, CIdentity& remote_handle) {
   if (is_final(refusal) || admits_unauthenticated(identity(local)) ||
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
-  const auto of_host = adapter.remotes().note_refused(met.guid);
-  adapter.watch().not_admitted({identity(local), of_host}, met.guid, met.timer);
+  const auto of_host = adapter.remotes().note_refused(discovered.guid);
+  adapter.watch().note_not_admitted({identity(local), of_host}, discovered.guid, discovered.timer);
   remote_handle = of_host.value;
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
@@ -166,9 +166,10 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
       DDSSEC_RETURN_IF_ERROR(copy_token(spi::Token{}, *local_auth_request));
     DDSSEC_RETURN_IF_ERROR(require(remote_handle, remote_token, remote_guid));
     *remote_handle = DDS_SECURITY_HANDLE_NIL;
-    const DiscoveredPeer met{guid_from(*remote_guid),
-                             adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
-    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), met.guid));
+    const DiscoveredPeer discovered{
+        guid_from(*remote_guid),
+        adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
+    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), discovered.guid));
     // The peer's own auth_request is not used, because it can be forged. The plugin would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
     // of the handshake are sufficient proof. The core asks once, so the local auth_request is
@@ -176,21 +177,23 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const auto token = token_from(remote_token);
     if (!token) {
       adapter.host().refused(token.error(), info(token.error().code()).severity);
-      return not_admitted(adapter, local_handle, met, token.error(), *remote_handle);
+      return not_admitted(adapter, local_handle, discovered, token.error(), *remote_handle);
     }
-    const auto admitted = adapter.plugin().validate_remote_identity(identity(local_handle),
-                                                                    std::nullopt, *token, met.guid);
+    const auto admitted = adapter.plugin().validate_remote_identity(
+        identity(local_handle), std::nullopt, *token, discovered.guid);
     if (!admitted)
-      return not_admitted(adapter, local_handle, met, admitted.error(), *remote_handle);
+      return not_admitted(adapter, local_handle, discovered, admitted.error(), *remote_handle);
     const auto& remote = *admitted;
-    const auto of_host = adapter.remotes().note(identity(local_handle), met.guid, remote.handle);
+    const auto of_host =
+        adapter.remotes().note(identity(local_handle), discovered.guid, remote.handle);
     if (remote.local_auth_request) {
       CToken sent{};
       DDSSEC_RETURN_IF_ERROR(copy_token(*remote.local_auth_request, sent));
       std::swap(*local_auth_request, sent);
       free_token(sent);
     }
-    adapter.watch().note_met({identity(local_handle), of_host}, met.guid, met.timer);
+    adapter.watch().note_discovered({identity(local_handle), of_host}, discovered.guid,
+                                    discovered.timer);
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });
@@ -199,13 +202,13 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
 // Does nothing for a local participant that is cut off, because the host drops a peer for all its
 // participants.
 void note_refused(Adapter& adapter, spi::IdentityHandle local, spi::IdentityHandle remote) {
-  if (!adapter.remotes().has_ended(local)) adapter.watch().refused(remote);
+  if (!adapter.remotes().has_ended(local)) adapter.watch().note_refused(remote);
 }
 void note_refused(Adapter& adapter, spi::HandshakeHandle handshake) {
   const auto pair = adapter.secrets().pair_of(handshake);
   const auto& remotes = adapter.remotes();
   if (pair && (remotes.has_ended(pair->first) || remotes.has_ended(pair->second))) return;
-  adapter.watch().refused(handshake);
+  adapter.watch().note_refused(handshake);
 }
 
 CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* message,
@@ -222,7 +225,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     if (!begun) adapter.watch().forget(identity(replier));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
-    adapter.watch().progressed({identity(initiator), identity(replier)}, step.handle);
+    adapter.watch().note_progress({identity(initiator), identity(replier)}, step.handle);
     DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -244,7 +247,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     if (!begun) note_refused(adapter, identity(replier), identity(initiator));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
-    adapter.watch().progressed({identity(replier), identity(initiator)}, step.handle);
+    adapter.watch().note_progress({identity(replier), identity(initiator)}, step.handle);
     DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message_out));
     *handle = step.handle.value;
     return to_c(step.result);
@@ -263,7 +266,7 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
     DDSSEC_RETURN_IF_ERROR(copy_message(step.message, *message_out));
     if (step.result == spi::ValidationResult::ok ||
         step.result == spi::ValidationResult::ok_final_message)
-      adapter.watch().finished(handshake(handle));
+      adapter.watch().note_finished(handshake(handle));
     return to_c(step.result);
   });
 }
@@ -329,7 +332,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
     } else {
       for (const auto& reset : adapter.lost_sessions().remove_local(identity(handle)))
         send_datagram(reset.message, reset.to);
-      adapter.farewells().remove_local(identity(handle));
+      adapter.dispose_announcements().remove_local(identity(handle));
     }
     adapter.secrets().drop(identity(handle));
     adapter.watch().forget(identity(handle));
@@ -385,9 +388,10 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
 }
 
 void AuthenticationAdapter::present_renewed_permissions() {
-  const auto locals = farewells_.locals();
+  const auto locals = dispose_announcements_.locals();
   const auto is_gone = [&](const auto& entry) {
-    return std::ranges::find(locals, entry.first, &Farewells::Local::handle) == locals.end();
+    return std::ranges::find(locals, entry.first, &DisposeAnnouncements::Local::handle) ==
+           locals.end();
   };
   std::erase_if(renewals_, is_gone);
   std::erase_if(losses_, is_gone);
@@ -411,7 +415,7 @@ void AuthenticationAdapter::present_renewed_permissions() {
 }
 
 bool AuthenticationAdapter::has_others(spi::IdentityHandle local) const {
-  return std::ranges::any_of(farewells_.locals(), [&](const auto& other) {
+  return std::ranges::any_of(dispose_announcements_.locals(), [&](const auto& other) {
     return other.handle != local && !remotes_.has_ended(other.handle) &&
            !holds(GovernanceFact::cut_off, other.handle);
   });

@@ -1,12 +1,10 @@
 // Adapts spi::Authentication to Cyclone's dds_security_authentication.
 #pragma once
 
-#include <atomic>
-
 #include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/core_timer.hpp"
+#include "plugins/cyclonedds/dispose_announcements.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
-#include "plugins/cyclonedds/farewells.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/cyclonedds/lost_sessions.hpp"
@@ -35,7 +33,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
     return core_timer_.stop(call) ? stopped : runs;
   }
   LostSessions& lost_sessions() { return lost_sessions_; }
-  Farewells& farewells() { return farewells_; }
+  DisposeAnnouncements& dispose_announcements() { return dispose_announcements_; }
 
   /// Sets the listener. nullptr stops the timer; the call returns when no revocation is running any
   /// more.
@@ -57,7 +55,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// Makes the host begin again with peers whose handshake does not finish.
   void revoke_stuck(const std::stop_token& stop, const Revoke& revoke);
   /// Makes a peer that does not answer begin again too.
-  void send_farewell(const Guid& peer);
+  void send_dispose_announcement(const Guid& peer);
   /// Makes the host begin again with peers that have lost their session with a local participant.
   /// If `resets_peers`, peers are to be reset in any case.
   void follow_resets(const std::stop_token& stop, const Revoke& revoke, bool resets_peers);
@@ -68,7 +66,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   void revoke_stranded(const std::stop_token& stop, const Revoke& revoke);
   /// Makes peers begin again whose session the local host has lost.
   void send_resets();
-  /// Reports peers that ended their session a while ago and are met again, without a new session.
+  /// Reports peers that ended their session a while ago and are discovered again, without a new
+  /// session.
   void report_ended_by_peer();
 
   std::unique_ptr<Host> host_;
@@ -78,7 +77,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   const CoreTimer core_timer_;
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
-  Farewells farewells_;
+  DisposeAnnouncements dispose_announcements_;
   /// The number of times that the permissions of local participants were renewed; for the timer's
   /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;
@@ -97,8 +96,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// A remote participant that has proven the end of its session, and what happened after that.
   struct EndedSession {
     std::chrono::nanoseconds at;
-    bool is_dropped = false;                           ///< the host has dropped it, too
-    std::optional<std::chrono::nanoseconds> met = {};  ///< when the host met it again
+    bool is_dropped = false;                                  ///< the host has dropped it, too
+    std::optional<std::chrono::nanoseconds> discovered = {};  ///< when the host discovered it again
   };
   std::map<Guid, EndedSession> ended_by_peer_;  ///< for the timer's thread
   /// Reports such a participant, if it is time. Returns true if there is nothing more to report.

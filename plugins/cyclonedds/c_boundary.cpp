@@ -42,7 +42,7 @@ void fill_exception_of_logged(Exception* ex, const Error& error, DDS_Security_lo
   ex->minor_code = 0;
 }
 
-Error error_from(const std::exception* thrown) noexcept {
+Error caught_error(const std::exception* thrown) noexcept {
   try {
     return Error(Code::internal,
                  {.note = thrown != nullptr ? thrown->what() : "something unknown was thrown"});

@@ -38,7 +38,7 @@ inline FailureReport default_report(const Error& error) {
 }
 
 /// Returns the Error for an exception. Never throws.
-Error error_from(const std::exception* thrown) noexcept;
+Error caught_error(const std::exception* thrown) noexcept;
 
 /// Runs `f`, which returns a Result, catches all exceptions, and reports a failure as `tell(error)`
 /// demands.
@@ -55,11 +55,11 @@ auto at_c_boundary(Host& host, Exception* ex, F&& f, Tell&& tell) noexcept
       // For example, no further thread can be created here.
       if (thrown.code() == std::errc::resource_unavailable_try_again)
         return fail(Code::out_of_memory);
-      return std::unexpected(error_from(&thrown));
+      return std::unexpected(caught_error(&thrown));
     } catch (const std::exception& thrown) {
-      return std::unexpected(error_from(&thrown));
+      return std::unexpected(caught_error(&thrown));
     } catch (...) {
-      return std::unexpected(error_from(nullptr));
+      return std::unexpected(caught_error(nullptr));
     }
   }();
   if (!outcome) [[unlikely]] {

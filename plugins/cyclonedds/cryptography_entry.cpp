@@ -20,12 +20,13 @@ DDSSEC_EXPORT int init_crypto(const char*, void** context, ddsi_domaingv* domain
 DDSSEC_EXPORT std::uint32_t ddssec_supported_ciphers() { return cryptography::supported_ciphers(); }
 
 DDSSEC_EXPORT bool ddssec_has_keys_of(DDS_Security_IdentityHandle remote) {
-  return cyclonedds::PeersWithKeys::of_process().contains({remote});
+  return cyclonedds::PeersWithKeys::of_process().has_sent_keys({remote});
 }
 
 DDSSEC_EXPORT bool ddssec_has_keys_for(DDS_Security_IdentityHandle remote,
                                        DDS_Security_IdentityHandle local) {
-  return cyclonedds::PeersWithKeys::of_process().has_sent_keys({remote}, {local});
+  return cyclonedds::PeersWithKeys::of_process().has_sent_keys(spi::IdentityHandle{remote},
+                                                               {local});
 }
 
 DDSSEC_EXPORT bool ddssec_is_matched_with(DDS_Security_IdentityHandle remote) {

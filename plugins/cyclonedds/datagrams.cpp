@@ -1,7 +1,6 @@
 #include "plugins/cyclonedds/datagrams.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>

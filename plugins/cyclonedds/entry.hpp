@@ -1,7 +1,6 @@
 // The common part of the six exported functions.
 #pragma once
 
-#include <exception>
 #include <memory>
 
 #include "base/process_exit.hpp"

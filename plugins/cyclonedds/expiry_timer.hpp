@@ -3,12 +3,10 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <utility>
 
 #include "base/clock.hpp"
 

@@ -7,17 +7,17 @@ namespace ddssec::cyclonedds {
 using spi::HandshakeHandle;
 using spi::IdentityHandle;
 
-void HandshakeWatch::note_met(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
+void HandshakeWatch::note_discovered(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
   known.since = now;
   auto& half = known.unfinished.try_emplace(pair.local, LocalHandshake{now, timer}).first->second;
   half.asked_again.reset();
-  if (timer == CoreTimerState::stopped) half.met = now;
+  if (timer == CoreTimerState::stopped) half.discovered = now;
 }
 
-void HandshakeWatch::not_admitted(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
+void HandshakeWatch::note_not_admitted(WatchedPair pair, const Guid& guid, CoreTimerState timer) {
   const std::lock_guard lock(mutex_);
   const auto now = clock_.monotonic();
   auto& known = remotes_.try_emplace(pair.remote, Remote{guid, now}).first->second;
@@ -32,7 +32,7 @@ bool HandshakeWatch::was_unanswered(const Guid& remote) const {
   return past != past_.end() && past->second.was_longest;
 }
 
-void HandshakeWatch::progressed(WatchedPair pair, HandshakeHandle handshake) {
+void HandshakeWatch::note_progress(WatchedPair pair, HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   const auto known = remotes_.find(pair.remote);
   if (known == remotes_.end()) return;
@@ -48,18 +48,18 @@ HandshakeWatch::Remote* HandshakeWatch::of(HandshakeHandle handshake) {
   return remote == remotes_.end() ? nullptr : &remote->second;
 }
 
-void HandshakeWatch::refused(IdentityHandle remote) {
+void HandshakeWatch::note_refused(IdentityHandle remote) {
   const std::lock_guard lock(mutex_);
   if (const auto known = remotes_.find(remote); known != remotes_.end())
     known->second.was_disturbed = true;
 }
 
-void HandshakeWatch::refused(HandshakeHandle handshake) {
+void HandshakeWatch::note_refused(HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   if (auto* const remote = of(handshake)) remote->was_disturbed = true;
 }
 
-void HandshakeWatch::finished(HandshakeHandle handshake) {
+void HandshakeWatch::note_finished(HandshakeHandle handshake) {
   const std::lock_guard lock(mutex_);
   auto* const remote = of(handshake);
   if (remote == nullptr) return;
@@ -113,11 +113,11 @@ HandshakeWatch::Duration HandshakeWatch::timeout(const Remote& remote) const {
   return std::min(wait, kMaxWait);
 }
 
-// A peer can lack endpoints only after its handshake has ended. The time since it was met does not
-// count then.
+// A peer can lack endpoints only after its handshake has ended. The time since it was discovered
+// does not count then.
 bool HandshakeWatch::is_stuck(const Remote& remote, Duration now) const {
   if (remote.is_settled) return false;
-  if (!remote.lacks_endpoints && now - remote.met >= kMaxWait) return true;
+  if (!remote.lacks_endpoints && now - remote.discovered >= kMaxWait) return true;
   return now - remote.since >= timeout(remote);
 }
 
@@ -159,7 +159,7 @@ bool HandshakeWatch::is_settled(IdentityHandle handle, Remote& remote, const Que
 bool HandshakeWatch::begin_pair_again(const LocalHandshake& half, const Remote& remote) {
   constexpr auto kAsksNoMore = std::chrono::seconds(10);  // the host asks once a second
   const auto now = clock_.monotonic();
-  if (now - half.met < kMaxWait) return false;
+  if (now - half.discovered < kMaxWait) return false;
   if (half.timer == CoreTimerState::runs) return true;
   const bool is_asked = half.asked_again && now - *half.asked_again < kAsksNoMore;
   if (is_asked || remote.keeps_session || begun_again_.contains(remote.guid)) return false;
@@ -178,7 +178,7 @@ bool HandshakeWatch::give_up_pairs(IdentityHandle handle, const Remote& remote,
                    .was_disturbed = remote.was_disturbed,
                    .lacks_endpoints = false,
                    .is_first = true,
-                   .waited = now - half.met,
+                   .waited = now - half.discovered,
                    .is_shared = true,
                    .is_once = half.timer == CoreTimerState::stopped});
     return true;
@@ -209,7 +209,7 @@ std::vector<HandshakeWatch::StuckHandshake> HandshakeWatch::give_up(const Questi
     out.push_back({handle, remote.guid, remote.was_disturbed, remote.lacks_endpoints,
                    past.times == 0, now - remote.since});
     ++past.times;
-    past.was_longest = !remote.lacks_endpoints && now - remote.met >= kMaxWait;
+    past.was_longest = !remote.lacks_endpoints && now - remote.discovered >= kMaxWait;
   }
   for (const auto& stuck : out) {
     remotes_.erase(stuck.remote);

@@ -48,26 +48,27 @@ class HandshakeWatch {
   };
   /// Tells whether the core's own timer still runs for the handshake.
   enum class CoreTimerState { stopped, runs };
-  /// Notes that the host has met a remote participant.
-  void note_met(WatchedPair pair, const Guid& guid, CoreTimerState timer = CoreTimerState::stopped);
+  /// Notes that the host has discovered a remote participant.
+  void note_discovered(WatchedPair pair, const Guid& guid,
+                       CoreTimerState timer = CoreTimerState::stopped);
   /// Notes that an announcement in its name was refused. The host asks again, and the wait
   /// continues.
-  void not_admitted(WatchedPair pair, const Guid& guid,
-                    CoreTimerState timer = CoreTimerState::stopped);
+  void note_not_admitted(WatchedPair pair, const Guid& guid,
+                         CoreTimerState timer = CoreTimerState::stopped);
   /// True if the peer was given up after kMaxWait, and is not forgotten yet. If governance admits
   /// unauthenticated participants, it counts as one of them afterwards.
   bool was_unanswered(const Guid& remote) const;
   /// Notes that a request or a reply was sent.
-  void progressed(WatchedPair pair, spi::HandshakeHandle handshake);
+  void note_progress(WatchedPair pair, spi::HandshakeHandle handshake);
   /// Notes that a request, or a message of this handshake, was refused.
-  void refused(spi::IdentityHandle remote);
-  void refused(spi::HandshakeHandle handshake);
+  void note_refused(spi::IdentityHandle remote);
+  void note_refused(spi::HandshakeHandle handshake);
   /// Notes that the handshake has ended. Afterwards the remote participant is given up in two cases
   /// only. Either its keys do not come, because then it did not finish its half. Or another local
   /// participant gets no session with it; that happens once, because it ends the session of the
   /// first. It does not happen if the peer would keep that session. Then the handshake stays as it
   /// is, and continues when the peer answers.
-  void finished(spi::HandshakeHandle handshake);
+  void note_finished(spi::HandshakeHandle handshake);
   /// Notes that the peer has finished its half, and would not notice that the local side begins
   /// again. Its keys are awaited as long as a handshake can last, unless a message was refused.
   void note_session_kept(spi::HandshakeHandle handshake);
@@ -112,7 +113,7 @@ class HandshakeWatch {
  private:
   /// The handshake of one local participant with a remote one.
   struct LocalHandshake {
-    Duration met;
+    Duration discovered;
     CoreTimerState timer;
     /// The time when the host asked again about a peer that is not admitted.
     std::optional<Duration> asked_again = {};
@@ -120,8 +121,8 @@ class HandshakeWatch {
   };
   struct Remote {
     Guid guid;
-    Duration met;
-    Duration since = met;  ///< time of the last progress
+    Duration discovered;
+    Duration since = discovered;  ///< time of the last progress
     bool keeps_session = false;
     bool was_disturbed = false;
     bool is_under_way = false;  ///< true if a request or a reply was sent

@@ -11,11 +11,7 @@ thread_local unsigned raised_by_thread = 0;
 
 void Host::CountingSink::raise(const Event& event) {
   ++raised_by_thread;
-  try {
-    next_.raise(event);
-  } catch (...) {
-    // Reporting may fail for lack of memory; the refusal itself stands.
-  }
+  next_.raise(event);
 }
 
 const PluginServices& Host::services_with_record(bool reports) {
@@ -26,13 +22,7 @@ const PluginServices& Host::services_with_record(bool reports) {
 
 unsigned Host::raised_by_this_thread() noexcept { return raised_by_thread; }
 
-void Host::notice(const Event& event) noexcept {
-  try {
-    limited_.raise(event);
-  } catch (...) {
-    // As above, reporting may fail for lack of memory, and the process continues.
-  }
-}
+void Host::notice(const Event& event) noexcept { limited_.raise(event); }
 
 void Host::refused(const Error& error, Severity severity) noexcept {
   Event event(error);  // this copies no text

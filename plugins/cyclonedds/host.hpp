@@ -46,11 +46,11 @@ class Host {
  private:
   class CountingSink final : public EventSink {
    public:
-    explicit CountingSink(EventSink& next) : next_(next) {}
+    explicit CountingSink(RateLimitedSink& next) : next_(next) {}
     void raise(const Event& event) override;
 
    private:
-    EventSink& next_;
+    RateLimitedSink& next_;
   };
 
   const void* const code_;

@@ -1,6 +1,5 @@
 // CryptoKeyFactory: registration of participants and endpoints.
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "plugins/cyclonedds/access_control_gate.hpp"
@@ -66,8 +65,8 @@ CHandle register_matched_remote_participant(Instance* instance, const CHandle lo
         // Another product may match fewer endpoints, and would not notice that the session is
         // restarted.
         const bool is_ours = (secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0;
-        PeersWithKeys::of_process().note_met(peer, {remote_identity}, {local},
-                                             is_ours ? secret.peer_builtin_endpoints : 0);
+        PeersWithKeys::of_process().note_discovered(peer, {remote_identity}, {local},
+                                                    is_ours ? secret.peer_builtin_endpoints : 0);
         if (secret.peer_prefix)
           SessionResets::of_process().expect({peer, {local}}, {remote_identity},
                                              spi::derive_reset_token(secret, *secret.peer_prefix));

@@ -18,11 +18,13 @@ constexpr const char* kOnce = "this is done once; then the handshake waits for t
 }  // namespace
 
 void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revoke& revoke) {
-  constexpr int kMaxFarewells = 32;  // per second: attackers can invent peers that never answer
-  int farewells = 0;
+  // Per second: attackers can invent peers that never answer.
+  constexpr int kMaxDisposeAnnouncements = 32;
+  int announcements = 0;
   for (const auto& stuck : watch_.give_up(questions_to_cryptography())) {
     if (stop.stop_requested()) return;
-    if (!stuck.lacks_endpoints && ++farewells <= kMaxFarewells) send_farewell(stuck.guid);
+    if (!stuck.lacks_endpoints && ++announcements <= kMaxDisposeAnnouncements)
+      send_dispose_announcement(stuck.guid);
     if (stuck.is_first) {
       const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(stuck.waited);
       const std::string found = stuck.lacks_endpoints ? "not all of its builtin endpoints"
@@ -50,12 +52,13 @@ void AuthenticationAdapter::revoke_stuck(const std::stop_token& stop, const Revo
 
 // No dispose announcement is sent if unauthenticated participants are admitted, because the peer
 // may be matched as one of them.
-void AuthenticationAdapter::send_farewell(const Guid& peer) {
-  for (const auto& local : farewells_.locals()) {
-    if (!remotes_.has_met(local.handle, peer) || admits_unauthenticated(local.handle)) continue;
-    const auto farewell = write_farewell(local.prefix, peer.prefix);
-    send_to_discovery(farewell);
-    send_datagram(farewell, lost_sessions_.addresses_of(peer));
+void AuthenticationAdapter::send_dispose_announcement(const Guid& peer) {
+  for (const auto& local : dispose_announcements_.locals()) {
+    if (!remotes_.has_discovered(local.handle, peer) || admits_unauthenticated(local.handle))
+      continue;
+    const auto announcement = write_dispose_announcement(local.prefix, peer.prefix);
+    send_to_discovery(announcement);
+    send_datagram(announcement, lost_sessions_.addresses_of(peer));
   }
 }
 
@@ -86,7 +89,7 @@ void AuthenticationAdapter::note_lost_rights(spi::IdentityHandle local, std::uin
   if (losses <= known) return;
   const auto until = host_->clock().monotonic() + kMaxHandshake;
   for (const auto& [remote, guid] : remotes_.all())
-    if (remotes_.has_met(local, guid)) endings_.push_back({local, guid, until});
+    if (remotes_.has_discovered(local, guid)) endings_.push_back({local, guid, until});
   known = losses;
 }
 
@@ -137,16 +140,16 @@ void AuthenticationAdapter::report_ended_by_peer() {
 bool AuthenticationAdapter::is_settled(const Guid& guid, EndedSession& end) {
   constexpr std::chrono::seconds kPatience{4}, kMemory{60};
   const auto now = host_->clock().monotonic();
-  bool is_met = false, is_in_session = false;
-  for (const auto& local : farewells_.locals()) {
-    is_met = is_met || remotes_.has_met(local.handle, guid);
+  bool is_discovered = false, is_in_session = false;
+  for (const auto& local : dispose_announcements_.locals()) {
+    is_discovered = is_discovered || remotes_.has_discovered(local.handle, guid);
     is_in_session = is_in_session || lost_sessions_.has_session(local.handle, guid);
   }
   if (end.is_dropped && is_in_session) return true;
   end.is_dropped = end.is_dropped || !is_in_session;
-  if (!end.is_dropped || !is_met) return now - end.at > kMemory;
-  if (!end.met) end.met = now;
-  if (now - *end.met < kPatience) return false;
+  if (!end.is_dropped || !is_discovered) return now - end.at > kMemory;
+  if (!end.discovered) end.discovered = now;
+  if (now - *end.discovered < kPatience) return false;
   host_->notice(
       Event(Error(Code::session_not_resumed,
                   {.document = "the session with a participant",
@@ -169,13 +172,15 @@ void AuthenticationAdapter::revoke_stranded(const std::stop_token& stop, const R
 }
 
 void AuthenticationAdapter::send_resets() {
-  const auto has_met = [&](auto local, const auto& guid) { return remotes_.has_met(local, guid); };
-  for (const auto& reset : lost_sessions_.due(has_met)) {
+  const auto has_discovered = [&](auto local, const auto& guid) {
+    return remotes_.has_discovered(local, guid);
+  };
+  for (const auto& reset : lost_sessions_.due(has_discovered)) {
     send_datagram(reset.message, reset.to);
-    // The local host may not meet the peer because it believes that the peer has no security. The
-    // peer's host may believe the same about the local participant.
-    if (!reset.is_meeting && !admits_unauthenticated(reset.local))
-      send_datagram(write_farewell(reset.own, reset.remote.prefix), reset.to);
+    // The local host may not discover the peer because it believes that the peer has no security.
+    // The peer's host may believe the same about the local participant.
+    if (!reset.discovers && !admits_unauthenticated(reset.local))
+      send_datagram(write_dispose_announcement(reset.own, reset.remote.prefix), reset.to);
   }
 }
 

@@ -64,7 +64,8 @@ void LostSessions::about_to_cut_off(const Guid& remote) { reset_after(remote, kF
 void LostSessions::reset_after(const Guid& remote, Duration wait) {
   const std::lock_guard lock(mutex_);
   auto at = sessions_.lower_bound({remote, IdentityHandle{INT64_MIN}});
-  for (; at != sessions_.end() && at->first.first == remote; ++at) at->second.first_unmet = wait;
+  for (; at != sessions_.end() && at->first.first == remote; ++at)
+    at->second.first_undiscovered = wait;
 }
 
 void LostSessions::note_lost(const Key& key, Session& session) {
@@ -108,44 +109,46 @@ void LostSessions::forget_lost_before(Duration time) {
   }
 }
 
-LostSessions::Duration LostSessions::wait_while_unmet(const Session& session) {
-  if (session.sent_unmet > 0) return kSecondUnmet * (1 << (session.sent_unmet - 1));
-  return session.first_unmet;
+LostSessions::Duration LostSessions::wait_while_undiscovered(const Session& session) {
+  if (session.sent_undiscovered > 0)
+    return kSecondUndiscovered * (1 << (session.sent_undiscovered - 1));
+  return session.first_undiscovered;
 }
 
-bool LostSessions::is_due(const Session& session, bool is_meeting, Duration now) {
+bool LostSessions::is_due(const Session& session, bool discovers, Duration now) {
   if (session.lost == 0) return false;
-  return is_meeting ? session.next <= now : session.lost_at + wait_while_unmet(session) <= now;
+  return discovers ? session.next <= now
+                   : session.lost_at + wait_while_undiscovered(session) <= now;
 }
 
-void LostSessions::note_sent(Session& session, bool is_meeting, Duration now) {
-  if (!is_meeting) {
-    ++session.sent_unmet;
+void LostSessions::note_sent(Session& session, bool discovers, Duration now) {
+  if (!discovers) {
+    ++session.sent_undiscovered;
   } else {
     ++session.sent;
     session.next = now + (session.sent < kSoon ? kInterval : kLongInterval);
   }
 }
 
-std::vector<LostSessions::DueReset> LostSessions::due(const IsMeeting& is_meeting) {
+std::vector<LostSessions::DueReset> LostSessions::due(const Discovers& discovers) {
   const std::lock_guard lock(mutex_);
   if (std::ranges::all_of(locals_, [](const auto& one) { return one.second.all_lost == 0; }))
     return {};
   const auto now = clock_.monotonic();
   forget_lost_before(now - kMemory);
   std::vector<DueReset> out;
-  unsigned unmet = 0;
+  unsigned undiscovered = 0;
   for (auto& [key, session] : sessions_) {
     if (session.lost == 0) continue;
     const auto& [remote, local] = key;
-    const bool meets = is_meeting(local, remote);
-    if (!is_due(session, meets, now)) continue;
-    if (!meets && ++unmet > kMaxUnmet) continue;
-    note_sent(session, meets, now);
+    const bool is_discovered = discovers(local, remote);
+    if (!is_due(session, is_discovered, now)) continue;
+    if (!is_discovered && ++undiscovered > kMaxUndiscovered) continue;
+    note_sent(session, is_discovered, now);
     out.push_back({.local = local,
                    .own = session.sender,
                    .remote = remote,
-                   .is_meeting = meets,
+                   .discovers = is_discovered,
                    .message = spi::write_reset(session.sender, session.token),
                    .to = session.to});
   }

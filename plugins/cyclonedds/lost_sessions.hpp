@@ -39,12 +39,12 @@ class LostSessions {
   /// is long enough for the peer to notice that the local side does not answer
   /// (HandshakeWatch::kTimeout): the dispose announcement that is sent with a reset makes the peer
   /// restart its handshake.
-  static constexpr Duration kFirstUnmet = std::chrono::seconds(4);
-  static constexpr Duration kSecondUnmet = std::chrono::seconds(32);
+  static constexpr Duration kFirstUndiscovered = std::chrono::seconds(4);
+  static constexpr Duration kSecondUndiscovered = std::chrono::seconds(32);
   /// The time from a loss to the first reset for a peer that is cut off.
   static constexpr Duration kFirstOfCutOff = std::chrono::seconds(2);
   /// The largest number of resets for such peers at once. The others are due the next time.
-  static constexpr unsigned kMaxUnmet = 32;
+  static constexpr unsigned kMaxUndiscovered = 32;
   /// How long a lost session is remembered. A peer that was out of reach for longer and kept the
   /// session would need a lease of that length.
   static constexpr Duration kMemory = std::chrono::minutes(30);
@@ -92,14 +92,14 @@ class LostSessions {
     spi::IdentityHandle local;
     GuidPrefix own;
     Guid remote;
-    bool is_meeting;  ///< true if the host discovers the peer again
+    bool discovers;  ///< true if the host discovers the peer again
     Bytes message;
     std::vector<spi::UdpAddress> to;
   };
   /// Returns whether the host is discovering this pair again.
-  using IsMeeting = std::function<bool(spi::IdentityHandle local, const Guid& remote)>;
+  using Discovers = std::function<bool(spi::IdentityHandle local, const Guid& remote)>;
   /// Returns the resets to send now.
-  std::vector<DueReset> due(const IsMeeting& is_meeting);
+  std::vector<DueReset> due(const Discovers& discovers);
 
  private:
   struct Session {
@@ -110,9 +110,9 @@ class LostSessions {
     Duration lost_at{};
     Duration next{};
     unsigned sent = 0;
-    unsigned sent_unmet = 0;
+    unsigned sent_undiscovered = 0;
     /// The time until the first reset for a peer that is not discovered.
-    Duration first_unmet = kFirstUnmet;
+    Duration first_undiscovered = kFirstUndiscovered;
   };
   using Key = std::pair<Guid, spi::IdentityHandle>;  ///< remote, local
   /// The first half of a proven prefix, which is bound to the subject of the remote participant's
@@ -129,9 +129,9 @@ class LostSessions {
 
   static Subject subject_of(const Key& key);
   void reset_after(const Guid& remote, Duration wait);
-  static Duration wait_while_unmet(const Session& session);
-  static bool is_due(const Session& session, bool is_meeting, Duration now);
-  static void note_sent(Session& session, bool is_meeting, Duration now);
+  static Duration wait_while_undiscovered(const Session& session);
+  static bool is_due(const Session& session, bool discovers, Duration now);
+  static void note_sent(Session& session, bool discovers, Duration now);
   void note_lost(const Key& key, Session& session);
   void forget_loss(const Key& key, Session& session);
   void forget_first(const InOrder& in_order);

@@ -14,7 +14,7 @@ bool is_denial(const Status& status) {
                      status.error().code() == Code::subscribe_not_allowed);
 }
 
-Error rights_lost(const Error& first, std::size_t more) {
+Error rights_lost_event(const Error& first, std::size_t more) {
   auto details = first.details();
   if (!details.note.empty()) details.note += "; ";
   if (more > 0) details.note += fmt::format("{} more endpoints lost their rights; ", more);
@@ -55,7 +55,7 @@ Status OwnEndpoints::ask(const Endpoint& endpoint, spi::AccessControl& plugin) {
       {.topic_name = endpoint.topic, .partitions = partitions, .data_tags = endpoint.data_tags});
 }
 
-std::optional<Error> OwnEndpoints::judge(spi::PermissionsHandle local, spi::AccessControl& plugin) {
+std::optional<Error> OwnEndpoints::poll(spi::PermissionsHandle local, spi::AccessControl& plugin) {
   const auto renewals = plugin.renewals(local);
   const std::lock_guard lock(mutex_);
   auto& losses = losses_[local];
@@ -72,7 +72,7 @@ std::optional<Error> OwnEndpoints::judge(spi::PermissionsHandle local, spi::Acce
     first = status.error();
   }
   if (!first) return std::nullopt;
-  return rights_lost(*first, lost - 1);
+  return rights_lost_event(*first, lost - 1);
 }
 
 std::uint64_t OwnEndpoints::losses(spi::PermissionsHandle local) const {

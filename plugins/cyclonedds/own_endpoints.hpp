@@ -30,8 +30,8 @@ class OwnEndpoints {
   /// Judges the endpoints of a local participant by its permissions, if those were renewed since
   /// the last call. Returns own_rights_lost if they no longer allow an endpoint that was allowed
   /// before.
-  std::optional<Error> judge(spi::PermissionsHandle local, spi::AccessControl& plugin);
-  /// Returns the number of times that `judge` has returned an error for that participant.
+  std::optional<Error> poll(spi::PermissionsHandle local, spi::AccessControl& plugin);
+  /// Returns the number of times that `poll` has returned an error for that participant.
   std::uint64_t losses(spi::PermissionsHandle local) const;
 
  private:

@@ -1,7 +1,5 @@
 #include "plugins/cyclonedds/own_readers.hpp"
 
-#include <algorithm>
-
 #include "plugins/cyclonedds/disposal.hpp"
 #include "wire/data.hpp"
 #include "wire/data_frag.hpp"
@@ -164,7 +162,7 @@ std::uint64_t OwnReaders::count() const {
   return count_;
 }
 
-void OwnReaders::ended(const Guid& reader) {
+void OwnReaders::note_ended(const Guid& reader) {
   const std::lock_guard lock(mutex_);
   note_end(reader);
 }

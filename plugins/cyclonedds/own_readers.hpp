@@ -56,7 +56,7 @@ class OwnReaders {
   /// Returns the number of readers announced so far, each counted once.
   std::uint64_t count() const;
   /// Notes that a carrier was created for that reader.
-  void ended(const Guid& reader);
+  void note_ended(const Guid& reader);
   /// Forgets a participant of this process that has ended.
   void forget(const GuidPrefix& participant);
 

@@ -1,9 +1,26 @@
 #include "plugins/cyclonedds/peers_with_keys.hpp"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
+#include "base/rollback.hpp"
+
 namespace ddssec::cyclonedds {
+namespace {
+
+// Records a fact for a host that has no way to handle an error. If memory runs out, the fact is not
+// recorded; the header says for each fact what that means.
+template <class F>
+void if_memory_allows(const F& record) noexcept {
+  try {
+    record();
+  } catch (const std::bad_alloc&) {
+    return;
+  }
+}
+
+}  // namespace
 
 PeersWithKeys& PeersWithKeys::of_process() {
   // The object is never destroyed, because authentication's timer may ask at exit.
@@ -14,26 +31,29 @@ PeersWithKeys& PeersWithKeys::of_process() {
 void PeersWithKeys::add_local(spi::ParticipantCryptoHandle local,
                               spi::IdentityHandle identity) noexcept {
   const std::lock_guard lock(mutex_);
-  try {
-    local_of_[identity.value] = local.value;
-  } catch (...) {
-    // As declared, nothing is recorded if memory runs out.
-  }
+  if_memory_allows([&] { local_of_[identity.value] = local.value; });
 }
 
-void PeersWithKeys::note_met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
-                             spi::ParticipantCryptoHandle local,
-                             std::uint32_t builtin_endpoints) noexcept {
+void PeersWithKeys::note_discovered(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                                    spi::ParticipantCryptoHandle local,
+                                    std::uint32_t builtin_endpoints) noexcept {
   const std::lock_guard lock(mutex_);
-  try {
+  if_memory_allows([&] {
     const auto [known, is_new] = peers_.try_emplace(peer.value, Peer{identity.value});
-    if (is_new) ++awaited_;
-    known->second.has_all_endpoints = (builtin_endpoints & kSecureEndpoints) == kSecureEndpoints;
+    Rollback forget_peer([&] {
+      if (is_new) peers_.erase(known);
+    });
+    const auto [named, is_first] = by_identity_.try_emplace(identity.value, peer.value);
+    Rollback forget_identity([&] {
+      if (is_first) by_identity_.erase(named);
+    });
     known->second.locals.insert(local.value);
-    by_identity_[identity.value] = peer.value;
-  } catch (...) {
-    // The registration itself stands if memory runs out.
-  }
+    forget_identity.release();
+    forget_peer.release();
+    named->second = peer.value;
+    known->second.has_all_endpoints = (builtin_endpoints & kSecureEndpoints) == kSecureEndpoints;
+    if (is_new) ++awaited_;
+  });
 }
 
 void PeersWithKeys::note_keys_sent(spi::ParticipantCryptoHandle peer,
@@ -42,11 +62,7 @@ void PeersWithKeys::note_keys_sent(spi::ParticipantCryptoHandle peer,
   const auto known = peers_.find(peer.value);
   if (known == peers_.end()) return;
   if (!std::exchange(known->second.has_sent_keys, true)) --awaited_;
-  try {
-    known->second.with_keys.insert(local.value);
-  } catch (...) {
-    // As declared, nothing is recorded if memory runs out.
-  }
+  if_memory_allows([&] { known->second.with_keys.insert(local.value); });
 }
 
 void PeersWithKeys::note_left(spi::ParticipantCryptoHandle participant) {
@@ -70,23 +86,23 @@ void PeersWithKeys::note_left(spi::ParticipantCryptoHandle participant) {
 void PeersWithKeys::add_builtin(std::int64_t endpoint,
                                 spi::ParticipantCryptoHandle local) noexcept {
   const std::lock_guard lock(mutex_);
-  try {
-    builtin_[endpoint] = local.value;
-  } catch (...) {
-    // As declared, nothing is recorded if memory runs out.
-  }
+  if_memory_allows([&] { builtin_[endpoint] = local.value; });
 }
 
 void PeersWithKeys::note_matched(std::int64_t endpoint, spi::ParticipantCryptoHandle peer,
                                  std::int64_t own) noexcept {
   const std::lock_guard lock(mutex_);
-  try {
-    endpoints_.insert_or_assign(endpoint, Endpoint{peer.value, own});
+  if_memory_allows([&] {
     const auto known = peers_.find(peer.value);
-    if (known != peers_.end() && builtin_.contains(own)) known->second.matched.insert(own);
-  } catch (...) {
-    // As declared, nothing is recorded if memory runs out.
-  }
+    const bool is_builtin = known != peers_.end() && builtin_.contains(own);
+    const auto [entry, is_new] = endpoints_.try_emplace(endpoint, Endpoint{peer.value, own});
+    Rollback forget_endpoint([&] {
+      if (is_new) endpoints_.erase(entry);
+    });
+    if (is_builtin) known->second.matched.insert(own);
+    forget_endpoint.release();
+    entry->second = {peer.value, own};
+  });
 }
 
 void PeersWithKeys::forget(std::int64_t endpoint) {
@@ -103,6 +119,7 @@ void PeersWithKeys::forget(std::int64_t endpoint) {
 }
 
 void PeersWithKeys::note_heard(std::int64_t endpoint, std::chrono::nanoseconds now) {
+  if (!awaits_keys()) return;
   const std::lock_guard lock(mutex_);
   const auto known = endpoints_.find(endpoint);
   if (known == endpoints_.end()) return;
@@ -123,7 +140,7 @@ std::chrono::nanoseconds PeersWithKeys::last_heard(spi::IdentityHandle identity)
   return peer == nullptr ? std::chrono::nanoseconds{} : peer->last_heard;
 }
 
-bool PeersWithKeys::contains(spi::IdentityHandle identity) const {
+bool PeersWithKeys::has_sent_keys(spi::IdentityHandle identity) const {
   const std::lock_guard lock(mutex_);
   const auto* const peer = find(identity);
   return peer != nullptr && peer->has_sent_keys;
@@ -136,8 +153,8 @@ bool PeersWithKeys::has_sent_keys(spi::IdentityHandle identity, spi::IdentityHan
   return peer != nullptr && known != local_of_.end() && peer->with_keys.contains(known->second);
 }
 
-bool PeersWithKeys::has_keys_for(spi::ParticipantCryptoHandle peer,
-                                 spi::ParticipantCryptoHandle local) const {
+bool PeersWithKeys::has_sent_keys(spi::ParticipantCryptoHandle peer,
+                                  spi::ParticipantCryptoHandle local) const {
   const std::lock_guard lock(mutex_);
   const auto known = peers_.find(peer.value);
   return known != peers_.end() && known->second.with_keys.contains(local.value);

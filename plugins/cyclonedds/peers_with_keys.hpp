@@ -1,7 +1,7 @@
-// Remote participants that have sent their keys, and those that were matched with all local builtin
-// endpoints. Only then is a handshake over for the host, so libddssec_authentication asks for it
-// (handshake_watch.hpp). The host matches builtin endpoints by an announcement that an attacker can
-// forge. The endpoints that the peer really has are in the participant data that it signed.
+// Knows, for each peer, whether its keys have arrived and its builtin endpoints are matched.
+// Authentication asks this (handshake_watch.hpp) to see whether a handshake is over for the host.
+// The host matches builtin endpoints by an announcement, which an attacker can forge. The endpoints
+// that the peer really has are in the participant data that it signed.
 #pragma once
 
 #include <atomic>
@@ -25,11 +25,15 @@ class PeersWithKeys {
 
   /// Adds a local participant. If memory runs out, no peer counts as one that sent it keys.
   void add_local(spi::ParticipantCryptoHandle local, spi::IdentityHandle identity) noexcept;
-  /// Notes that the local participant `local` met the peer, which signed that it has these builtin
-  /// endpoints. If memory runs out, the peer stays unknown and counts as one without keys.
-  void note_met(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
-                spi::ParticipantCryptoHandle local, std::uint32_t builtin_endpoints) noexcept;
-  /// Notes that the peer sent keys. If memory runs out, the keys count for no local participant.
+  /// Notes that the local participant `local` discovered the peer, which signed that it has these
+  /// builtin endpoints. If memory runs out, nothing is recorded: a peer that was unknown stays
+  /// unknown, and counts as one without keys. The host's own registration of the peer does not
+  /// depend on this.
+  void note_discovered(spi::ParticipantCryptoHandle peer, spi::IdentityHandle identity,
+                       spi::ParticipantCryptoHandle local,
+                       std::uint32_t builtin_endpoints) noexcept;
+  /// Notes that the peer sent keys. If memory runs out, has_sent_keys() is true, but the keys count
+  /// for no local participant.
   void note_keys_sent(spi::ParticipantCryptoHandle peer,
                       spi::ParticipantCryptoHandle local) noexcept;
   /// Forgets a remote participant, or a local one.
@@ -42,15 +46,18 @@ class PeersWithKeys {
                     std::int64_t own) noexcept;
   /// Forgets a local or remote endpoint that was removed.
   void forget(std::int64_t endpoint);
-  /// Notes that a message of the peer's endpoint was decrypted. It is recorded only while keys of
-  /// some peer are awaited.
+  /// Notes that a message of the peer's endpoint was decrypted. It is recorded only while
+  /// awaits_keys() is true; a caller on a hot path tests that first, without the lock.
   void note_heard(std::int64_t endpoint, std::chrono::nanoseconds now);
+  /// True while some peer has not sent its keys.
   bool awaits_keys() const noexcept { return awaited_.load(std::memory_order_relaxed) > 0; }
 
-  bool contains(spi::IdentityHandle identity) const;
-  /// True if its keys arrived for that local participant.
+  /// True if the peer with this identity is known and has sent keys for some local participant.
+  bool has_sent_keys(spi::IdentityHandle identity) const;
+  /// True if the peer's keys have arrived for the local participant with the identity `local`.
   bool has_sent_keys(spi::IdentityHandle identity, spi::IdentityHandle local) const;
-  bool has_keys_for(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) const;
+  /// The same, by the handles that Cryptography has given to both.
+  bool has_sent_keys(spi::ParticipantCryptoHandle peer, spi::ParticipantCryptoHandle local) const;
   /// True if each protected local builtin endpoint is matched. Also true for a peer that does not
   /// have all kSecureEndpoints, because it is not known here which ones it lacks.
   bool is_matched(spi::IdentityHandle identity) const;
@@ -63,7 +70,7 @@ class PeersWithKeys {
     bool has_sent_keys = false;
     bool has_all_endpoints = false;
     std::chrono::nanoseconds last_heard{};
-    std::set<std::int64_t> locals = {};     ///< local participants that met it
+    std::set<std::int64_t> locals = {};     ///< local participants that discovered it
     std::set<std::int64_t> with_keys = {};  ///< those for which it sent keys
     /// The matched local builtin endpoints, one entry for each endpoint of the peer.
     std::multiset<std::int64_t> matched = {};

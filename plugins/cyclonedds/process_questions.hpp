@@ -41,8 +41,8 @@ void look_for_ended_readers() noexcept;
 /// crash at the next call that needs it. So the core is not informed, and the other ddssec plugins
 /// refuse the participant everything, as far as they are loaded.
 ///
-/// The core is informed if the process has other participants in the domain. Peers keep meeting a
-/// participant that is announced, and the messages that they send when they give it up would end
+/// The core is informed if the process has other participants in the domain. Peers keep discovering
+/// a participant that is announced, and the messages that they send when they give it up would end
 /// the session for all participants of the process.
 void cut_off_cryptography(spi::IdentityHandle local);
 void cut_off_access_control(spi::IdentityHandle local);

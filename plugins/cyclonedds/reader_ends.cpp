@@ -45,7 +45,7 @@ void ReaderEnds::run(const std::stop_token& stop) {
     counted = count;
     pause = is_hint || !is_open ? kPause : std::min(2 * pause, kLater);
     try {
-      is_open = check(*host);
+      is_open = poll(*host);
     } catch (...) {
       is_open = true;  // memory was short, so this checks again
     }
@@ -61,7 +61,7 @@ bool ReaderEnds::wait(const std::stop_token& stop, std::chrono::milliseconds lon
   return true;
 }
 
-bool ReaderEnds::check(const HostEntities& host) {
+bool ReaderEnds::poll(const HostEntities& host) {
   const auto announced = readers_.announced();
   if (announced.empty()) return false;
   const auto participants = host.participants();
@@ -78,7 +78,7 @@ bool ReaderEnds::check(const HostEntities& host) {
     } else if (!is_owned) {
       readers_.forget(reader.prefix);
     } else if (host.carry_end(*owner, reader)) {
-      readers_.ended(reader);
+      readers_.note_ended(reader);
     } else {
       missing.insert(reader);
     }

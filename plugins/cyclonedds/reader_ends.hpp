@@ -5,7 +5,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <stop_token>
@@ -43,7 +42,7 @@ class ReaderEnds {
 
   /// Checks the host's entities once. Returns true if something is missing that the next check must
   /// confirm.
-  bool check(const HostEntities& host);
+  bool poll(const HostEntities& host);
 
  private:
   void run(const std::stop_token& stop);

@@ -59,7 +59,7 @@ std::optional<Guid> RemoteIdentities::guid(IdentityHandle of_host) const {
   return guid_of_.at(of_host);
 }
 
-bool RemoteIdentities::has_met(IdentityHandle local, const Guid& remote) const {
+bool RemoteIdentities::has_discovered(IdentityHandle local, const Guid& remote) const {
   const std::lock_guard lock(mutex_);
   const auto known = remotes_.find(remote);
   return known != remotes_.end() && known->second.pairs.contains(local);
@@ -96,7 +96,8 @@ void RemoteIdentities::forget_local(IdentityHandle local) {
   }
 }
 
-// True if a local participant that has not ended has met the remote participant of this pair too.
+// True if a local participant that has not ended has discovered the remote participant of this pair
+// too.
 bool RemoteIdentities::stays(const Remote& remote, IdentityHandle pair) const {
   const auto ended = [&](const auto& entry) { return ended_locals_.contains(entry.first); };
   const auto own = std::ranges::find(remote.pairs, pair, [](auto& entry) { return entry.second; });

@@ -15,9 +15,9 @@
 namespace ddssec::cyclonedds {
 
 /// Cyclone's core has one identity handle for a remote participant, however many local participants
-/// met it. It keeps the last handle that it got, asserts that all are the same and returns it once.
-/// The plugin has one handle for each pair of a local and a remote participant. All calls in
-/// between also name the local participant or a handshake. Thread-safe.
+/// discovered it. It keeps the last handle that it got, asserts that all are the same and returns
+/// it once. The plugin has one handle for each pair of a local and a remote participant. All calls
+/// in between also name the local participant or a handshake. Thread-safe.
 class RemoteIdentities {
  public:
   /// Remembers the plugin's handle of a pair and returns the host's handle for the remote
@@ -34,8 +34,9 @@ class RemoteIdentities {
 
   /// Returns the GUID for the host's handle of a remote participant; empty for any other handle.
   std::optional<Guid> guid(spi::IdentityHandle of_host) const;
-  /// True if the local participant has met the remote one, and the host has not returned it since.
-  bool has_met(spi::IdentityHandle local, const Guid& remote) const;
+  /// True if the local participant has discovered the remote one, and the host has not returned it
+  /// since.
+  bool has_discovered(spi::IdentityHandle local, const Guid& remote) const;
   /// Returns the host's handle and the GUID of each remote participant.
   std::vector<std::pair<spi::IdentityHandle, Guid>> all() const;
 
@@ -52,7 +53,7 @@ class RemoteIdentities {
   };
   /// Converts the result of the plugin's `poll` to the host's handles. The host can remove a
   /// remote participant only for all local ones. So a remote participant that is reported only
-  /// because a local participant ended stays for the others that have met it.
+  /// because a local participant ended stays for the others that have discovered it.
   HandlesToRevoke to_revoke(std::span<const spi::IdentityHandle> ended);
 
  private:

@@ -33,7 +33,7 @@ void SessionResets::forget(spi::ParticipantCryptoHandle participant) {
   });
 }
 
-bool SessionResets::received(const spi::Reset& reset) {
+bool SessionResets::note_reset(const spi::Reset& reset) {
   spi::ResetName name{};
   std::ranges::copy(reset.name, name.begin());
   const std::lock_guard lock(mutex_);
@@ -48,12 +48,12 @@ bool SessionResets::received(const spi::Reset& reset) {
 SessionReset SessionResets::take(spi::IdentityHandle identity, const PeersWithKeys& peers) {
   if (lost_.load(std::memory_order_relaxed) == 0) return SessionReset::none;
   const std::lock_guard lock(mutex_);
-  bool is_lost = false, was_used = !peers.contains(identity);
+  bool is_lost = false, was_used = !peers.has_sent_keys(identity);
   for (auto& [name, session] : sessions_)
     if (session.identity == identity && std::exchange(session.is_lost, false)) {
       --lost_;
       is_lost = true;
-      was_used = was_used || peers.has_keys_for(session.pair.peer, session.pair.local);
+      was_used = was_used || peers.has_sent_keys(session.pair.peer, session.pair.local);
     }
   if (!is_lost) return SessionReset::none;
   return was_used ? SessionReset::of_session : SessionReset::of_unused_session;

@@ -32,7 +32,7 @@ class SessionResets {
   /// loses only the session with it.
   void forget(spi::ParticipantCryptoHandle participant);
   /// Checks a received reset. False if it is not the token of an existing session.
-  bool received(const spi::Reset& reset);
+  bool note_reset(const spi::Reset& reset);
   /// Returns whether that remote participant has requested a reset since the last call. `peers` has
   /// those whose keys have arrived.
   SessionReset take(spi::IdentityHandle identity, const PeersWithKeys& peers);

@@ -1,7 +1,6 @@
 // The shared secrets that the host holds as pointers, and their lifetime.
 #pragma once
 
-#include <array>
 #include <map>
 #include <memory>
 #include <mutex>

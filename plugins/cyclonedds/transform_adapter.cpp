@@ -177,7 +177,7 @@ DDS_Security_boolean decode_rtps_message(Instance* instance, Octets* plain, cons
       encoded != nullptr ? octets_from(encoded).value_or(BytesView()) : BytesView()};
   // A reset contains nothing for the host. An invalid one is ignored.
   const auto reset = spi::read_reset(call.octets);
-  if (reset) SessionResets::of_process().received(*reset);
+  if (reset) SessionResets::of_process().note_reset(*reset);
   // The host already has the plaintext. Another result would replace it, and the first one would
   // leak.
   if (reset || opened.was_opened_for_another(call)) {

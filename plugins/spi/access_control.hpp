@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -127,7 +126,7 @@ class AccessControl {
   };
   /// Checks whether a peer may have the keys of this match, whether or not the host asked about the
   /// peer's endpoint. It may if it announced an endpoint of that topic that was allowed, is still
-  /// allowed, and has partitions that meet those of the local endpoint. It may not if it hides
+  /// allowed, and has partitions that overlap those of the local endpoint. It may not if it hides
   /// endpoints, because the match may be with one of those. Otherwise the peer is judged as if it
   /// were in the local endpoint's partitions. Once the local participant's permissions were
   /// renewed, they must allow the local endpoint, too. Errors: match_not_permitted; for the local

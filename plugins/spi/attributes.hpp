@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 #include "base/protection_kind.hpp"
 #include "plugins/spi/match_gate.hpp"

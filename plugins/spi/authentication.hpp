@@ -199,7 +199,7 @@ class Authentication {
   /// `poll` at that time, and also once a second, because the clock may be set, or a certificate
   /// may be revoked or renewed.
   virtual std::optional<WallTime> next_expiry() = 0;
-  /// First takes other identity CAs of a local identity, and a renewed certificate. Handshakes that
+  /// First adopts a changed file of identity CAs, and a renewed certificate. Handshakes that
   /// begin later use these. A peer whose CA was removed from the file is revoked. Raises the events
   /// for identities that expired or were revoked, and returns their handles, each once. The host
   /// then revokes them.

@@ -116,10 +116,11 @@ class CryptoKeyFactory {
   /// such keys are refused in time also without the call, but stay in memory.
   virtual void forget_former_keys() = 0;
   /// Returns true if keys of that peer were dropped since the last call although the session with
-  /// it goes on, and forgets that. Either they were kept from the host, which would not have
-  /// accepted them, or they were dropped before the host discovered the endpoint that waits for
-  /// them. Only a new session brings them again. Call it once a second. Always false with a host
-  /// that accepts keys as they come.
+  /// it goes on. Resets the flag. Keys are dropped in two cases:
+  /// - they were kept from the host, because it would not have accepted them;
+  /// - they were dropped before the host discovered the endpoint that waits for them.
+  /// Only a new session brings them again. Call it once a second. Always false with a host that
+  /// accepts keys as they come.
   virtual bool poll_stranded_keys(IdentityHandle remote) = 0;
 
   /// Call it when the participant's certificate or permissions have expired or were revoked. From

@@ -27,7 +27,7 @@ class MatchGate {
     bool hides_endpoints = false;
   };
   /// Success if the peer may have the keys. Errors: keys_not_permitted, after an event that names
-  /// the peer and the rule; access_control_missing.
+  /// the peer and the rule; access_control_missing; out_of_memory.
   virtual Status check(const Peer& peer) const = 0;
 };
 

@@ -36,6 +36,12 @@ const Bytes* find_binary_property(const Token& token, std::string_view name) {
   return found == token.binary_properties.end() ? nullptr : &found->value;
 }
 
+std::size_t binary_octets(const Token& token) {
+  std::size_t octets = 0;
+  for (const auto& property : token.binary_properties) octets += property.value.size();
+  return octets;
+}
+
 void write_token(Writer& writer, const Token& token) {
   writer.write_string(token.class_id);
   write_propagated(writer, token.properties,

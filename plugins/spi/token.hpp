@@ -3,8 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,6 +43,8 @@ struct Token {
 /// Returns the value of the first binary property with that name, or nullptr. It is owned by
 /// `token`.
 const Bytes* find_binary_property(const Token& token, std::string_view name);
+/// Returns the octets of the values of all binary properties together.
+std::size_t binary_octets(const Token& token);
 
 /// Limits for tokens that a peer sends. A larger number is refused before anything is allocated.
 inline constexpr std::size_t kMaxPropertiesPerToken = 64;

@@ -12,7 +12,6 @@
 #include <optional>
 #include <string>
 #include <unistd.h>
-#include <vector>
 
 #include "base/clock.hpp"
 #include "pki/authority.hpp"

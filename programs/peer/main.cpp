@@ -1,6 +1,5 @@
 // ddssec-peer: one end of a connection, for tests and measurements.
 #include <array>
-#include <cstdio>
 
 #include "programs/peer/session.hpp"
 

@@ -47,18 +47,16 @@ class Session final : private EventSink {
   Result<rtps::DataWriter<T>*> writer(const std::string& topic, bool keep_all) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
-    const auto publisher = participant_->create_publisher(group_qos());
-    if (!publisher) return std::unexpected(publisher.error());
-    return (*publisher)->create_datawriter<T>(**on, writer_qos(keep_all));
+    return participant_->create_publisher(group_qos())
+        .create_datawriter<T>(**on, writer_qos(keep_all));
   }
   template <class T>
   Result<rtps::DataReader<T>*> reader(const std::string& topic,
                                       rtps::DataReaderListener* listener = nullptr) {
     const auto on = topic_of<T>(topic);
     if (!on) return std::unexpected(on.error());
-    const auto subscriber = participant_->create_subscriber(group_qos());
-    if (!subscriber) return std::unexpected(subscriber.error());
-    return (*subscriber)->create_datareader<T>(**on, reader_qos(), listener);
+    return participant_->create_subscriber(group_qos())
+        .create_datareader<T>(**on, reader_qos(), listener);
   }
 
   std::int64_t nanoseconds() const { return runtime_.clock().monotonic().count(); }

@@ -1,4 +1,3 @@
-#include <cstdio>
 
 #include "programs/shapes/session.hpp"
 

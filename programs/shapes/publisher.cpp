@@ -52,16 +52,15 @@ class PublisherRun {
   int run() {
     const auto topics = session_.create_topics<T>();
     if (!topics) return not_created("topic", topics.error());
-    const auto publisher = session_.participant().create_publisher(session_.group_qos());
-    if (!publisher) return not_created("publisher", publisher.error());
+    auto& publisher = session_.participant().create_publisher(session_.group_qos());
     for (auto* topic : *topics) {
       print_line("Create writer for topic: %s color: %s", topic->name().c_str(),
                  options_.color.c_str());
-      auto writer = (*publisher)->template create_datawriter<T>(*topic, session_.writer_qos());
+      auto writer = publisher.template create_datawriter<T>(*topic, session_.writer_qos());
       if (!writer) return not_created("datawriter", writer.error());
       writers_.push_back(*writer);
     }
-    const auto code = write(**publisher);
+    const auto code = write(publisher);
     for (auto* writer : writers_) finish(*writer);
     return code;
   }

@@ -12,14 +12,13 @@ class SubscriberRun {
   int run() {
     const auto topics = session_.create_topics<T>();
     if (!topics) return not_created("topic", topics.error());
-    const auto subscriber = session_.participant().create_subscriber(session_.group_qos());
-    if (!subscriber) return not_created("subscriber", subscriber.error());
+    auto& subscriber = session_.participant().create_subscriber(session_.group_qos());
     for (auto* topic : *topics) {
-      auto reader = create_reader(**subscriber, *topic);
+      auto reader = create_reader(subscriber, *topic);
       if (!reader) return not_created("datareader", reader.error());
       readers_.push_back(*reader);
     }
-    return read(**subscriber);
+    return read(subscriber);
   }
 
  private:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <map>
 
@@ -32,13 +33,16 @@ class SubjectShares {
     const auto at = of_subject_.find(subject_of(prefix));
     return at == of_subject_.end() ? 0 : at->second;
   }
+  /// Takes a place for a participant of that subject, also if has_place() is false.
   void claim(const GuidPrefix& prefix) {
     ++of_subject_[subject_of(prefix)];
     ++taken_;
   }
-  /// Call it as often as `claim`.
+  /// Gives a place back. Must be called once for each claim() of that subject.
   void release(const GuidPrefix& prefix) {
     const auto at = of_subject_.find(subject_of(prefix));
+    assert(at != of_subject_.end());
+    if (at == of_subject_.end()) return;
     --taken_;
     if (--at->second == 0) of_subject_.erase(at);
   }

@@ -2,8 +2,6 @@
 // ordered access, DDS 1.4, 2.2.3.6).
 #pragma once
 
-#include <array>
-
 #include "rtps/dcps/held_instance.hpp"
 
 namespace ddssec::rtps {

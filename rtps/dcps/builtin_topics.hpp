@@ -48,7 +48,7 @@ struct BuiltinTopicOf<ParticipantBuiltinTopicData> {
 template <>
 struct BuiltinTopicOf<TopicBuiltinTopicData> {
   static constexpr std::string_view topic = "DCPSTopic";
-  static constexpr EntityId reader{{0x00, 0x00, 0x02, 0xc7}};
+  static constexpr EntityId reader = kTopicsReader;
   /// Reads a payload as BuiltinTopicOf describes.
   static Result<TopicBuiltinTopicData> read(BytesView payload, bool is_key_only);
 };

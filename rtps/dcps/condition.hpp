@@ -58,6 +58,7 @@ class GuardCondition final : public Condition {
 /// it.
 class StatusCondition final : public Condition {
  public:
+  /// Returns the entity that owns the condition.
   Entity& entity() const { return entity_; }
   /// Returns the statuses that trigger it.
   StatusMask enabled_statuses() const { return StatusMask::from(enabled_); }
@@ -79,11 +80,10 @@ class StatusCondition final : public Condition {
 /// and deletes it.
 class ReadCondition : public Condition {
  public:
+  /// Returns the reader that owns the condition.
   AnyDataReader& datareader() const { return reader_; }
+  /// Returns the states for which it was created.
   const States& states() const { return states_; }
-  /// Returns nullptr if this is not a QueryCondition, or if its expression is empty. Only the
-  /// reader may use it.
-  const QueryMatches* query() const { return query_.get(); }
   /// Succeeds if the condition belongs to this reader. Errors: rtps_precondition_not_met.
   Status check_reader(const AnyDataReader& reader) const;
 
@@ -94,6 +94,12 @@ class ReadCondition : public Condition {
   AnyDataReader& reader_;
   const States states_;
   std::unique_ptr<QueryMatches> query_;
+
+ private:
+  template <class Reader, class Collection>
+  friend class SampleAccess;
+  /// Returns nullptr if this is not a QueryCondition, or if its expression is empty.
+  const QueryMatches* query() const { return query_.get(); }
 };
 
 /// A condition that is triggered while its reader holds samples in these states that match a query.

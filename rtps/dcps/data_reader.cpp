@@ -127,23 +127,6 @@ Result<QueryCondition*> AnyDataReader::create_querycondition(const States& state
   return condition;
 }
 
-std::vector<std::string> QueryCondition::query_parameters() const {
-  const auto held = reader_.lock();
-  return text_.parameters;
-}
-
-Status QueryCondition::set_query_parameters(std::vector<std::string> parameters) {
-  const auto held = reader_.lock();
-  FilterText text{text_.expression, std::move(parameters)};
-  DDSSEC_ASSIGN_OR_RETURN(auto compiled, reader_.conditions_.compile(text));
-  // query_ is changed in place and not replaced, because concurrent reads hold its address.
-  text_.parameters = std::move(text.parameters);
-  if (!compiled) return {};
-  query_->replace(std::move(*compiled));
-  reader_.reception_.match(*query_);
-  return {};
-}
-
 Status AnyDataReader::delete_readcondition(ReadCondition& condition) {
   const auto held = lock();
   return conditions_.erase(condition);

@@ -2,6 +2,7 @@
 
 #include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/participant_parts.hpp"
 #include "rtps/dcps/writer_filter.hpp"
 #include "rtps/durability/durable_stores.hpp"
 #include "rtps/participant/rtps_participant.hpp"
@@ -33,7 +34,7 @@ AnyDataWriter::AnyDataWriter(Group& publisher, ParticipantContext& context, Topi
       version_(version_of(qos_)),
       listeners_(this->publisher().listening_, publisher.participant().listening_),
       instances_(qos_),
-      liveliness_(context.timers(), publisher.participant().manual_liveliness_, [this] {
+      liveliness_(context.timers(), publisher.participant().parts_->manual_liveliness, [this] {
         add_to(liveliness_lost_);
         changes_.note(StatusKind::liveliness_lost);
       }) {}
@@ -61,7 +62,7 @@ Result<Guid> AnyDataWriter::create(EndpointDescription request) {
 
 Status AnyDataWriter::restore(EndpointDescription& request) {
   auto& participant = publisher().participant();
-  DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.stores_->of(qos_.durability));
+  DDSSEC_ASSIGN_OR_RETURN(auto* store, participant.parts_->stores.of(qos_.durability));
   StreamKey key{.domain = static_cast<std::uint32_t>(participant.domain_id()),
                 .topic = request.topic_name,
                 .type = request.type_name,
@@ -87,7 +88,7 @@ std::shared_ptr<ChangeFilter> AnyDataWriter::filter_for(const EndpointData& read
 }
 
 void AnyDataWriter::on_time(MonotonicTime now) {
-  instances_->check_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
+  instances_->expire_deadlines(now, [&](InstanceHandle instance) { miss_deadline(instance); });
   durability_.clean_up(context_.moment());
   lifespan_.expire(now, [&](SequenceNumber change) { protocol().discard(change); });
   call_at(next_work(now));
@@ -207,9 +208,9 @@ void AnyDataWriter::after_write(const KeyHash& key, StatusInfo status, SequenceN
                                 MonotonicTime now) {
   const bool alive = status == StatusInfo{};
   if (alive)
-    instances_->written(key, now);
+    instances_->note_written(key, now);
   else
-    instances_->disposed(key);
+    instances_->note_disposed(key);
   if (status.unregistered) instances_->remove(key);
   if (alive) lifespan_.add(number, qos_.lifespan, now);
   lifespan_.forget_dropped(protocol().history());

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "rtps/dcps/no_callbacks.hpp"
+#include "rtps/dcps/participant_parts.hpp"
 #include "rtps/dcps/participant_service.hpp"
-#include "rtps/durability/durable_stores.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -101,13 +101,17 @@ DomainParticipant::DomainParticipant(DomainParticipantOptions options,
       Entity(service_->context()),
       options_(std::move(options)),
       qos_{options_.user_data},
-      stores_(std::make_unique<DurableStores>(services.events)),
-      manual_liveliness_([this](MonotonicTime now) {
-        context_.protocol().assert_liveliness(LivelinessKind::manual_by_participant, now);
+      parts_(std::make_unique<ParticipantParts>(*this, services.events)) {}
+
+ParticipantParts::ParticipantParts(DomainParticipant& participant, EventSink& events)
+    : stores(events),
+      manual_liveliness([&context = participant.context_](MonotonicTime now) {
+        context.protocol().assert_liveliness(LivelinessKind::manual_by_participant, now);
       }),
-      discovered_(context_, [this] { return check_enabled("participant"); }),
-      topics_(*this, context_, options_.announce_types),
-      groups_(*this, context_) {}
+      discovered(participant.context_,
+                 [&participant] { return participant.check_enabled("participant"); }),
+      topics(participant, participant.context_, participant.options_.announce_types),
+      groups(participant, participant.context_) {}
 
 Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DomainParticipantOptions wanted, const PluginServices& services) {
@@ -126,8 +130,8 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
   const auto& options = out->options_;
   if (!options.durability_store.empty())
     DDSSEC_RETURN_IF_ERROR(
-        out->stores_->open_file(options.durability_store, options.durability_store_octets,
-                                options.security.has_value(), out->context_.moment().wall));
+        out->parts_->stores.open_file(options.durability_store, options.durability_store_octets,
+                                      options.security.has_value(), out->context_.moment().wall));
   auto& service = *out->service_;
   DDSSEC_ASSIGN_OR_RETURN(
       auto participant_sockets,
@@ -169,17 +173,17 @@ Status DomainParticipant::enable() {
   DDSSEC_RETURN_IF_ERROR(service_->start());
   if (!all) return {};
   if (builtin_topics_) DDSSEC_RETURN_IF_ERROR(builtin_topics_->subscriber().enable());
-  DDSSEC_RETURN_IF_ERROR(topics_.enable());
-  return groups_.enable();
+  DDSSEC_RETURN_IF_ERROR(parts_->topics.enable());
+  return parts_->groups.enable();
 }
 
 DomainParticipant::~DomainParticipant() {
   const auto quiet = NoCallbacks::begin_or_terminate(context_, guid_);
-  if (context_.has_protocol()) groups_.conclude_writers();
+  if (context_.has_protocol()) parts_->groups.conclude_writers();
   service_->stop();
   builtin_topics_.reset();
-  groups_.release();
-  topics_.release();
+  parts_->groups.release();
+  parts_->topics.release();
   const auto held = lock();
   if (!context_.has_protocol()) return;
   if (enabled()) context_.protocol().leave();
@@ -202,13 +206,12 @@ DomainParticipantQos DomainParticipant::qos() const {
   return qos_;
 }
 
-Status DomainParticipant::set_qos(const DomainParticipantQos& qos) {
+void DomainParticipant::set_qos(const DomainParticipantQos& qos) {
   const auto held = lock();
   if (qos.user_data != qos_.user_data)
     context_.protocol().change_own({.user_data = qos.user_data}, context_.now());
   qos_ = qos;
   context_.reschedule();
-  return {};
 }
 
 void DomainParticipant::set_listener(DomainParticipantListener* listener, StatusMask mask) {
@@ -230,22 +233,65 @@ Status DomainParticipant::set_default_topic_qos(const Qos& qos) {
 Result<Topic*> DomainParticipant::create_topic(std::string name, TypeSupport type,
                                                std::optional<Qos> qos, TopicListener* listener,
                                                StatusMask mask) {
-  return topics_.create(std::move(name), std::move(type),
-                        std::move(qos).value_or(default_topic_qos()), listener, mask);
+  return parts_->topics.create(std::move(name), std::move(type),
+                               std::move(qos).value_or(default_topic_qos()), listener, mask);
+}
+
+Topic* DomainParticipant::lookup_topicdescription(std::string_view name) const {
+  return parts_->topics.lookup(name);
+}
+
+Result<ContentFilteredTopic*> DomainParticipant::create_contentfilteredtopic(std::string name,
+                                                                             Topic& related,
+                                                                             FilterText filter) {
+  return parts_->topics.create_filtered(std::move(name), related, std::move(filter));
+}
+
+ContentFilteredTopic* DomainParticipant::lookup_contentfilteredtopic(std::string_view name) const {
+  return parts_->topics.lookup_filtered(name);
+}
+
+Status DomainParticipant::delete_contentfilteredtopic(ContentFilteredTopic& topic) {
+  return parts_->topics.remove(topic);
+}
+
+Result<Topic*> DomainParticipant::find_topic(const std::string& name,
+                                             std::chrono::nanoseconds timeout) {
+  return parts_->topics.find(name, timeout);
+}
+
+Status DomainParticipant::delete_topic(Topic& topic) { return parts_->topics.remove(topic); }
+
+Publisher& DomainParticipant::create_publisher(GroupQos qos, PublisherListener* listener,
+                                               StatusMask mask) {
+  return parts_->groups.create_publisher(std::move(qos), listener, mask);
+}
+
+Subscriber& DomainParticipant::create_subscriber(GroupQos qos, SubscriberListener* listener,
+                                                 StatusMask mask) {
+  return parts_->groups.create_subscriber(std::move(qos), listener, mask);
+}
+
+Status DomainParticipant::delete_publisher(Publisher& publisher) {
+  return parts_->groups.remove(publisher);
+}
+
+Status DomainParticipant::delete_subscriber(Subscriber& subscriber) {
+  return parts_->groups.remove(subscriber);
 }
 
 Status DomainParticipant::delete_contained_entities() {
   DDSSEC_ASSIGN_OR_RETURN(const auto quiet, NoCallbacks::begin(context_));
-  groups_.conclude_writers();
+  parts_->groups.conclude_writers();
   const std::lock_guard members(context_.members());
-  const auto topics = topics_.release();
-  groups_.release();  // released before the topics, to which their members refer
+  const auto topics = parts_->topics.release();
+  parts_->groups.release();  // released before the topics, to which their members refer
   return {};
 }
 
 bool DomainParticipant::contains_entities() const {
   const auto held = lock();
-  return !topics_.empty() || !groups_.empty();
+  return !parts_->topics.empty() || !parts_->groups.empty();
 }
 
 Subscriber& DomainParticipant::builtin_subscriber() {
@@ -256,6 +302,35 @@ Subscriber& DomainParticipant::builtin_subscriber() {
   topics.make<PublicationBuiltinTopicData>();
   topics.make<SubscriptionBuiltinTopicData>();
   return topics.subscriber();
+}
+
+std::vector<Guid> DomainParticipant::discovered_participants() const {
+  return parts_->discovered.participants();
+}
+
+Result<ParticipantBuiltinTopicData> DomainParticipant::discovered_participant_data(
+    const Guid& participant) const {
+  return parts_->discovered.participant_data(participant);
+}
+
+std::vector<TopicBuiltinTopicData> DomainParticipant::discovered_topics() const {
+  return parts_->discovered.topics();
+}
+
+Status DomainParticipant::ignore_participant(const Guid& participant) {
+  return parts_->discovered.ignore_participant(participant);
+}
+
+Status DomainParticipant::ignore_topic(const std::string& name) {
+  return parts_->discovered.ignore_topic(name);
+}
+
+Status DomainParticipant::ignore_publication(const Guid& writer) {
+  return parts_->discovered.ignore_endpoint(writer);
+}
+
+Status DomainParticipant::ignore_subscription(const Guid& reader) {
+  return parts_->discovered.ignore_endpoint(reader);
 }
 
 Status DomainParticipant::revise_keys() {
@@ -269,7 +344,7 @@ Status DomainParticipant::revise_keys() {
 Status DomainParticipant::assert_liveliness() {
   const auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled("participant"));
-  manual_liveliness_.assert_all(context_.now(), true);
+  parts_->manual_liveliness.assert_all(context_.now(), true);
   context_.reschedule();
   return {};
 }

@@ -16,17 +16,19 @@
 #include "base/ids.hpp"
 #include "base/plugin_services.hpp"
 #include "base/result.hpp"
-#include "rtps/dcps/discovered_entities.hpp"
-#include "rtps/dcps/groups.hpp"
-#include "rtps/dcps/topic_descriptions.hpp"
+#include "rtps/dcps/builtin_topics.hpp"
+#include "rtps/dcps/content_filtered_topic.hpp"
+#include "rtps/dcps/publisher.hpp"
+#include "rtps/dcps/subscriber.hpp"
 #include "rtps/participant/participant_counters.hpp"
 #include "rtps/security/security_counters.hpp"
 #include "rtps/security/security_options.hpp"
 
 namespace ddssec::rtps {
 
-class DurableStores;
+class ContextAccess;
 class ParticipantService;
+struct ParticipantParts;
 
 /// The options with which a participant is created. Only domain_id usually needs a value.
 struct DomainParticipantOptions {
@@ -144,8 +146,8 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
 
   /// Returns the policies that are in force.
   DomainParticipantQos qos() const;
-  /// Sets the policies. Changed user data is announced soon. Always succeeds.
-  Status set_qos(const DomainParticipantQos& qos);
+  /// Sets the policies. Changed user data is announced soon.
+  void set_qos(const DomainParticipantQos& qos);
   /// Starts its thread and discovery, and enables what it contains unless
   /// autoenable_created_entities is false. Errors: rtps_thread_failed, those of the entities.
   Status enable() override;
@@ -167,44 +169,36 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Result<Topic*> create_topic(std::string name, TypeSupport type, std::optional<Qos> qos = {},
                               TopicListener* listener = nullptr, StatusMask mask = kAnyStatus);
   /// Returns nullptr if there is no topic with this name.
-  Topic* lookup_topicdescription(std::string_view name) const { return topics_.lookup(name); }
+  Topic* lookup_topicdescription(std::string_view name) const;
   /// Creates a topic for readers that receive only the samples of `related` that pass the filter.
   /// Errors: rtps_filter_invalid, rtps_precondition_not_met (the name is already in use, or
   /// `related` belongs to another participant), rtps_bad_parameter (the name is empty or longer
   /// than 256 characters).
   Result<ContentFilteredTopic*> create_contentfilteredtopic(std::string name, Topic& related,
-                                                            FilterText filter) {
-    return topics_.create_filtered(std::move(name), related, std::move(filter));
-  }
+                                                            FilterText filter);
   /// Returns nullptr if there is no content-filtered topic with this name.
-  ContentFilteredTopic* lookup_contentfilteredtopic(std::string_view name) const {
-    return topics_.lookup_filtered(name);
-  }
+  ContentFilteredTopic* lookup_contentfilteredtopic(std::string_view name) const;
   /// Deletes the topic. Errors: rtps_precondition_not_met (the topic has readers or belongs to
   /// another participant, or the call is made from within a callback).
-  Status delete_contentfilteredtopic(ContentFilteredTopic& topic) { return topics_.remove(topic); }
+  Status delete_contentfilteredtopic(ContentFilteredTopic& topic);
   /// Creates a publisher, which the participant owns. The policies are checked when its first
-  /// writer is created, so this call has no error.
-  Result<Publisher*> create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
-                                      StatusMask mask = kAnyStatus) {
-    return groups_.create_publisher(std::move(qos), listener, mask);
-  }
+  /// writer is created.
+  Publisher& create_publisher(GroupQos qos = {}, PublisherListener* listener = nullptr,
+                              StatusMask mask = kAnyStatus);
   /// Creates a subscriber, which the participant owns. The policies are checked when its first
-  /// reader is created, so this call has no error.
-  Result<Subscriber*> create_subscriber(GroupQos qos = {}, SubscriberListener* listener = nullptr,
-                                        StatusMask mask = kAnyStatus) {
-    return groups_.create_subscriber(std::move(qos), listener, mask);
-  }
+  /// reader is created.
+  Subscriber& create_subscriber(GroupQos qos = {}, SubscriberListener* listener = nullptr,
+                                StatusMask mask = kAnyStatus);
   /// Deletes the topic. If find_topic has returned it as well, only the last of as many calls
   /// deletes it. Waits until running listeners of this participant have returned. Errors:
   /// rtps_precondition_not_met (the topic belongs to another participant or is in use, or the call
   /// is made from within a callback of this participant, or of another one that a callback of this
   /// one waits for).
-  Status delete_topic(Topic& topic) { return topics_.remove(topic); }
+  Status delete_topic(Topic& topic);
   /// Deletes a publisher without writers, or a subscriber without readers. Waits as delete_topic
   /// does. Errors: those of delete_topic; rtps_precondition_not_met also if it is not empty.
-  Status delete_publisher(Publisher& publisher) { return groups_.remove(publisher); }
-  Status delete_subscriber(Subscriber& subscriber) { return groups_.remove(subscriber); }
+  Status delete_publisher(Publisher& publisher);
+  Status delete_subscriber(Subscriber& subscriber);
   /// Deletes all topics, publishers and subscribers with what they contain. Pointers to them are
   /// invalid afterwards. Errors: rtps_precondition_not_met (called from within a callback, as for
   /// delete_topic).
@@ -235,13 +229,11 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   }
   /// Returns the remote participants that were accepted. A secured participant accepts those that
   /// are authenticated, or admitted without authentication.
-  std::vector<Guid> discovered_participants() const { return discovered_.participants(); }
+  std::vector<Guid> discovered_participants() const;
   /// Returns what a participant announced. Errors: rtps_bad_parameter (no such participant).
-  Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const {
-    return discovered_.participant_data(participant);
-  }
+  Result<ParticipantBuiltinTopicData> discovered_participant_data(const Guid& participant) const;
   /// Returns the topics on which at least one remote endpoint is known.
-  std::vector<TopicBuiltinTopicData> discovered_topics() const { return discovered_.topics(); }
+  std::vector<TopicBuiltinTopicData> discovered_topics() const;
   /// Creates new keys and switches to them when all trusted peers have received them, after 5 s at
   /// the latest. Only for secured participants whose governance enables key revision. Key revision
   /// also happens automatically when a peer's identity or permissions end and when a peer is
@@ -252,21 +244,17 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   /// 2.2.2.2.1.14). With the participant's own GUID, its writers and readers do not match each
   /// other. A secured participant then revises its keys, if the governance enables that. Errors:
   /// rtps_not_enabled.
-  Status ignore_participant(const Guid& participant) {
-    return discovered_.ignore_participant(participant);
-  }
+  Status ignore_participant(const Guid& participant);
   /// Ignores all remote writers and readers of that topic. Errors: rtps_not_enabled.
-  Status ignore_topic(const std::string& name) { return discovered_.ignore_topic(name); }
+  Status ignore_topic(const std::string& name);
   /// Ignores a remote writer, or a remote reader. Errors: rtps_not_enabled.
-  Status ignore_publication(const Guid& writer) { return discovered_.ignore_endpoint(writer); }
-  Status ignore_subscription(const Guid& reader) { return discovered_.ignore_endpoint(reader); }
+  Status ignore_publication(const Guid& writer);
+  Status ignore_subscription(const Guid& reader);
   /// Returns a topic of this participant. Otherwise waits up to `timeout` until a remote endpoint
   /// uses the name, and creates a topic of octets with the type that this endpoint announces. A
   /// topic must be deleted as often as it was created or found. Errors: rtps_timeout, those of
   /// create_topic.
-  Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds timeout) {
-    return topics_.find(name, timeout);
-  }
+  Result<Topic*> find_topic(const std::string& name, std::chrono::nanoseconds timeout);
 
   /// Asserts the liveliness of its writers with LIVELINESS MANUAL_BY_PARTICIPANT. Errors:
   /// rtps_not_enabled.
@@ -279,9 +267,10 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
  private:
   friend class AnyDataReader;
   friend class AnyDataWriter;
+  friend class ContextAccess;
   friend class DomainParticipantFactory;
-  friend class Keeper;
   friend class Topic;
+  friend struct ParticipantParts;
 
   DomainParticipant(DomainParticipantOptions options, const PluginServices& services);
   const DomainParticipantOptions options_;
@@ -289,11 +278,7 @@ class DomainParticipant final : private detail::ServiceHolder, public Entity {
   Qos default_topic_qos_;
   Guid guid_;
   ListenerAndMask<DomainParticipantListener> listening_;
-  const std::unique_ptr<DurableStores> stores_;
-  ManualLiveliness manual_liveliness_;
-  DiscoveredEntities discovered_;
-  TopicDescriptions topics_;
-  Groups groups_;  // its members refer to topics
+  const std::unique_ptr<ParticipantParts> parts_;
   std::unique_ptr<BuiltinTopics> builtin_topics_;
 };
 

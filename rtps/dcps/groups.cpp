@@ -1,30 +1,33 @@
 #include "rtps/dcps/groups.hpp"
 
+#include <cassert>
+
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/dcps/no_callbacks.hpp"
 
 namespace ddssec::rtps {
 
-bool Groups::enables_new() const {
-  return participant_.is_enabled() && participant_.qos().autoenable_created_entities;
+// Enabling a new group cannot fail: the participant is enabled, and the group has no members yet.
+void Groups::enable_if_due(Group& group) const {
+  if (!participant_.is_enabled() || !participant_.qos().autoenable_created_entities) return;
+  [[maybe_unused]] const auto enabled = group.enable();
+  assert(enabled);
 }
 
-Result<Publisher*> Groups::create_publisher(GroupQos qos, PublisherListener* listener,
-                                            StatusMask mask) {
+Publisher& Groups::create_publisher(GroupQos qos, PublisherListener* listener, StatusMask mask) {
   std::unique_ptr<Publisher> publisher(new Publisher(participant_, context_, std::move(qos)));
   publisher->set_listener(listener, mask);
   const std::lock_guard members(context_.members());
-  if (enables_new()) DDSSEC_RETURN_IF_ERROR(publisher->enable());
-  return publishers_.add(std::move(publisher));
+  enable_if_due(*publisher);
+  return *publishers_.add(std::move(publisher));
 }
 
-Result<Subscriber*> Groups::create_subscriber(GroupQos qos, SubscriberListener* listener,
-                                              StatusMask mask) {
+Subscriber& Groups::create_subscriber(GroupQos qos, SubscriberListener* listener, StatusMask mask) {
   std::unique_ptr<Subscriber> subscriber(new Subscriber(participant_, context_, std::move(qos)));
   subscriber->set_listener(listener, mask);
   const std::lock_guard members(context_.members());
-  if (enables_new()) DDSSEC_RETURN_IF_ERROR(subscriber->enable());
-  return subscribers_.add(std::move(subscriber));
+  enable_if_due(*subscriber);
+  return *subscribers_.add(std::move(subscriber));
 }
 
 Status Groups::remove(Publisher& publisher) {

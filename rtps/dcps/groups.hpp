@@ -15,10 +15,10 @@ class Groups {
   Groups(DomainParticipant& participant, ParticipantContext& context)
       : participant_(participant), context_(context), publishers_(context), subscribers_(context) {}
 
-  /// Creates a group, which this object owns. Errors: those of Group::enable.
-  Result<Publisher*> create_publisher(GroupQos qos, PublisherListener* listener, StatusMask mask);
-  Result<Subscriber*> create_subscriber(GroupQos qos, SubscriberListener* listener,
-                                        StatusMask mask);
+  /// Creates a group, which this object owns, and enables it if the participant is enabled and its
+  /// policies say so.
+  Publisher& create_publisher(GroupQos qos, PublisherListener* listener, StatusMask mask);
+  Subscriber& create_subscriber(GroupQos qos, SubscriberListener* listener, StatusMask mask);
   /// Deletes the group. Errors: rtps_precondition_not_met (it is not empty or belongs to another
   /// participant, or the call is made from within a callback).
   Status remove(Publisher& publisher);
@@ -41,7 +41,7 @@ class Groups {
   ReleasedGroups release() { return {publishers_.release(), subscribers_.release()}; }
 
  private:
-  bool enables_new() const;
+  void enable_if_due(Group& group) const;
 
   DomainParticipant& participant_;
   ParticipantContext& context_;

@@ -3,8 +3,6 @@
 // lock.
 #pragma once
 
-#include <set>
-
 #include "rtps/dcps/arrival_order.hpp"
 #include "rtps/dcps/instance_writers.hpp"
 #include "rtps/dcps/state_counts.hpp"

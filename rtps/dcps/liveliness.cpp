@@ -21,7 +21,7 @@ void WriterLease::assert_at(MonotonicTime now) {
   is_lost_ = false;
 }
 
-bool WriterLease::check(MonotonicTime now) {
+bool WriterLease::expire(MonotonicTime now) {
   if (now < next_tick()) return false;
   is_lost_ = true;
   return true;
@@ -76,7 +76,7 @@ void LivelinessMonitor::remove(const Guid& writer) {
   count(writer, was_alive ? -1 : 0, was_alive ? 0 : -1);
 }
 
-void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
+void LivelinessMonitor::note_alive(const Guid& writer, MonotonicTime now) {
   const auto at = writers_.find(writer);
   if (at == writers_.end()) return;
   at->second.asserted = now;
@@ -86,7 +86,7 @@ void LivelinessMonitor::alive(const Guid& writer, MonotonicTime now) {
 }
 
 // An assertion does not move the noted end, so each lease is checked once per lease duration.
-void LivelinessMonitor::check(MonotonicTime now, const OnEnd& ended) {
+void LivelinessMonitor::expire(MonotonicTime now, const OnEnd& ended) {
   while (next_tick() <= now) {
     const auto guid = ends_.begin()->second;
     auto& writer = writers_.find(guid)->second;

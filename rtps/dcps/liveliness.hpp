@@ -22,7 +22,7 @@ class WriterLease {
 
   void assert_at(MonotonicTime now);
   /// Returns true once for each time that the lease ran out.
-  bool check(MonotonicTime now);
+  bool expire(MonotonicTime now);
   MonotonicTime next_tick() const {
     return is_lost_ || lease_ == kNever ? kNever : asserted_ + lease_;
   }
@@ -47,10 +47,10 @@ class LivelinessMonitor {
   void follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void remove(const Guid& writer);
   /// Notes that the writer asserted its liveliness.
-  void alive(const Guid& writer, MonotonicTime now);
+  void note_alive(const Guid& writer, MonotonicTime now);
   /// Calls `ended` for each writer whose lease ran out, with its signal, or nullptr if it has none.
   using OnEnd = std::function<void(const Guid&, LivelinessSignal*)>;
-  void check(MonotonicTime now, const OnEnd& ended);
+  void expire(MonotonicTime now, const OnEnd& ended);
   /// Returns a time before which no lease ends.
   MonotonicTime next_tick() const { return ends_.empty() ? kNever : ends_.begin()->first; }
 

@@ -44,7 +44,7 @@ void OfferedLiveliness::renew(MonotonicTime now) {
 }
 
 void OfferedLiveliness::on_time(MonotonicTime now) {
-  if (lease_->check(now)) lost_();
+  if (lease_->expire(now)) lost_();
   call_at(lease_->next_tick());
 }
 

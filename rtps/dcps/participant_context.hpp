@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
-#include <thread>
 
 #include "base/plugin_services.hpp"
 #include "rtps/dcps/callback_lock.hpp"

@@ -32,7 +32,7 @@ Status ParticipantService::adopt(std::unique_ptr<RtpsParticipant> protocol) {
 void ParticipantService::follow_interfaces(std::vector<std::string> wanted) {
   wanted_interfaces_ = std::move(wanted);
   auto watch = InterfaceWatch::open();
-  auto status = watch ? sockets_->loop().watch(watch->fd(), [this] { check_interfaces(); })
+  auto status = watch ? sockets_->loop().watch(watch->fd(), [this] { poll_interfaces(); })
                       : Status(std::unexpected(watch.error()));
   if (!status) {
     auto error = Error(Code::rtps_interfaces_unwatched, {.note = status.error().to_sentence()});
@@ -42,7 +42,7 @@ void ParticipantService::follow_interfaces(std::vector<std::string> wanted) {
 }
 
 // An interface that was named and is gone may come back.
-void ParticipantService::check_interfaces() {
+void ParticipantService::poll_interfaces() {
   if (!watch_->drain()) return;
   caught_.run("changed network interfaces", [&] {
     auto chosen = choose_interfaces(wanted_interfaces_);

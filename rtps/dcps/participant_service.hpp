@@ -60,7 +60,7 @@ class ParticipantService final : private ParticipantContext::Server, private Ser
   bool dispatch();
   void run();
   void receive(UdpSocket& socket);
-  void check_interfaces();
+  void poll_interfaces();
   void change_interfaces(std::vector<NetworkInterface> chosen);
   void receive_memory();
   void receive_batch(UdpSocket& socket, std::size_t count);

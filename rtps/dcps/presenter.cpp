@@ -6,7 +6,7 @@ namespace ddssec::rtps {
 
 void Presenter::add_writer(PresentedReader& reader, const Guid& writer,
                            const std::optional<Guid>& group, const GuidPrefix& identity) {
-  const bool grouped = is_by_group_ && group;
+  const bool grouped = access_.is_by_group && group;
   const SourceKey key{grouped ? nullptr : &reader, grouped ? *group : writer};
   if (!source_of_.try_emplace({&reader, writer}, key).second) return;
   auto& source = sources_[key];
@@ -53,7 +53,7 @@ void Presenter::note_presented(Source& source, const StreamKey& key) {
   const auto at = source.leaving.find(key);
   if (at == source.leaving.end() || --at->second > 0) return;
   source.leaving.erase(at);
-  key.first->left(key.second);
+  key.first->note_left(key.second);
 }
 
 // Returns an iterator to the next source.
@@ -183,7 +183,7 @@ void Presenter::give_up_batch(Batch& batch, const Source& source, PresentedReade
     if (is_cause)
       reader->give_up(its.writer, its.room.samples, limit);
     else
-      reader->lose(its.room.samples);
+      reader->note_lost(its.room.samples);
   }
 }
 
@@ -204,21 +204,23 @@ void Presenter::add_to_set(Source& source, const StreamKey& key, Change& change,
   const auto number = change.sequence_number;
   const bool follows = number == stream.last.next();
   stream.progress = std::max(stream.progress, in.group);
-  const auto id = !is_coherent_                            ? SequenceNumber{}
-                  : is_by_group_ && in.group_set.value > 0 ? in.group_set
-                                                           : in.set;
+  const auto id = !access_.is_coherent                            ? SequenceNumber{}
+                  : access_.is_by_group && in.group_set.value > 0 ? in.group_set
+                                                                  : in.set;
   const bool ends = change.is_marker() || id.value == 0;
   const auto before = std::exchange(stream.last, number);
   if (stream.set.value > 0 && (ends || id != stream.set))
-    end_set(source, key, std::exchange(stream.set, {}), follows, now);
+    end_set(source, key, std::exchange(stream.set, {}), follows ? SetEnd::whole : SetEnd::with_gap,
+            now);
   else if (change.is_marker() && id.value > 0)  // the writer wrote nothing in the set
-    end_set(source, key, id, follows || before.value == 0, now);
+    end_set(source, key, id, follows || before.value == 0 ? SetEnd::whole : SetEnd::with_gap, now);
   if (change.is_marker()) return;
   if (id.value == 0) {
     std::vector<Item> one;
     one.push_back({key.first, std::move(change)});
-    return enqueue(source, in.group.value > 0 && is_ordered_ && is_by_group_ ? in.group : number,
-                   {std::move(one), in.group, now});
+    return enqueue(
+        source, in.group.value > 0 && access_.is_ordered && access_.is_by_group ? in.group : number,
+        {std::move(one), in.group, now});
   }
   auto& set = set_of(source, id);
   const bool begins = stream.set.value == 0;
@@ -229,16 +231,16 @@ void Presenter::add_to_set(Source& source, const StreamKey& key, Change& change,
 
 // Samples of a set that cannot become complete are counted as lost and not kept.
 void Presenter::add_item(Source& source, Set& set, Item item) {
-  if (set.is_broken) return item.reader->lose(1);
+  if (set.is_broken) return item.reader->note_lost(1);
   charge_open(source, set, price_of(item));
   set.items.push_back(std::move(item));
 }
 
-void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
+void Presenter::end_set(Source& source, const StreamKey& key, SequenceNumber id, SetEnd end,
                         MonotonicTime now) {
   auto& set = set_of(source, id);
   set.ended.insert(key);
-  set.is_broken = set.is_broken || !whole;
+  set.is_broken = set.is_broken || end == SetEnd::with_gap;
   finish_if_complete(source, id, now);
 }
 
@@ -263,7 +265,7 @@ void Presenter::finish_if_complete(Source& source, SequenceNumber id, MonotonicT
   if (!set.items.empty()) {
     refund_open(source, set, set.octets - kPricePerItem);
     const auto last = set.items.back().change.coherence.group;
-    const auto first = is_by_group_ ? id : set.items.front().change.sequence_number;
+    const auto first = access_.is_by_group ? id : set.items.front().change.sequence_number;
     enqueue(source, first, {std::move(set.items), last.value > 0 ? last.next() : last, now});
   }
   remove_set(source, at);
@@ -284,7 +286,7 @@ void Presenter::lose_items(const Source& source, Set& set,
     if (limit)
       reader->give_up(its.writer, its.room.samples, *limit);
     else
-      reader->lose(its.room.samples);
+      reader->note_lost(its.room.samples);
   }
 }
 
@@ -301,7 +303,7 @@ void Presenter::enqueue(Source& source, SequenceNumber at, Batch batch) {
 // True if nothing can arrive any more before the batch (RTPS 8.7.5), or if the wait has ended.
 bool Presenter::may_present(const Source& source, SequenceNumber first, const Batch& batch,
                             MonotonicTime now) const {
-  if (!is_by_group_ || batch.last.value == 0) return true;
+  if (!access_.is_by_group || batch.last.value == 0) return true;
   if (first <= source.presented.next()) return true;
   const auto passed = [&](const auto& entry) { return entry.second.progress >= first.previous(); };
   return std::ranges::all_of(source.streams, passed) || now >= batch.since + kGapTimeout;
@@ -365,9 +367,9 @@ void Presenter::present_ready_of(Source& source, MonotonicTime now) {
   }
 }
 
-void Presenter::unblock(Batch& batch, MonotonicTime now, bool freed) {
+void Presenter::unblock(Batch& batch, MonotonicTime now, ReaderRoom room) {
   if (!batch.is_blocked) return;
-  batch.retries = batch.retries || freed;
+  batch.retries = batch.retries || room == ReaderRoom::may_be_freed;
   if (!batch.retries) return;
   const bool is_early = now < search_at_;
   retries_ = retries_ || is_early;
@@ -389,7 +391,7 @@ void Presenter::pause(bool paused, MonotonicTime now) {
 }
 
 // Sources take turns: the search begins after the one that was searched last.
-void Presenter::present_ready(MonotonicTime now, bool freed) {
+void Presenter::present_ready(MonotonicTime now, ReaderRoom room) {
   retries_ = false;
   const auto last = searched_;
   auto at = sources_.upper_bound(last);
@@ -397,7 +399,7 @@ void Presenter::present_ready(MonotonicTime now, bool freed) {
     if (from_begin) at = sources_.begin();
     while (at != sources_.end() && (!from_begin || at->first <= last)) {
       auto& source = at->second;
-      if (!source.ready.empty()) unblock(source.ready.begin()->second, now, freed);
+      if (!source.ready.empty()) unblock(source.ready.begin()->second, now, room);
       present_ready_of(source, now);
       at = forget_if_done(at);
     }

@@ -33,9 +33,9 @@ class PresentedReader {
   virtual bool present(Change& change) = 0;
   /// Notes that a writer has left: it was removed while its samples waited for room, and the last
   /// of them was presented.
-  virtual void left(const Guid& writer) = 0;
+  virtual void note_left(const Guid& writer) = 0;
   /// Reports samples of a set that will never be complete.
-  virtual void lose(std::size_t samples) = 0;
+  virtual void note_lost(std::size_t samples) = 0;
   /// Reports samples of a set of that writer that is given up because of a limit.
   virtual void give_up(const Guid& writer, std::size_t samples, Limit limit) = 0;
 };
@@ -62,8 +62,13 @@ class Presenter {
   static constexpr std::size_t kItemsBeforePause = 256;
   static constexpr MonotonicTime kPausePerItem = std::chrono::microseconds(4);
 
-  Presenter(bool by_group, bool coherent, bool ordered)
-      : is_by_group_(by_group), is_coherent_(coherent), is_ordered_(ordered) {}
+  /// What the PRESENTATION policy asks for.
+  struct PresentedAccess {
+    bool is_by_group = false;  ///< GROUP scope: one publisher's writers are presented together
+    bool is_coherent = false;
+    bool is_ordered = false;
+  };
+  explicit Presenter(const PresentedAccess& access) : access_(access) {}
 
   /// `group` is the writer's publisher, if it was announced. `identity` is the identity whose share
   /// the writer uses.
@@ -83,9 +88,10 @@ class Presenter {
                    MonotonicTime now);
   /// Pauses or resumes. While paused, nothing is presented (begin_access).
   void pause(bool paused, MonotonicTime now);
-  /// Presents what has room now. Call it when readers may have room again (`freed`), and at
-  /// `next_tick`.
-  void present_ready(MonotonicTime now, bool freed = true);
+  /// Whether readers may have room again since the last call.
+  enum class ReaderRoom : std::uint8_t { may_be_freed, unchanged };
+  /// Presents what has room now. Call it when readers may have room again, and at `next_tick`.
+  void present_ready(MonotonicTime now, ReaderRoom room = ReaderRoom::may_be_freed);
   MonotonicTime next_tick() const;
   /// Returns the price of everything that is held.
   std::size_t octets() const { return octets_; }
@@ -157,7 +163,8 @@ class Presenter {
   void give_up_largest(const GuidPrefix& identity);
   void give_up_batch(Batch& batch, const Source& source, PresentedReader::Limit limit);
   void add_to_set(Source& source, const StreamKey& key, Change& change, MonotonicTime now);
-  void end_set(Source& source, const StreamKey& key, SequenceNumber id, bool whole,
+  enum class SetEnd : std::uint8_t { whole, with_gap };
+  void end_set(Source& source, const StreamKey& key, SequenceNumber id, SetEnd end,
                MonotonicTime now);
   Set& set_of(Source& source, SequenceNumber id);
   void finish_if_complete(Source& source, SequenceNumber id, MonotonicTime now);
@@ -174,11 +181,11 @@ class Presenter {
                    MonotonicTime now) const;
   static void note_wanted(Batch& batch);
   static Room room_for(const Batch& batch);
-  void unblock(Batch& batch, MonotonicTime now, bool freed);
+  void unblock(Batch& batch, MonotonicTime now, ReaderRoom room);
   bool present_batch(Source& source, Batch& batch);
   void present_ready_of(Source& source, MonotonicTime now);
 
-  const bool is_by_group_, is_coherent_, is_ordered_;
+  const PresentedAccess access_;
   bool is_paused_ = false;
   MonotonicTime search_at_{};  ///< before this time, no room is searched for blocked batches
   bool retries_ = false;       ///< true if a batch waits for search_at_

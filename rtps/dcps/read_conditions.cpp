@@ -6,9 +6,6 @@
 
 namespace ddssec::rtps {
 
-ReadCondition::ReadCondition(AnyDataReader& reader, const States& states)
-    : Condition(reader.status_condition().turn()), reader_(reader), states_(states) {}
-
 ReadCondition& ReadConditions::create(const States& states) {
   conditions_.emplace_back(new ReadCondition(reader_, states));
   return *conditions_.back();
@@ -50,11 +47,6 @@ void ReadConditions::clear() {
 void ReadConditions::update(const ReaderCache& cache) {
   for (auto& condition : conditions_)
     condition->trigger(cache.any(condition->states(), condition->query()));
-}
-
-Status ReadCondition::check_reader(const AnyDataReader& reader) const {
-  if (&reader_ == &reader) return {};
-  return precondition_not_met_error("read condition", "one of this reader", "another's");
 }
 
 }  // namespace ddssec::rtps

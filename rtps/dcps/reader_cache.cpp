@@ -397,8 +397,8 @@ bool ReaderCache::leave(Instance& instance, const Guid& writer, MonotonicTime no
   return ends || changes;
 }
 
-bool ReaderCache::lose_writer(const Guid& writer, bool unmatched, MonotonicTime now) {
-  if (unmatched) writers_.erase(writer);
+bool ReaderCache::lose_writer(const Guid& writer, WriterLoss loss, MonotonicTime now) {
+  if (loss == WriterLoss::unmatched) writers_.erase(writer);
   bool changed = false;
   for (const auto handle : held_.joined_by(writer))
     changed = leave(*held_.find(handle), writer, now) || changed;
@@ -440,8 +440,8 @@ void ReaderCache::set_deadline(Duration period, MonotonicTime now) {
 }
 
 // All periods are equal, so appending keeps the list in the order of deadlines.
-void ReaderCache::check_deadlines(MonotonicTime now,
-                                  const std::function<void(InstanceHandle)>& missed) {
+void ReaderCache::expire_deadlines(MonotonicTime now,
+                                   const std::function<void(InstanceHandle)>& missed) {
   while (!due_.empty() && due_.front()->deadline <= now) {
     auto& instance = *due_.front();
     instance.owner.reset();

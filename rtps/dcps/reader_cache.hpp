@@ -31,9 +31,10 @@ class ReaderCache {
   /// counted.
   void set_writer(const Guid& writer, std::int32_t strength, Duration lifespan,
                   const std::optional<GuidPrefix>& identity = {});
-  /// Removes a writer that was unmatched or is no longer alive from all its instances. Returns true
-  /// if any state changed.
-  bool lose_writer(const Guid& writer, bool unmatched, MonotonicTime now);
+  /// Why a writer is lost. One that is not alive may return, with the same settings.
+  enum class WriterLoss : std::uint8_t { unmatched, not_alive };
+  /// Removes a writer from all its instances. Returns true if any state changed.
+  bool lose_writer(const Guid& writer, WriterLoss loss, MonotonicTime now);
 
   /// Returns the time at which the LIFESPAN of its writer ends the change, or kNever.
   MonotonicTime expiry_of(const Change& change, const Moment& at) const;
@@ -76,9 +77,10 @@ class ReaderCache {
   /// Removes what LIFESPAN or READER_DATA_LIFECYCLE has ended. Returns true if it removed anything.
   bool expire(MonotonicTime now);
   /// Calls `missed` for each instance whose DEADLINE passed, and removes its owner.
-  void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
-  /// Returns the next time at which expire or check_deadlines has work.
+  void expire_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
+  /// Returns the next time at which expire or expire_deadlines has work.
   MonotonicTime next_tick() const;
+  /// Changes the DEADLINE period. The new period of each instance that is alive begins at `now`.
   void set_deadline(Duration period, MonotonicTime now);
   /// Sets the policy for instances that end from now on.
   void set_lifecycle(const ReaderDataLifecycle& lifecycle) { lifecycle_ = lifecycle; }

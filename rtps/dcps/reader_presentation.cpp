@@ -7,7 +7,8 @@ void ReaderPresentation::start(const Presentation& policy, Presenter* of_group, 
   if (policy.scope == PresentationScope::group) {
     presenter_ = of_group;
   } else if (policy.coherent_access) {
-    own_ = std::make_unique<Presenter>(false, true, policy.ordered_access);
+    own_ = std::make_unique<Presenter>(
+        Presenter::PresentedAccess{.is_coherent = true, .is_ordered = policy.ordered_access});
     presenter_ = own_.get();
     if (paused) own_->pause(true, now);
   }
@@ -30,8 +31,8 @@ void ReaderPresentation::on_group(const Guid& writer, SequenceNumber group, Mono
   if (holds_back()) presenter_->on_progress(reader_, writer, group, now);
 }
 
-void ReaderPresentation::release(MonotonicTime now, bool freed) {
-  if (holds_back()) presenter_->present_ready(now, freed);
+void ReaderPresentation::release(MonotonicTime now, Presenter::ReaderRoom room) {
+  if (holds_back()) presenter_->present_ready(now, room);
 }
 
 void ReaderPresentation::pause(bool paused, MonotonicTime now) {

@@ -28,7 +28,7 @@ class ReaderPresentation {
   /// Returns true if samples of the writer still wait (Presenter::remove).
   bool remove_writer(const Guid& writer, MonotonicTime now);
   void on_group(const Guid& writer, SequenceNumber group, MonotonicTime now);
-  void release(MonotonicTime now, bool freed = true);
+  void release(MonotonicTime now, Presenter::ReaderRoom room = Presenter::ReaderRoom::may_be_freed);
   /// Pauses the reader's own Presenter. The subscriber pauses its own.
   void pause(bool paused, MonotonicTime now);
   /// Returns kNever unless holds_back().

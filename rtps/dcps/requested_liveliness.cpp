@@ -20,7 +20,7 @@ void RequestedLiveliness::on_signal(const Guid& writer, std::shared_ptr<Liveline
 }
 
 void RequestedLiveliness::on_alive(const Guid& writer, MonotonicTime now) {
-  monitor_.alive(writer, now);
+  monitor_.note_alive(writer, now);
   update();
 }
 
@@ -33,7 +33,7 @@ LivelinessChangedStatus RequestedLiveliness::read_status() {
 
 void RequestedLiveliness::on_time(MonotonicTime now) {
   std::vector<Guid> ended;
-  monitor_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
+  monitor_.expire(now, [&](const Guid& writer, LivelinessSignal* signal) {
     if (signal != nullptr) signal->notify(reader_, writer);
     ended.push_back(writer);
   });

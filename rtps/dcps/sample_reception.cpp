@@ -56,10 +56,12 @@ void SampleReception::add_writer(const EndpointData& writer) {
 void SampleReception::remove_writer(const Guid& writer) {
   if (presentation_.remove_writer(writer, context_.now())) {
     // Other writers may own its instances from now on.
-    if (is_exclusive_ && samples_.cache().lose_writer(writer, false, context_.now())) note_data();
+    if (is_exclusive_ &&
+        samples_.cache().lose_writer(writer, ReaderCache::WriterLoss::not_alive, context_.now()))
+      note_data();
     return;
   }
-  left(writer);
+  note_left(writer);
   present_again();
 }
 
@@ -68,15 +70,17 @@ void SampleReception::present_again() {
   schedule_presenter();
 }
 
-void SampleReception::left(const Guid& writer) {
-  if (samples_.cache().lose_writer(writer, true, context_.now())) note_data();
+void SampleReception::note_left(const Guid& writer) {
+  if (samples_.cache().lose_writer(writer, ReaderCache::WriterLoss::unmatched, context_.now()))
+    note_data();
   call_at(cache().next_tick());
 }
 
 void SampleReception::lose_writers(std::span<const Guid> writers, MonotonicTime now) {
   bool changed = false;
   for (const auto& writer : writers)
-    changed = samples_.cache().lose_writer(writer, false, now) || changed;
+    changed =
+        samples_.cache().lose_writer(writer, ReaderCache::WriterLoss::not_alive, now) || changed;
   if (changed) note_data();
   present_again();
   call_at(cache().next_tick());
@@ -299,10 +303,11 @@ void SampleReception::on_time(MonotonicTime now) {
   auto& cache = samples_.cache();
   const bool freed = cache.expire(now);
   if (freed) update_conditions();
-  presentation_.release(now, freed);
+  presentation_.release(
+      now, freed ? Presenter::ReaderRoom::may_be_freed : Presenter::ReaderRoom::unchanged);
   schedule_presenter();
   if (cache.release(context_.moment())) note_data();
-  cache.check_deadlines(now, reports_.deadline_missed);
+  cache.expire_deadlines(now, reports_.deadline_missed);
   call_at(cache.next_tick());
 }
 

@@ -84,8 +84,8 @@ class SampleReception final : private PresentedReader, private TimedObject {
   KeyHash instance_of(const Change& change) const override;
   Room room_for(const WantedRoom& wanted, const Guid& writer) const override;
   bool present(Change& change) override { return store(change); }
-  void left(const Guid& writer) override;
-  void lose(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
+  void note_left(const Guid& writer) override;
+  void note_lost(std::size_t samples) override { on_lost(static_cast<std::int64_t>(samples)); }
   void give_up(const Guid& writer, std::size_t samples, Limit limit) override;
   void on_time(MonotonicTime now) override;
   /// Call it when samples have left the reader.

@@ -9,7 +9,6 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 #include "base/clock.hpp"
 #include "base/file_descriptor.hpp"
@@ -48,9 +47,9 @@ class ServingTurn {
   static constexpr std::chrono::nanoseconds kHeld = std::chrono::milliseconds(300);
   /// How long the participant's thread keeps the turn after it took it from a thread held up.
   static constexpr std::chrono::nanoseconds kAfterHeld = std::chrono::seconds(1);
-  /// The longest sleep of the participant's thread: usually, and while a thread whose turn it took
-  /// may still wait for the same sockets.
+  /// The longest sleep of the participant's thread.
   static constexpr std::chrono::nanoseconds kMaxOwn = std::chrono::seconds(10);
+  /// The same, while a thread from which it took the turn may still wait for the same sockets.
   static constexpr std::chrono::nanoseconds kBesideHeld = std::chrono::milliseconds(10);
 
   class WaitScope;

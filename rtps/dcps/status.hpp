@@ -1,7 +1,6 @@
 // Communication statuses of DDS 1.4, 2.2.4.1, with additional information for diagnosis.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <map>
 

@@ -16,14 +16,4 @@ void StatusChanges::clear(StatusKind kind) {
   condition_.update();
 }
 
-void StatusCondition::update() {
-  trigger(!(entity_.changes_.all() & StatusMask::from(enabled_)).empty());
-}
-
-void StatusCondition::set_enabled_statuses(StatusMask statuses) {
-  const auto held = entity_.lock();
-  enabled_ = statuses.bits;
-  update();
-}
-
 }  // namespace ddssec::rtps

@@ -40,8 +40,10 @@ Presenter* Subscriber::presenter(const Presentation& presentation) {
   if (presentation.scope != PresentationScope::group) return nullptr;
   const bool needed = presentation.coherent_access || presentation.ordered_access;
   if (needed && !presenter_)
-    presenter_ = std::make_unique<Presenter>(true, presentation.coherent_access,
-                                             presentation.ordered_access);
+    presenter_ = std::make_unique<Presenter>(
+        Presenter::PresentedAccess{.is_by_group = true,
+                                   .is_coherent = presentation.coherent_access,
+                                   .is_ordered = presentation.ordered_access});
   return presenter_.get();
 }
 

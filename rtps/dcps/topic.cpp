@@ -2,6 +2,7 @@
 
 #include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/domain_participant.hpp"
+#include "rtps/dcps/participant_parts.hpp"
 
 namespace ddssec::rtps {
 
@@ -29,7 +30,7 @@ Status Topic::set_qos(const Qos& qos) {
     announced = qos_.topic_data != qos.topic_data;
     qos_ = qos;
   }
-  if (announced) return participant_.groups_.announce_again(*this);
+  if (announced) return participant_.parts_->groups.announce_again(*this);
   return {};
 }
 

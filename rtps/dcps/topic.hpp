@@ -17,7 +17,9 @@ class Topic final : public Entity {
 
   const std::string& name() const { return name_; }
   const std::string& type_name() const { return type_.name; }
+  /// Returns what the endpoints on the topic need to know about the type.
   const TypeSupport& type() const { return type_; }
+  /// Returns the participant that owns the topic, and outlives it.
   DomainParticipant& participant() const { return participant_; }
 
   /// Returns the policies that are in force.

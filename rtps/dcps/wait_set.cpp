@@ -13,35 +13,6 @@ constexpr std::chrono::nanoseconds kMaxWait = std::chrono::hours(24 * 365);
 
 }  // namespace
 
-Condition::Condition(std::shared_ptr<ServingTurn> turn)
-    : state_(std::make_shared<ConditionState>(std::move(turn))) {}
-
-bool Condition::trigger_value() const { return state_->trigger; }
-
-const std::shared_ptr<ServingTurn>& Condition::turn() const { return state_->turn; }
-
-// Only trigger() holds both mutexes, and it locks that of the condition first. Every other function
-// empties its own list before it removes itself from the lists of the others.
-Condition::~Condition() {
-  std::vector<std::shared_ptr<WaitSetState>> sets;
-  {
-    const std::lock_guard lock(state_->mutex);
-    sets.swap(state_->sets);
-  }
-  for (const auto& set : sets) {
-    const std::lock_guard lock(set->mutex);
-    std::erase_if(set->conditions, [this](const auto& one) { return one.condition == this; });
-  }
-}
-
-// The value is set before the wait set's mutex is locked, so that no waiting thread misses it.
-void Condition::trigger(bool value) {
-  const bool was = state_->trigger.exchange(value);
-  if (was || !value) return;
-  const std::lock_guard lock(state_->mutex);
-  for (const auto& set : state_->sets) set->notify();
-}
-
 // A thread that serves is not woken for what it triggers itself: it checks the conditions
 // afterwards.
 void WaitSetState::notify() {

@@ -14,9 +14,9 @@ std::shared_ptr<ChangeFilter> WriterFilter::of(const EndpointData& reader,
   return std::make_shared<WriterFilter>(*std::move(filter), signature_of(property));
 }
 
-WriterFilter::WriterFilter(BoundFilter filter, const FilterSignature& of)
+WriterFilter::WriterFilter(BoundFilter filter, const FilterSignature& filter_signature)
     : filter_(std::move(filter)) {
-  signature = of;
+  signature = filter_signature;
 }
 
 std::optional<bool> WriterFilter::passes(const Change& change) {

@@ -26,7 +26,7 @@ class WriterFilter final : public ChangeFilter {
   static std::shared_ptr<ChangeFilter> of(const EndpointData& reader, std::string_view topic_name,
                                           std::unique_ptr<SampleView> view);
 
-  WriterFilter(BoundFilter filter, const FilterSignature& of);
+  WriterFilter(BoundFilter filter, const FilterSignature& filter_signature);
   std::optional<bool> passes(const Change& change) override;
 
  private:

@@ -1,7 +1,5 @@
 #include "rtps/dcps/writer_instances.hpp"
 
-#include <algorithm>
-
 #include "rtps/dcps/deadline.hpp"
 
 namespace ddssec::rtps {
@@ -46,7 +44,7 @@ void WriterInstances::remove(const KeyHash& key) {
   by_key_.erase(at);
 }
 
-void WriterInstances::written(const KeyHash& key, MonotonicTime now) {
+void WriterInstances::note_written(const KeyHash& key, MonotonicTime now) {
   if (deadline_ == kNever) return;
   const auto at = by_key_.find(key);
   if (at == by_key_.end()) return;
@@ -54,12 +52,12 @@ void WriterInstances::written(const KeyHash& key, MonotonicTime now) {
   at->second.due.append_to(due_);
 }
 
-void WriterInstances::disposed(const KeyHash& key) {
+void WriterInstances::note_disposed(const KeyHash& key) {
   if (const auto at = by_key_.find(key); at != by_key_.end()) at->second.due.leave();
 }
 
-void WriterInstances::check_deadlines(MonotonicTime now,
-                                      const std::function<void(InstanceHandle)>& missed) {
+void WriterInstances::expire_deadlines(MonotonicTime now,
+                                       const std::function<void(InstanceHandle)>& missed) {
   while (!due_.empty() && due_.front()->deadline <= now) {
     auto& instance = *due_.front();
     instance.deadline = now + deadline_;
@@ -78,7 +76,7 @@ void WriterInstances::set_deadline(Duration period, MonotonicTime now) {
   for (auto& [key, instance] : by_key_) {
     const bool expected = had_none || instance.due.linked();
     instance.due.leave();
-    if (expected && deadline_ != kNever) written(key, now);
+    if (expected && deadline_ != kNever) note_written(key, now);
   }
 }
 

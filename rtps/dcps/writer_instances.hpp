@@ -27,17 +27,23 @@ class WriterInstances {
   InstanceHandle lookup(const KeyHash& key) const;
   /// Returns nullptr if the instance is not known.
   const Bytes* key_value(InstanceHandle instance) const;
+  /// Forgets the instance, if it is registered, and its deadline.
   void remove(const KeyHash& key);
+  /// Returns the number of registered instances.
   std::size_t size() const { return by_key_.size(); }
   /// Returns the key hash and the serialized key of each instance.
   std::vector<std::pair<KeyHash, Bytes>> keys() const;
 
   /// Notes that the instance was written at `now`: its DEADLINE period starts again.
-  void written(const KeyHash& key, MonotonicTime now);
+  void note_written(const KeyHash& key, MonotonicTime now);
   /// Notes that the instance was disposed: it has no deadline until it is written again.
-  void disposed(const KeyHash& key);
-  void check_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
+  void note_disposed(const KeyHash& key);
+  /// Calls `missed` for each instance whose deadline has passed, earliest first. The next period of
+  /// such an instance begins at `now`, so it is reported once in each period.
+  void expire_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
+  /// Returns the earliest deadline; kNever if there is none.
   MonotonicTime next_deadline() const;
+  /// Changes the DEADLINE period. The new period of each instance begins at `now`.
   void set_deadline(Duration period, MonotonicTime now);
 
  private:

@@ -1,6 +1,7 @@
 #include "rtps/discovery/content_filter_property.hpp"
 
 #include "base/hash.hpp"
+#include "rtps/discovery/parameter_table.hpp"
 #include "rtps/qos/qos.hpp"
 
 namespace ddssec::rtps {
@@ -22,21 +23,25 @@ FilterSignature signature_of(const ContentFilterProperty& property) {
 Result<std::optional<ContentFilterProperty>> read_content_filter_property(Reader& reader) {
   ContentFilterProperty out;
   bool usable = true;
-  const auto take = [&](std::string& text, std::size_t max_length, bool required) -> Status {
+  const auto read_text = [&](std::string& text, std::size_t max_length) -> Status {
     DDSSEC_ASSIGN_OR_RETURN(const auto read, reader.read_string());
-    usable = usable && read.size() <= max_length && !(required && read.empty());
+    usable = usable && read.size() <= max_length;
     if (usable) text = read;
     return {};
   };
-  DDSSEC_RETURN_IF_ERROR(take(out.content_filtered_topic_name, kMaxNameLength, true));
-  DDSSEC_RETURN_IF_ERROR(take(out.related_topic_name, kMaxNameLength, true));
-  DDSSEC_RETURN_IF_ERROR(take(out.filter_class_name, kMaxNameLength, true));
-  DDSSEC_RETURN_IF_ERROR(take(out.filter.expression, Filter::kMaxExpression, true));
+  const auto read_required = [&](std::string& text, std::size_t max_length) -> Status {
+    DDSSEC_RETURN_IF_ERROR(read_text(text, max_length));
+    usable = usable && !text.empty();
+    return {};
+  };
+  DDSSEC_RETURN_IF_ERROR(read_required(out.content_filtered_topic_name, kMaxNameLength));
+  DDSSEC_RETURN_IF_ERROR(read_required(out.related_topic_name, kMaxNameLength));
+  DDSSEC_RETURN_IF_ERROR(read_required(out.filter_class_name, kMaxNameLength));
+  DDSSEC_RETURN_IF_ERROR(read_required(out.filter.expression, Filter::kMaxExpression));
   DDSSEC_ASSIGN_OR_RETURN(const auto count, reader.read_count(4));
   usable = usable && count <= Filter::kMaxParameters;
   for (std::uint32_t i = 0; i < count && usable; ++i)
-    DDSSEC_RETURN_IF_ERROR(
-        take(out.filter.parameters.emplace_back(), Filter::kMaxParameter, false));
+    DDSSEC_RETURN_IF_ERROR(read_text(out.filter.parameters.emplace_back(), Filter::kMaxParameter));
   if (!usable) return std::nullopt;
   return out;
 }

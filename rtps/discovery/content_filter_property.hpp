@@ -1,14 +1,17 @@
 // CONTENT_FILTER_PROPERTY, with which a reader announces its content filter (RTPS 2.5, 8.7.3.1).
 #pragma once
 
+#include <optional>
 #include <string>
-#include <vector>
+#include <string_view>
 
-#include "rtps/discovery/parameter_table.hpp"
+#include "base/reader.hpp"
 #include "rtps/filter/filter.hpp"
 #include "wire/content_filter_info.hpp"
 
 namespace ddssec::rtps {
+
+class SpanWriter;
 
 /// The only supported filter class: DDS 1.4, Annex B.
 inline constexpr std::string_view kDdsSql = "DDSSQL";

@@ -1,5 +1,7 @@
 #include "rtps/discovery/endpoint_data.hpp"
 
+#include "rtps/discovery/parameter_table.hpp"
+#include "rtps/discovery/security_parameters.hpp"
 #include "wire/entity_ids.hpp"
 #include "wire/submessage.hpp"
 #include "wire/vendor.hpp"

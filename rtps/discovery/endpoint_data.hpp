@@ -2,12 +2,19 @@
 // 8.5.4.4).
 #pragma once
 
+#include <optional>
+#include <string>
+
+#include "base/ids.hpp"
+#include "plugins/spi/attributes.hpp"
 #include "rtps/discovery/content_filter_property.hpp"
-#include "rtps/discovery/security_parameters.hpp"
 #include "rtps/qos/qos.hpp"
 #include "rtps/types/type_consistency.hpp"
+#include "wire/locator.hpp"
 
 namespace ddssec::rtps {
+
+class SpanWriter;
 
 /// The announcement of a writer or a reader. The builtin topic and the kind in the GUID show which
 /// of them it is.

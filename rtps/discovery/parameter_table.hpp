@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "rtps/cdr/encapsulation.hpp"
 #include "wire/locator.hpp"

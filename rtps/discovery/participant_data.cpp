@@ -1,5 +1,6 @@
 #include "rtps/discovery/participant_data.hpp"
 
+#include "rtps/discovery/parameter_table.hpp"
 #include "rtps/discovery/security_parameters.hpp"
 #include "rtps/qos/qos.hpp"
 #include "wire/submessage.hpp"

@@ -8,11 +8,13 @@
 #include "base/property.hpp"
 #include "plugins/spi/attributes.hpp"
 #include "plugins/spi/token.hpp"
-#include "rtps/discovery/parameter_table.hpp"
+#include "wire/locator.hpp"
 #include "wire/time.hpp"
 #include "wire/vendor.hpp"
 
 namespace ddssec::rtps {
+
+class SpanWriter;
 
 /// The property in a participant's signed data that tells that the participant marks payloads which
 /// end an instance (end_mark). It is not announced, because the announcement must stay short.

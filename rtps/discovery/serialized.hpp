@@ -3,6 +3,7 @@
 
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/discovery/participant_data.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 

@@ -1,7 +1,6 @@
 #include "rtps/durability/database.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <sqlite3.h>
 
@@ -37,7 +36,7 @@ std::string reason(int kind, const std::string& path, sqlite3* database) {
 }
 
 // SQLite's message is shown unchanged: it contains names of files and limits, never samples.
-std::unexpected<Error> refuse(int code, const std::string& path, sqlite3* database) {
+std::unexpected<Error> database_error(int code, const std::string& path, sqlite3* database) {
   const int kind = code & 0xff;
   const bool no_room =
       kind == SQLITE_FULL || kind == SQLITE_IOERR || kind == SQLITE_NOMEM || kind == SQLITE_TOOBIG;
@@ -78,7 +77,7 @@ Result<bool> SqlStatement::step() {
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) return false;
   auto* database = sqlite3_db_handle(statement_.get());
-  auto error = refuse(sqlite3_extended_errcode(database), path_, database);
+  auto error = database_error(sqlite3_extended_errcode(database), path_, database);
   reset();
   return error;
 }
@@ -132,7 +131,7 @@ Result<SqlStatement> Database::prepare(std::string_view sql) {
   SqlStatement out;
   out.statement_.reset(raw);
   out.path_ = path_;
-  if (code != SQLITE_OK) return refuse(code, path_, database_.get());
+  if (code != SQLITE_OK) return database_error(code, path_, database_.get());
   return out;
 }
 

@@ -17,10 +17,11 @@ constexpr std::chrono::seconds kMaxOpen{5};
 constexpr std::chrono::seconds kRoomPollInterval{1};
 constexpr std::uint32_t kMaxAlike = 64;
 
-// Returns the octets that a commit handles for a change. A row that is removed costs about as much
-// as one that is stored.
+// Returns the octets that a commit handles for a change. A change without a payload costs about as
+// much as a row that is removed, or an entry of an ended instance.
 std::size_t work_of(const StoredChange& stored) {
-  return stored.change.payload.size() + stored.removed.size() * StoreShares::cost(0);
+  return stored.change.payload.size() +
+         (1 + stored.removed.size() + stored.ends.size()) * DurableStore::kOctetsOfChange;
 }
 
 }  // namespace
@@ -208,7 +209,7 @@ std::vector<std::int64_t> DurableStore::clean_up(StreamId stream, const Moment& 
 bool DurableStore::may_append(const GuidPrefix& identity, std::size_t octets) const {
   const auto own = octets_of_.find(identity);
   return own == octets_of_.end() || own->second == 0 ||
-         (!over() && own->second + octets <= kMaxPendingOctetsOfOne);
+         (!over() && own->second + octets + kOctetsOfChange <= kMaxPendingOctetsOfOne);
 }
 
 std::uint64_t DurableStore::count_pending(Time now) {

@@ -22,7 +22,11 @@ class DurableStore {
   static constexpr std::size_t kMaxPending = 65536;
   static constexpr std::size_t kMaxPendingOctets = std::size_t{16} << 20;
   /// The limit for one identity, whose further changes have to wait. One change is always accepted.
+  /// Each change, each row that it removes and each entry of an ended instance count
+  /// kOctetsOfChange octets besides the payload, so that one identity has at most a quarter of
+  /// kMaxPending changes.
   static constexpr std::size_t kMaxPendingOctetsOfOne = std::size_t{4} << 20;
+  static constexpr std::size_t kOctetsOfChange = kMaxPendingOctetsOfOne / (kMaxPending / 4);
 
   /// Opens a store. `events` must outlive it. Samples that have expired at `now`, a calendar time,
   /// are removed. Errors: those of SampleStore::open, rtps_thread_failed.
@@ -107,7 +111,8 @@ class DurableStore {
   /// Does the work of clean_up. The caller holds the mutex.
   std::vector<std::int64_t> clean_up(StreamId stream, const Moment& now, std::size_t max_samples);
   void commit(std::unique_lock<std::mutex>& held);
-  /// Returns false if the identity has enough changes that are not committed yet.
+  /// Returns false if the identity has enough changes that are not committed yet. `octets` is the
+  /// size of the payload.
   bool may_append(const GuidPrefix& identity, std::size_t octets) const;
   /// Counts the change that was pushed to pending_. The caller holds the mutex, as for set_free.
   std::uint64_t count_pending(Time now);

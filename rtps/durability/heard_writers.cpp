@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
+#include <vector>
 
 namespace ddssec::rtps {
 namespace {
@@ -10,6 +12,32 @@ constexpr std::size_t kOctetsPerEntry = 1024;
 
 // The number of an entry about an ended instance. Writers number their changes from 1 on.
 constexpr SequenceNumber kEnded{0};
+
+// The number of entries of each stream, largest first.
+using StreamSizes = std::vector<std::pair<std::size_t, StreamId>>;
+
+Result<StreamSizes> sizes_of_streams(Database& database) {
+  DDSSEC_ASSIGN_OR_RETURN(
+      auto rows,
+      database.prepare("SELECT count(*), stream FROM heard GROUP BY stream ORDER BY 1 DESC"));
+  StreamSizes out;
+  while (true) {
+    DDSSEC_ASSIGN_OR_RETURN(const auto has_row, rows.step());
+    if (!has_row) return out;
+    out.push_back({static_cast<std::size_t>(rows.number(0)), StreamId{rows.number(1)}});
+  }
+}
+
+// Returns the largest size that leaves at most `max_entries`, if larger streams shrink to it.
+std::size_t size_for(const StreamSizes& sizes, std::size_t max_entries) {
+  auto left = max_entries;
+  for (auto at = sizes.rbegin(); at != sizes.rend(); ++at) {
+    const auto share = left / static_cast<std::size_t>(sizes.rend() - at);
+    if (at->first > share) return share;
+    left -= at->first;
+  }
+  return sizes.empty() ? 0 : sizes.front().first;
+}
 
 Guid guid_from(BytesView octets) {
   return {GuidPrefix::from(octets.first(12)), EntityId::from(octets.subspan(12))};
@@ -78,13 +106,21 @@ Status HeardWriters::remember(Database& database, StreamId stream, const StoredE
 
 // Several entries are forgotten at once, because the search looks at all of them.
 Status HeardWriters::forget_longest_unused(Database& database) {
-  const auto surplus = std::to_string(counters_.entries - max_ + max_ / 16);
-  DDSSEC_RETURN_IF_ERROR(database.run(
-      "DELETE FROM heard WHERE used <= (SELECT used FROM heard ORDER BY used LIMIT 1 OFFSET " +
-      surplus + ")"));
+  DDSSEC_ASSIGN_OR_RETURN(const auto sizes, sizes_of_streams(database));
+  const auto size = size_for(sizes, max_ - max_ / 16);
+  for (const auto& [entries, stream] : sizes)
+    if (entries > size)
+      DDSSEC_RETURN_IF_ERROR(forget_longest_unused(database, stream, entries - size));
   DDSSEC_ASSIGN_OR_RETURN(const auto left, database.number("SELECT count(*) FROM heard"));
   counters_.entries = static_cast<std::size_t>(left);
   return {};
+}
+
+// No two entries were used at the same time.
+Status HeardWriters::forget_longest_unused(Database& database, StreamId stream, std::size_t count) {
+  const auto of_stream = " FROM heard WHERE stream = " + std::to_string(stream.value);
+  return database.run("DELETE" + of_stream + " AND used <= (SELECT used" + of_stream +
+                      " ORDER BY used LIMIT 1 OFFSET " + std::to_string(count - 1) + ")");
 }
 
 Status HeardWriters::forget(Database& database, StreamId stream) {

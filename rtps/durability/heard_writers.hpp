@@ -14,7 +14,8 @@ namespace ddssec::rtps {
 class HeardWriters {
  public:
   /// The largest number of entries, for all streams together. A small store has fewer. If there are
-  /// too many, those that were used longest ago are forgotten.
+  /// too many, the streams with the most entries forget those that were used longest ago. So the
+  /// writers of one topic displace no entry of a topic with fewer of them.
   static constexpr std::size_t kMax = 1 << 18;
 
   /// Opens the table. `max_octets` is the size limit of the store.
@@ -37,6 +38,8 @@ class HeardWriters {
   Status remember(Database& database, StreamId stream, const HeardWriter& heard);
   Status remember(Database& database, StreamId stream, const StoredEnd& end);
   Status forget_longest_unused(Database& database);
+  /// Forgets the entries of a stream that were used longest ago.
+  Status forget_longest_unused(Database& database, StreamId stream, std::size_t count);
 
   SqlStatement renew_, insert_, erase_;
   Counters counters_;

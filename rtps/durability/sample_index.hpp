@@ -72,10 +72,10 @@ class SampleIndex {
   std::size_t size(StreamId stream) const;
   /// Returns the number of changes that did not fit the limits of DURABILITY_SERVICE; never reset.
   std::uint64_t left_out() const { return left_out_; }
-  /// Sets another limit than kMaxSamples, for tests.
-  void limit_samples(std::size_t max_samples) { max_samples_ = max_samples; }
 
  private:
+  friend struct SampleLimit;  // tests/support/sample_limit.hpp
+
   using Account = StoreShares::Account;
   struct Row {
     std::int64_t id;

@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "rtps/durability/heard_writers.hpp"
 #include "rtps/durability/store_shares.hpp"

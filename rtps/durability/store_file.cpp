@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <sys/stat.h>
@@ -18,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unexpected<Error> refuse_file(const std::string& path, std::string expected,
-                                   std::string found) {
+std::unexpected<Error> unusable_file_error(const std::string& path, std::string expected,
+                                           std::string found) {
   return fail(Code::rtps_store_unusable,
               {.document = path, .expected = std::move(expected), .found = std::move(found)});
 }
@@ -27,7 +26,8 @@ std::unexpected<Error> refuse_file(const std::string& path, std::string expected
 // The file has samples of secured topics in the clear, so only the process's user may read it. It
 // is not repaired here, because other users may already have read or opened it.
 Status check_private(const std::string& path, const struct stat& status) {
-  if (!S_ISREG(status.st_mode)) return refuse_file(path, "a regular file", "another kind of file");
+  if (!S_ISREG(status.st_mode))
+    return unusable_file_error(path, "a regular file", "another kind of file");
   if (status.st_uid != ::geteuid())
     return fail(Code::rtps_store_unusable,
                 {.document = path,
@@ -77,7 +77,7 @@ Status check_folder(const fs::path& folder) {
 Result<fs::path> path_without_links(const std::string& path) {
   std::error_code error;
   const auto folder = fs::canonical(fs::absolute(path, error).parent_path(), error);
-  if (error) return refuse_file(path, "a file in a folder that exists", error.message());
+  if (error) return unusable_file_error(path, "a file in a folder that exists", error.message());
   DDSSEC_RETURN_IF_ERROR(check_folder(folder));
   return folder / fs::path(path).filename();
 }
@@ -89,19 +89,19 @@ Result<std::string> make_store_file(const std::string& given) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   const int file =
       ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
-  if (file < 0) return refuse_file(path, "a file that can be written", errno_text(errno));
+  if (file < 0) return unusable_file_error(path, "a file that can be written", errno_text(errno));
   struct stat status {};
   std::array<char, 512> head{};
   const bool is_known = ::fstat(file, &status) == 0;
   const auto size = ::read(file, head.data(), head.size());
   ::close(file);
-  if (!is_known) return refuse_file(path, "a file with a mode", "none");
+  if (!is_known) return unusable_file_error(path, "a file with a mode", "none");
   DDSSEC_RETURN_IF_ERROR(check_private(path, status));
   DDSSEC_RETURN_IF_ERROR(check_companions(path));
   const bool ours = size == static_cast<ssize_t>(head.size()) &&
                     std::string_view(head.data(), kMagic.size()) == kMagic;
   if (size == 0 || ours) return path;
-  return refuse_file(path, "a store of samples, or an empty file", "neither");
+  return unusable_file_error(path, "a store of samples, or an empty file", "neither");
 }
 
 }  // namespace ddssec::rtps

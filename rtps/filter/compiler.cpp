@@ -60,7 +60,7 @@ class FilterCompiler {
     DDSSEC_RETURN_IF_ERROR(check_sizes());
     DDSSEC_RETURN_IF_ERROR(advance());
     DDSSEC_RETURN_IF_ERROR(alternatives(0));
-    if (token_.kind != Kind::end) return expected("AND, OR or the end");
+    if (token_.kind != Kind::end) return expected_error("AND, OR or the end");
     return std::move(out_);
   }
 
@@ -70,19 +70,19 @@ class FilterCompiler {
   using Domain = Filter::Domain;
 
   Status check_sizes() const {
-    const auto refuse = [](std::string field, std::size_t limit, std::size_t found) {
+    const auto limit_error = [](std::string field, std::size_t limit, std::size_t found) {
       return fail(Code::rtps_filter_invalid, {.document = "filter expression",
                                               .field = std::move(field),
                                               .expected = "at most " + std::to_string(limit),
                                               .found = std::to_string(found)});
     };
     if (text_.expression.size() > Filter::kMaxExpression)
-      return refuse("length", Filter::kMaxExpression, text_.expression.size());
+      return limit_error("length", Filter::kMaxExpression, text_.expression.size());
     if (text_.parameters.size() > Filter::kMaxParameters)
-      return refuse("number of parameters", Filter::kMaxParameters, text_.parameters.size());
+      return limit_error("number of parameters", Filter::kMaxParameters, text_.parameters.size());
     for (const auto& parameter : text_.parameters)
       if (parameter.size() > Filter::kMaxParameter)
-        return refuse("length of a parameter", Filter::kMaxParameter, parameter.size());
+        return limit_error("length of a parameter", Filter::kMaxParameter, parameter.size());
     return {};
   }
 
@@ -90,7 +90,7 @@ class FilterCompiler {
     DDSSEC_ASSIGN_OR_RETURN(token_, lexer_.next());
     return {};
   }
-  std::unexpected<Error> expected(std::string what) const {
+  std::unexpected<Error> expected_error(std::string what) const {
     return filter_error(token_.position, std::move(what), token_.text);
   }
   void emit(Step::Kind kind, std::size_t index = 0) {
@@ -118,7 +118,8 @@ class FilterCompiler {
 
   Status condition(std::size_t depth) {
     if (depth >= Filter::kMaxNesting)
-      return expected("at most " + std::to_string(Filter::kMaxNesting) + " levels of nesting");
+      return expected_error("at most " + std::to_string(Filter::kMaxNesting) +
+                            " levels of nesting");
     if (token_.kind == Kind::not_) {
       DDSSEC_RETURN_IF_ERROR(advance());
       DDSSEC_RETURN_IF_ERROR(condition(depth + 1));
@@ -128,7 +129,7 @@ class FilterCompiler {
     if (token_.kind != Kind::open) return predicate();
     DDSSEC_RETURN_IF_ERROR(advance());
     DDSSEC_RETURN_IF_ERROR(alternatives(depth + 1));
-    if (token_.kind != Kind::close) return expected("AND, OR or )");
+    if (token_.kind != Kind::close) return expected_error("AND, OR or )");
     return advance();
   }
 
@@ -141,7 +142,7 @@ class FilterCompiler {
   }
 
   Result<FilterToken> operand(std::string what) {
-    if (!is_operand(token_.kind)) return expected(std::move(what));
+    if (!is_operand(token_.kind)) return expected_error(std::move(what));
     const auto token = token_;
     DDSSEC_RETURN_IF_ERROR(advance());
     return token;
@@ -157,7 +158,7 @@ class FilterCompiler {
       relation =
           std::ranges::find(kRelations, token_.text, [](const auto& r) { return r.first; })->second;
     else if (token_.kind != Kind::like)
-      return expected("=, <>, <, <=, >, >=, LIKE or BETWEEN");
+      return expected_error("=, <>, <, <=, >, >=, LIKE or BETWEEN");
     DDSSEC_RETURN_IF_ERROR(advance());
     return relation;
   }
@@ -165,12 +166,12 @@ class FilterCompiler {
   Status range(const FilterToken& field) {
     const bool negated = token_.kind == Kind::not_;
     if (negated) DDSSEC_RETURN_IF_ERROR(advance());
-    if (token_.kind != Kind::between) return expected("BETWEEN");
+    if (token_.kind != Kind::between) return expected_error("BETWEEN");
     if (field.kind != Kind::field)
       return filter_error(field.position, "a field before BETWEEN", field.text);
     DDSSEC_RETURN_IF_ERROR(advance());
     DDSSEC_ASSIGN_OR_RETURN(const auto low, bound());
-    if (token_.kind != Kind::and_) return expected("AND");
+    if (token_.kind != Kind::and_) return expected_error("AND");
     DDSSEC_RETURN_IF_ERROR(advance());
     DDSSEC_ASSIGN_OR_RETURN(const auto high, bound());
     DDSSEC_RETURN_IF_ERROR(test(field, Relation::more_equal, low));
@@ -258,19 +259,19 @@ class FilterCompiler {
 
   Result<Filter::Constant> constant_of(const FilterToken& literal, const Leaf& leaf) {
     const auto family = family_of(leaf);
-    const auto refuse = [&] {
+    const auto literal_error = [&] {
       return filter_error(literal.position, name_of(family) + " for " + leaf.path, literal.text);
     };
     switch (literal.kind) {
       case Kind::integer:
-        if (family == Family::text || family == Family::character) return refuse();
+        if (family == Family::text || family == Family::character) return literal_error();
         return integer(literal);
       case Kind::real:
-        if (!is_number(family)) return refuse();
+        if (!is_number(family)) return literal_error();
         return real(literal, std::holds_alternative<const float*>(leaf.at));
       case Kind::true_:
       case Kind::false_:
-        if (family != Family::boolean) return refuse();
+        if (family != Family::boolean) return literal_error();
         return Filter::Constant{.integer =
                                     Filter::Integer::of(std::int64_t{literal.kind == Kind::true_})};
       default:
@@ -281,7 +282,7 @@ class FilterCompiler {
       return Filter::Constant{.integer = Filter::Integer::of(
                                   std::int64_t{static_cast<unsigned char>(literal.text.front())})};
     if (family == Family::enumeration) return label(literal, leaf);
-    return refuse();
+    return literal_error();
   }
 
   static Result<Filter::Constant> label(const FilterToken& literal, const Leaf& leaf) {

@@ -1,7 +1,6 @@
 #include "rtps/filter/lexer.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "base/text.hpp"
 

@@ -15,7 +15,7 @@ struct FilterToken {
     field,      ///< a name, or names separated by dots
     integer,    ///< decimal or 0x..., possibly signed
     real,       ///< with a decimal point or an exponent
-    text,       ///< in single quotes, which `text` does not include
+    text,       ///< between ' or ` and ' (Annex B); `text` does not include these quotes
     parameter,  ///< %0 to %99; `text` contains the digits
     relation,   ///< = == <> != < <= > >=
     open,

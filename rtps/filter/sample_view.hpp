@@ -1,7 +1,6 @@
 // A decoded sample whose members a filter accesses by their names in the IDL.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <variant>
 

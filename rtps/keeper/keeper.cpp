@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/hash.hpp"
+#include "rtps/dcps/context_access.hpp"
 #include "rtps/discovery/serialized.hpp"
 #include "rtps/durability/store_security.hpp"
 #include "rtps/keeper/kept_topic.hpp"
@@ -115,6 +116,7 @@ Result<std::unique_ptr<Keeper>> Keeper::create(DomainParticipantOptions options,
 Keeper::Keeper(std::unique_ptr<DomainParticipant> participant, std::unique_ptr<DurableStore> store,
                std::vector<std::string> topics)
     : participant_(std::move(participant)),
+      context_(ContextAccess::of(*participant_)),
       store_(std::move(store)),
       patterns_(std::move(topics)) {}
 
@@ -128,7 +130,7 @@ Status Keeper::start() {
   DDSSEC_ASSIGN_OR_RETURN(
       auto known,
       store_->open_stream(stream_of_announcements(participant_->domain_id(), domain_tag_),
-                          DurabilityService{}, participant_->context_.moment()));
+                          DurabilityService{}, context_.moment()));
   known_ = known.id;
   refused_ = std::make_unique<RefusedWriters>([this](const Guid& writer) { return retry(writer); });
   for (const auto& change : known.history) keep_known(change);
@@ -156,7 +158,7 @@ void Keeper::report(const Error& error, const EndpointData& writer) const {
   auto details = error.details();
   if (!details.note.empty()) details.note += "; ";
   details.note += "topic " + writer.topic_name + " is not kept now";
-  participant_->context_.services().events.raise(Event(Error(error.code(), std::move(details))));
+  context_.services().events.raise(Event(Error(error.code(), std::move(details))));
 }
 
 void Keeper::on_data_available(AnyDataReader& any) {
@@ -179,9 +181,8 @@ bool Keeper::wants(const EndpointData& writer) const {
 }
 
 std::optional<EndpointData> Keeper::wanted(const Guid& writer) const {
-  auto& context = participant_->context_;
-  const std::lock_guard lock(context.mutex());
-  const auto& remotes = context.protocol().remote_participants();
+  const std::lock_guard lock(context_.mutex());
+  const auto& remotes = context_.protocol().remote_participants();
   const auto* announced = remotes.endpoint(writer);
   if (announced == nullptr || !wants(*announced)) return std::nullopt;
   auto out = *announced;
@@ -193,9 +194,8 @@ std::optional<EndpointData> Keeper::wanted(const Guid& writer) const {
 }
 
 bool Keeper::may_write(const Guid& writer) const {
-  auto& context = participant_->context_;
-  const std::lock_guard lock(context.mutex());
-  const auto& remotes = context.protocol().remote_participants();
+  const std::lock_guard lock(context_.mutex());
+  const auto& remotes = context_.protocol().remote_participants();
   const auto* announced = remotes.endpoint(writer);
   const auto& security = remotes.core().security;
   return announced != nullptr &&
@@ -244,7 +244,7 @@ bool Keeper::is_settled(const KeyHash& key, const EndpointData& writer) const {
   const auto known = topics_.find(key);
   if (known == topics_.end()) return false;
   const auto& entry = known->second;
-  const std::lock_guard lock(participant_->context_.mutex());
+  const std::lock_guard lock(context_.mutex());
   return entry.topic->is_in_use() || entry.identity == writer.guid.prefix ||
          entry.topic->is_made_for(writer);
 }
@@ -254,28 +254,26 @@ Status Keeper::keep(const EndpointData& writer, const std::optional<Guid>& annou
   const auto key = key_of(writer);
   const auto& identity = writer.guid.prefix;
   const std::lock_guard held(mutex_);
-  auto& context = participant_->context_;
   if (is_settled(key, writer)) return {};
   topics_.erase(key);
   if (announcer ? !make_room(identity) : topics_.size() >= kMaxTopics)
     return std::unexpected(no_room_error(writer.topic_name));
   const auto remember = [this, writer, key, announcer] {
-    if (announcer)
-      store_->append(known_, announcement(writer, key), participant_->context_.moment());
+    if (announcer) store_->append(known_, announcement(writer, key), context_.moment());
   };
-  auto topic = std::make_unique<KeptTopic>(context, *store_, held_, writer, remember);
+  auto topic = std::make_unique<KeptTopic>(context_, *store_, held_, writer, remember);
   DDSSEC_RETURN_IF_ERROR(topic->open(participant_->domain_id(), domain_tag_));
   if (!announcer && !has_samples(*topic)) {
-    store_->append(known_, end_of_announcement(key), context.moment());
+    store_->append(known_, end_of_announcement(key), context_.moment());
     return {};
   }
   topics_[key] = {std::move(topic), identity, announcer.value_or(Guid{})};
-  context.services().events.raise(kept_event(writer, !announcer));
+  context_.services().events.raise(kept_event(writer, !announcer));
   return {};
 }
 
 bool Keeper::has_samples(const KeptTopic& topic) const {
-  const std::lock_guard lock(participant_->context_.mutex());
+  const std::lock_guard lock(context_.mutex());
   return topic.has_samples();
 }
 
@@ -290,8 +288,8 @@ std::set<std::string> Keeper::remove_abandoned() {
   std::set<std::string> names;
   std::vector<KeyHash> keys;
   {
-    const std::lock_guard lock(participant_->context_.mutex());
-    const auto& remotes = participant_->context_.protocol().remote_participants();
+    const std::lock_guard lock(context_.mutex());
+    const auto& remotes = context_.protocol().remote_participants();
     for (const auto& [key, entry] : topics_) {
       if (entry.topic->is_in_use() || remotes.endpoint(entry.announcer) != nullptr) continue;
       names.insert(entry.topic->name());
@@ -304,8 +302,8 @@ std::set<std::string> Keeper::remove_abandoned() {
 
 std::vector<Guid> Keeper::writers_on(const std::set<std::string>& topics) const {
   std::vector<Guid> out;
-  const std::lock_guard lock(participant_->context_.mutex());
-  for (const auto& [prefix, remote] : participant_->context_.protocol().remote_participants().all())
+  const std::lock_guard lock(context_.mutex());
+  for (const auto& [prefix, remote] : context_.protocol().remote_participants().all())
     for (const auto& [id, endpoint] : remote.endpoints)
       if (is_writer(id) && topics.contains(endpoint.data.topic_name))
         out.push_back(endpoint.data.guid);
@@ -317,7 +315,7 @@ bool Keeper::make_room(const GuidPrefix& identity) {
   std::map<GuidPrefix, KeyHash> empty;  // for each identity, one topic without samples
   for (const auto& [key, entry] : topics_) {
     ++counts[entry.identity];
-    const std::lock_guard lock(participant_->context_.mutex());
+    const std::lock_guard lock(context_.mutex());
     if (!entry.topic->has_samples()) empty.insert_or_assign(entry.identity, key);
   }
   if (counts[identity] < kMaxTopics - topics_.size()) return true;
@@ -350,7 +348,7 @@ std::size_t Keeper::topics() const {
 template <class Count>
 std::uint64_t Keeper::sum(Count count) const {
   const std::lock_guard held(mutex_);
-  const std::lock_guard lock(participant_->context_.mutex());
+  const std::lock_guard lock(context_.mutex());
   std::uint64_t out = 0;
   for (const auto& [key, entry] : topics_) out += std::invoke(count, *entry.topic);
   return out;

@@ -117,6 +117,7 @@ class Keeper final : private DataReaderListener {
   std::uint64_t sum(Count count) const;
 
   std::unique_ptr<DomainParticipant> participant_;
+  ParticipantContext& context_;  // of participant_
   std::unique_ptr<DurableStore> store_;
   /// The octets that all topics hold out of order, in fragments or because they wait for room.
   const std::shared_ptr<HeldOctets> held_ = std::make_shared<HeldOctets>();

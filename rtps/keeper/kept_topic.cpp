@@ -127,13 +127,13 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   for (const auto& heard : opened.heard) heard_.emplace(heard.writer, heard);
   for (std::size_t i = 0; i < opened.rows.size(); ++i)
     rows_[opened.rows[i]] = {static_cast<std::int64_t>(i) + 1};
-  auto serving = request(serving_qos(first_writer_.qos, longest_lifespan_));
+  auto serving = description_with(serving_qos(first_writer_.qos, longest_lifespan_));
   serving.history = std::move(opened.history);
   serving.is_history_only = true;
   const auto now = context_.now();
   DDSSEC_ASSIGN_OR_RETURN(writer_,
                           context_.protocol().create_writer(std::move(serving), *this, now));
-  auto reading = request(reading_qos(first_writer_.qos));
+  auto reading = description_with(reading_qos(first_writer_.qos));
   reading.held = held_;
   DDSSEC_ASSIGN_OR_RETURN(reader_,
                           context_.protocol().create_reader(std::move(reading), *this, now));
@@ -144,7 +144,7 @@ Status KeptTopic::open(DomainId domain, const std::string& domain_tag) {
   return {};
 }
 
-EndpointDescription KeptTopic::request(Qos qos) const {
+EndpointDescription KeptTopic::description_with(Qos qos) const {
   return {.topic_name = first_writer_.topic_name,
           .type_name = first_writer_.type_name,
           .qos = std::move(qos),
@@ -300,7 +300,7 @@ void KeptTopic::on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> 
 void KeptTopic::on_alive(const Guid& writer) {
   if (!owners_ || !writers_.contains(writer)) return;
   const auto now = context_.now();
-  liveliness_.alive(writer, now);
+  liveliness_.note_alive(writer, now);
   schedule_next_call(now);
 }
 
@@ -346,7 +346,7 @@ void KeptTopic::on_time(MonotonicTime now) {
     [[maybe_unused]] const auto changed = context_.protocol().change_qos(
         writer_, serving_qos(first_writer_.qos, longest_lifespan_), now);
   }
-  liveliness_.check(now, [&](const Guid& writer, LivelinessSignal* signal) {
+  liveliness_.expire(now, [&](const Guid& writer, LivelinessSignal* signal) {
     if (signal != nullptr) signal->notify(*this, writer);
     owners_->note_lease_ended(writer);
   });

@@ -79,7 +79,8 @@ class KeptTopic final : private EndpointListener, private TimedObject {
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal) override;
   void on_alive(const Guid& writer) override;
   void on_acknowledged() override {}
-  EndpointDescription request(Qos qos) const;
+  /// Describes a local endpoint on this topic with these policies.
+  EndpointDescription description_with(Qos qos) const;
   void expect_owners(const std::vector<Change>& history);
   InstanceOwners::Claim claim(const Change& change);
   /// Stores the change. Returns false if there is no room.

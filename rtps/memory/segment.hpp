@@ -78,7 +78,6 @@ class Segment {
 
   std::size_t slots() const { return slots_.size(); }
   std::size_t octets() const { return slot_size_ * slots_.size(); }
-  std::size_t slots_in_use() const { return slots_.size() - free_count_; }
   std::size_t largest_payload() const { return slot_size_ - kSlotHead; }
   std::uint64_t id() const { return id_; }
   MemoryId memory() const { return memory_; }

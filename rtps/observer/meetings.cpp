@@ -196,7 +196,7 @@ std::optional<Finding> doubt(const Side& a, const Side& b) {
                              fast.name(), cyclone.name())};
 }
 
-void judge(ObservedMeeting& meeting, const Side& a, const Side& b, MonotonicTime end) {
+void set_state(ObservedMeeting& meeting, const Side& a, const Side& b, MonotonicTime end) {
   if (!a.participant.is_secured() && !b.participant.is_secured()) {
     meeting.state = MeetingState::unsecured;
     return;
@@ -265,8 +265,8 @@ std::vector<ObservedMeeting> meetings_of(const Observer& observer) {
       const auto end =
           std::min(a->second.has_left ? a->second.messages.last : observer.datagrams().last,
                    b->second.has_left ? b->second.messages.last : observer.datagrams().last);
-      judge(meeting, {a->first, a->second, observer.flow(a->first, b->first)},
-            {b->first, b->second, observer.flow(b->first, a->first)}, end);
+      set_state(meeting, {a->first, a->second, observer.flow(a->first, b->first)},
+                {b->first, b->second, observer.flow(b->first, a->first)}, end);
       out.push_back(std::move(meeting));
     }
   return out;

@@ -1,7 +1,6 @@
 #include "rtps/participant/announcement_refresh.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace ddssec::rtps {
 

@@ -23,7 +23,7 @@ bool may_be_redirected(const ParticipantCore& core, const RemoteParticipant& rem
 // True if the peer announces the endpoint by secure discovery because the governance changes.
 bool confirms(const ParticipantCore& core, const EndpointData& clear, const EndpointData& secure) {
   const auto& security = core.security->core();
-  return security.governance_changes && security.takes_part(secure.guid.prefix) &&
+  return security.governance_change.is_under_way() && security.takes_part(secure.guid.prefix) &&
          clear.topic_name == secure.topic_name && clear.type_name == secure.type_name &&
          !differ_in_what_a_match_keeps(clear.qos, secure.qos);
 }
@@ -106,7 +106,7 @@ bool ClearAnnouncements::remove(RemoteParticipant& remote, const EntityId& endpo
     note_change(remote.announcement_refresh);
     may_return = has_keys({remote.prefix(), endpoint});
     if (may_return && !remote.announcement_refresh.note_end(endpoint, core_.now)) {
-      matcher_.check_end(remote, endpoint);
+      matcher_.note_unproven_end(remote, endpoint);
       return false;
     }
   }

@@ -41,65 +41,13 @@ void raise_unreadable(ParticipantCore& core, const Error& error, const GuidPrefi
              core.origin_of_announcement(some, is_secure(topic)));
 }
 
-// Sends to the addresses that were chosen last: those of a proven host, if there is one.
-void readdress(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
-               RemoteParticipant& remote) {
-  if (has_proven_address(core, remote)) core.sender.amplification_limit().end(remote.prefix());
-  if (core.security) core.security->readdress(remote.prefix(), remote.metatraffic);
-  builtin.readdress(remote, core.now);
-  matcher.readdress(remote);
-}
-
-void unmatch(EndpointMatcher& matcher, BuiltinMatcher& builtin, RemoteParticipant& remote) {
-  matcher.remove_all(remote);
-  builtin.unmatch(remote);
-}
-
-// Addresses that a participant announces under its keys count like those that it signed in a
-// handshake. Where nothing protects DCPSParticipantsSecure, anyone can have announced them.
-void follow(ParticipantCore& core, EndpointMatcher& matcher, BuiltinMatcher& builtin,
-            RemoteParticipant& remote, ParticipantData announced) {
-  auto& metatraffic = announced.metatraffic_unicast;
-  auto& user = announced.default_unicast;
-  leave_out_loopback(core, metatraffic);
-  leave_out_loopback(core, user);
-  if (!remote.has_signed_addresses || metatraffic.empty()) return;
-  if (!core.is_participant_data_proven(remote.prefix())) return;
-  if (remote.signed_metatraffic == metatraffic && remote.signed_user == user) return;
-  adopt_signed_addresses(core, remote, std::move(metatraffic), std::move(user));
-  if (!has_proven_address(core, remote))
-    core.sender.amplification_limit().begin(remote.prefix(), remote.metatraffic,
-                                            remote.metatraffic_sources);
-  readdress(core, matcher, builtin, remote);
-}
-
-void check_ends(EndpointMatcher& matcher, RemoteParticipant& remote) {
-  for (const auto& [id, endpoint] : remote.endpoints) matcher.check_end(remote, id);
+void note_unproven_ends(EndpointMatcher& matcher, RemoteParticipant& remote) {
+  for (const auto& [id, endpoint] : remote.endpoints) matcher.note_unproven_end(remote, id);
 }
 
 void note_heard(RemoteParticipants& remotes, BuiltinMatcher& builtin, const Guid& of) {
   if (of.entity != kParticipantsSecureWriter && of.entity != kParticipantsSecureReader) return;
   if (auto* known = remotes.find(of.prefix)) builtin.note_participants_secure(*known);
-}
-
-// Accepts a participant that authenticated, or is admitted without authentication. From now on its
-// builtin endpoints may match.
-void accept(RemoteParticipants& remotes, BuiltinMatcher& builtin, RemoteParticipant& remote,
-            bool returns = false) {
-  remotes.accept(remote);
-  builtin.match(remote, returns);
-}
-
-// Returns false if there is no room for a participant whose announcement has this many octets.
-bool make_room(Discovery& discovery, ParticipantCore& core, RemoteParticipants& remotes,
-               std::size_t octets) {
-  while (remotes.is_full(octets)) {
-    const auto prefix = remotes.next_to_evict();
-    if (!prefix) return false;
-    ++core.counters.refused_discovery;
-    discovery.remove(*prefix);
-  }
-  return true;
 }
 
 // A datagram arrived in this participant's name. If sending to it is limited, more may now be
@@ -115,6 +63,7 @@ Discovery::Discovery(ParticipantCore& core, const Parts& parts)
     : core_(core),
       parts_(parts),
       builtin_(core, parts.local.builtin()),
+      links_(core, parts.remotes, parts.matcher, builtin_),
       clear_(core, parts.local, parts.remotes, parts.matcher, builtin_),
       proven_(core, parts.remotes, parts.matcher, builtin_),
       resting_(core, parts.remotes, parts.matcher, builtin_) {}
@@ -157,7 +106,7 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
   // A stranger with the GUID of a dormant peer must not end the keys of the peer's endpoints.
   const bool is_stranger = security != nullptr && security->dormant().contains(data.guid.prefix) &&
                            !security->may_authenticate(data);
-  if (metatraffic.empty() || is_stranger || !make_room(*this, core_, remotes, octets)) {
+  if (metatraffic.empty() || is_stranger || !links_.make_room(octets)) {
     ++core_.counters.refused_discovery;
     return;
   }
@@ -173,8 +122,7 @@ void Discovery::add(ParticipantData data, std::size_t octets) {
     security->discovered(remote.data,
                          {remote.metatraffic, remote.metatraffic_sources, core_.source}, core_.now);
   remotes.renew_lease(remote, remote.data);
-  if (decision == Security::AdmissionDecision::admit_unauthenticated)
-    accept(remotes, builtin_, remote);
+  if (decision == Security::AdmissionDecision::admit_unauthenticated) links_.accept(remote);
 }
 
 // An attacker can send announcements in a participant's name, and may have sent the first one.
@@ -230,8 +178,7 @@ void Discovery::on_message(const GuidPrefix& source, const SignsOfLife& signs) {
   if (remote == nullptr) return;
   note_credit(core_, source);
   const bool is_proof = remote->has_returned ? signs.is_lasting_proof : signs.is_proof;
-  if (is_proof && prove_host(core_, *remote, core_.source_host))
-    readdress(core_, parts_.matcher, builtin_, *remote);
+  if (is_proof && prove_host(core_, *remote, core_.source_host)) links_.readdress(*remote);
   if (signs.is_directed && remote->accepted && has_proven_address(core_, *remote))
     core_.sender.amplification_limit().end(source);
   const bool anything_counts = !core_.is_authenticated(source);
@@ -255,7 +202,7 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
   const bool is_authenticated = core_.is_authenticated(prefix);
   const auto& vendor = remote->data.vendor;
   if (is_authenticated && (vendor == kVendorFastDds || vendor == kVendorCyclone))
-    check_ends(parts_.matcher, *remote);
+    note_unproven_ends(parts_.matcher, *remote);
   else if (is_authenticated || (core_.security && core_.security->is_authenticating(prefix)))
     ++core_.counters.refused_discovery;
   else
@@ -284,22 +231,9 @@ void Discovery::remove_gone() {
   for (const auto& prefix : dormant.take_answered()) {
     if (!dormant.contains(prefix)) continue;
     remove(prefix);  // what was announced in its name meanwhile proves nothing
-    auto* remote = make_room(*this, core_, parts_.remotes, 0) ? resting_.wake(prefix) : nullptr;
+    auto* remote = links_.make_room(0) ? resting_.wake(prefix) : nullptr;
     if (remote != nullptr && core_.is_authenticated(prefix)) join(*remote, true);
   }
-}
-
-void Discovery::remove(const GuidPrefix& prefix) {
-  auto* remote = parts_.remotes.find(prefix);
-  if (remote == nullptr) return;
-  unmatch(parts_.matcher, builtin_, *remote);
-  const auto reset = core_.security ? core_.security->lost(prefix) : std::nullopt;
-  // An ignored participant gets none: its host would restart all its sessions with us.
-  if (reset && !core_.ignored.contains(prefix))
-    core_.sender.send_alone(*reset, remote->metatraffic);
-  core_.sender.flush_now();  // before the limit is lifted, because waiting messages count for it
-  core_.sender.amplification_limit().end(prefix);
-  parts_.remotes.remove(prefix);
 }
 
 // ---- changes for builtin readers
@@ -340,7 +274,7 @@ void Discovery::on_endpoint(BuiltinTopic topic, const Change& change) {
       return;
     }
     ++core_.counters.refused_discovery;
-    return parts_.matcher.check_end(*remote, key.entity);
+    return parts_.matcher.note_unproven_end(*remote, key.entity);
   }
   auto data = is_of_writers(topic) ? read_publication_data(change.payload.view())
                                    : read_subscription_data(change.payload.view());
@@ -369,7 +303,8 @@ void Discovery::on_secure_participant(const Change& change) {
   if (remote == nullptr) return;
   const bool is_proven = core_.is_participant_data_proven(remote->prefix());
   if (!change.is_alive())
-    return is_proven ? gone_.push_back(remote->prefix()) : check_ends(parts_.matcher, *remote);
+    return is_proven ? gone_.push_back(remote->prefix())
+                     : note_unproven_ends(parts_.matcher, *remote);
   auto data = read_participant_data(change.payload.view());
   if (!data || data->guid.prefix != remote->prefix()) {
     ++core_.counters.refused_discovery;
@@ -380,16 +315,19 @@ void Discovery::on_secure_participant(const Change& change) {
   if (is_proven || remote->data.vendor == kVendorCyclone)
     remote->data.lease_duration = lease_that_counts(data->lease_duration, is_proven);
   parts_.remotes.on_changed(*remote);
-  if (remote->data.vendor == kVendorDdssec)
-    follow(core_, parts_.matcher, builtin_, *remote, std::move(*data));
+  if (remote->data.vendor != kVendorDdssec) return;
+  auto &metatraffic = data->metatraffic_unicast, &user = data->default_unicast;
+  leave_out_loopback(core_, metatraffic);
+  leave_out_loopback(core_, user);
+  links_.follow(*remote, std::move(metatraffic), std::move(user));
 }
 
-void Discovery::on_addresses_changed(bool all) {
-  if (all)
+void Discovery::on_addresses_changed(ChangedAddresses changed) {
+  if (changed == ChangedAddresses::all)
     while (!parts_.remotes.all().empty()) remove(GuidPrefix(parts_.remotes.all().begin()->first));
   for (const auto& [prefix, known] : parts_.remotes.all())
     if (auto& remote = *parts_.remotes.find(prefix); choose_addresses_of(core_, remote))
-      readdress(core_, parts_.matcher, builtin_, remote);
+      links_.readdress(remote);
 }
 
 void Discovery::on_acknack(const GuidPrefix& source, const AckNack& acknack, bool is_protected) {
@@ -434,10 +372,8 @@ void Discovery::on_authenticated(const GuidPrefix& peer) {
 
 void Discovery::join(RemoteParticipant& remote, bool returns) {
   if (remote.signed_metatraffic.empty()) adopt_signed_addresses(core_, remote, {}, {});
-  if (!has_proven_address(core_, remote))
-    core_.sender.amplification_limit().begin(remote.prefix(), remote.metatraffic,
-                                             remote.metatraffic_sources);
-  accept(parts_.remotes, builtin_, remote, returns);
+  links_.limit_until_proven(remote);
+  links_.accept(remote, returns);
   if (returns) resting_.match_again(remote);
   clear_.begin(remote);
 }
@@ -445,9 +381,9 @@ void Discovery::join(RemoteParticipant& remote, bool returns) {
 // DDS-Security 1.2, clause 9.8.3.1: the participant may then be admitted without authentication.
 void Discovery::on_unauthenticated(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
-  const bool may =
-      core_.security->admits_unauthenticated() && !core_.security->dormant().contains(peer);
-  if (remote != nullptr && may) accept(parts_.remotes, builtin_, *remote);
+  const bool may = core_.security->admission().admits_unauthenticated() &&
+                   !core_.security->dormant().contains(peer);
+  if (remote != nullptr && may) links_.accept(*remote);
 }
 
 LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& proven) {
@@ -467,14 +403,12 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
 void Discovery::on_unconfirmed(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
   if (remote == nullptr || !switch_doubted_hosts(core_, *remote)) return;
-  if (!has_proven_address(core_, *remote))
-    core_.sender.amplification_limit().begin(peer, remote->metatraffic,
-                                             remote->metatraffic_sources);
-  readdress(core_, parts_.matcher, builtin_, *remote);
+  links_.limit_until_proven(*remote);
+  links_.readdress(*remote);
 }
 
 void Discovery::on_replaced(const GuidPrefix& peer) {
-  if (auto* remote = parts_.remotes.find(peer)) unmatch(parts_.matcher, builtin_, *remote);
+  if (auto* remote = parts_.remotes.find(peer)) links_.unmatch(*remote);
 }
 
 bool Discovery::on_rights_changed(const GuidPrefix& peer) {

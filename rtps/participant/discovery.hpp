@@ -6,6 +6,7 @@
 #include "rtps/participant/announcer.hpp"
 #include "rtps/participant/clear_announcements.hpp"
 #include "rtps/participant/endpoint_lookup.hpp"
+#include "rtps/participant/participant_links.hpp"
 #include "rtps/participant/proven_refreshes.hpp"
 #include "rtps/participant/resting_participants.hpp"
 #include "rtps/participant/writer_liveliness.hpp"
@@ -29,11 +30,13 @@ class Discovery final : public MessageListener, public SecurityHost {
   /// Called with each change that arrives for a builtin reader.
   void on_builtin(BuiltinTopic topic, const Change& change);
   /// Removes a participant, as if it had never been found.
-  void remove(const GuidPrefix& prefix);
-  /// Chooses addresses again, because those of this machine have changed and other addresses of the
-  /// participants may be nearest. With `all`, removes the participants, because none of them can
-  /// reach this one any more.
-  void on_addresses_changed(bool all);
+  void remove(const GuidPrefix& prefix) { links_.remove(prefix); }
+  /// Which addresses of this machine have changed. After `all`, no other participant can reach this
+  /// one any more.
+  enum class ChangedAddresses : std::uint8_t { some, all };
+  /// Chooses addresses again, because other addresses of the participants may be nearest. After
+  /// `all`, removes the participants.
+  void on_addresses_changed(ChangedAddresses changed);
   /// Removes participants that left, when none of their data is being processed any more. Brings
   /// back dormant ones that have answered.
   void remove_gone();
@@ -78,6 +81,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   ParticipantCore& core_;
   const Parts parts_;
   BuiltinMatcher builtin_;
+  ParticipantLinks links_;
   ClearAnnouncements clear_;
   ProvenRefreshes proven_;
   RestingParticipants resting_;

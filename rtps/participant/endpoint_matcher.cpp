@@ -192,11 +192,12 @@ void EndpointMatcher::remove(RemoteParticipant& remote, const EntityId& id, bool
   forget_if_empty(topic_name);
 }
 
-void EndpointMatcher::check_end(RemoteParticipant& remote, const EntityId& id) {
+void EndpointMatcher::note_unproven_end(RemoteParticipant& remote, const EntityId& id) {
   const auto known = remote.endpoints.find(id);
   if (known == remote.endpoints.end() || !is_reader(id)) return;
   const auto& data = known->second.data;
-  for (auto* writer : topics_[data.topic_name].writers) presence_.check_end(*writer, data.guid);
+  for (auto* writer : topics_[data.topic_name].writers)
+    presence_.note_unproven_end(*writer, data.guid);
 }
 
 bool EndpointMatcher::match_all(RemoteParticipant& remote) {

@@ -35,7 +35,7 @@ class EndpointMatcher {
   void remove(RemoteParticipant& remote, const EntityId& id, bool may_return = false);
   /// Called if something that proves nothing says that the endpoint has ended. Counts only for
   /// readers (ReaderPresence).
-  void check_end(RemoteParticipant& remote, const EntityId& id);
+  void note_unproven_end(RemoteParticipant& remote, const EntityId& id);
   /// Matches all its endpoints again, after permissions changed. Returns true if any no longer
   /// match.
   bool match_all(RemoteParticipant& remote);

@@ -1,6 +1,7 @@
 #include "rtps/participant/local_endpoints.hpp"
 
 #include "rtps/discovery/serialized.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 
@@ -193,7 +194,7 @@ std::vector<Guid> LocalEndpoints::matched(const Guid& endpoint) const {
   return {};
 }
 
-bool LocalEndpoints::is_open(const EntityId& endpoint) const {
+bool LocalEndpoints::is_unprotected(const EntityId& endpoint) const {
   if (!core_.security) return true;
   const auto* attributes = core_.security->keyring().attributes(endpoint);
   return attributes != nullptr && !attributes->is_submessage_protected() &&

@@ -77,7 +77,7 @@ class LocalEndpoints final : public ProcessPeer {
   // ProcessPeer:
   const GuidPrefix& prefix() const override { return core_.config.prefix; }
   bool is_secured() const override { return core_.security != nullptr; }
-  bool is_open(const EntityId& endpoint) const override;
+  bool is_unprotected(const EntityId& endpoint) const override;
   StatefulWriter* writer(const Guid& guid) const override;
   StatefulReader* reader(const Guid& guid) const override;
 

@@ -32,7 +32,7 @@ const ProcessPeer* process_peer_of(const ProcessPeer& own, const ProcessPeers* o
   if (remote.prefix == own.prefix()) return &own;
   const auto* other = others != nullptr ? others->find(remote.prefix) : nullptr;
   const bool open = other != nullptr && own.is_secured() == other->is_secured() &&
-                    own.is_open(local) && other->is_open(remote.entity);
+                    own.is_unprotected(local) && other->is_unprotected(remote.entity);
   return open ? other : nullptr;
 }
 

@@ -20,7 +20,7 @@ class ProcessPeer {
   virtual const GuidPrefix& prefix() const = 0;
   virtual bool is_secured() const = 0;
   /// True if nothing that the endpoint sends is protected.
-  virtual bool is_open(const EntityId& endpoint) const = 0;
+  virtual bool is_unprotected(const EntityId& endpoint) const = 0;
   // Both return nullptr if it is not one of the participant's endpoints.
   virtual StatefulWriter* writer(const Guid& guid) const = 0;
   virtual StatefulReader* reader(const Guid& guid) const = 0;

@@ -56,8 +56,7 @@ bool ProvenRefreshes::has_read(const RemoteParticipant& remote) const {
 // A participant that does not answer is not matched for longer than its lease.
 void ProvenRefreshes::tick() {
   if (!core_.security) return;
-  if (const auto former = std::exchange(core_.security->core().former_domain, std::nullopt))
-    begin(*former);
+  if (const auto former = core_.security->take_former_domain()) begin(*former);
   if (core_.now < next_) return;
   next_ = kNever;
   for (const auto& [prefix, known] : remotes_.all()) {

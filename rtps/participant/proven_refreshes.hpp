@@ -16,7 +16,7 @@ class ProvenRefreshes {
                   BuiltinMatcher& builtin)
       : core_(core), remotes_(remotes), matcher_(matcher), builtin_(builtin) {}
 
-  /// Call it once a second: begins when SecurityCore::former_domain says so.
+  /// Call it once a second: begins when a change of the domain has ended.
   void tick();
   /// Reads again what the participant announces under its keys: former ones have ended, with which
   /// others may have announced in its name, or said that an endpoint has ended.

@@ -19,7 +19,7 @@ void ReaderEndChecks::tick(MonotonicTime now) {
   // The host's callbacks may end matches, but never call add().
   for (auto at = pending_.begin(); at != pending_.end();) {
     auto& [pair, check] = *at;
-    const bool stays = now < check.due || check_answer(pair, check, now);
+    const bool stays = now < check.due || advance(pair, check, now);
     if (stays) next_ = std::min(next_, check.due);
     at = stays ? std::next(at) : remove(at);
   }
@@ -38,7 +38,7 @@ MonotonicTime ReaderEndChecks::longest_interval(const GuidPrefix& readers) const
   return kMaxInterval * (1 + static_cast<std::int64_t>(pairs / kMaxQuestions));
 }
 
-bool ReaderEndChecks::check_answer(const ReaderPair& pair, PendingCheck& check, MonotonicTime now) {
+bool ReaderEndChecks::advance(const ReaderPair& pair, PendingCheck& check, MonotonicTime now) {
   const auto answers = host_.answers(pair);
   if (!answers) return false;
   check.is_answered = check.is_answered || *answers != check.answers;

@@ -62,7 +62,7 @@ class ReaderEndChecks {
   using Pending = std::map<ReaderPair, PendingCheck>;
 
   /// Returns false if the pair is no longer doubted.
-  bool check_answer(const ReaderPair& pair, PendingCheck& check, MonotonicTime now);
+  bool advance(const ReaderPair& pair, PendingCheck& check, MonotonicTime now);
   /// The longest time between two queries to a silent reader of that participant.
   MonotonicTime longest_interval(const GuidPrefix& readers) const;
   Pending::iterator remove(Pending::iterator at);

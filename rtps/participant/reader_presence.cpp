@@ -31,7 +31,7 @@ void ReaderPresence::forget(LocalWriter& writer, const Guid& reader) {
   if (writer.unready.erase(reader) > 0) readiness_.remove(writer.data.guid, reader);
 }
 
-void ReaderPresence::check_end(LocalWriter& writer, const Guid& reader) {
+void ReaderPresence::note_unproven_end(LocalWriter& writer, const Guid& reader) {
   end_checks_.add({writer.data.guid, reader}, core_.now);
 }
 

@@ -31,7 +31,7 @@ class ReaderPresence final : private ReaderEndChecks::Host {
   /// Notes that the reader does not match any more.
   void forget(LocalWriter& writer, const Guid& reader);
   /// Called if something that proves nothing says that the reader has ended (ReaderEndChecks).
-  void check_end(LocalWriter& writer, const Guid& reader);
+  void note_unproven_end(LocalWriter& writer, const Guid& reader);
   /// Notes that a reader of `source` sent an ACKNACK to the local writer. `is_protected` means that
   /// keys of `source` protect it.
   void note_heard(LocalWriter& writer, const GuidPrefix& source, const AckNack& acknack,

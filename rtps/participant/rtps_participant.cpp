@@ -6,6 +6,7 @@
 #include "rtps/participant/protection_change.hpp"
 #include "rtps/participant/shared_memory.hpp"
 #include "rtps/security/memory_exchange.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -30,7 +31,7 @@ Status describe_own(ParticipantCore& core, const Announcer& announcer) {
   write_parameter_list(out, own);
   if (out.overflowed()) return fail(Code::length_out_of_range, {.document = "participant data"});
   octets.resize(out.size());
-  core.security->core().own_data = std::make_shared<const Bytes>(std::move(octets));
+  core.security->core().set_own_data(std::move(octets));
   return {};
 }
 
@@ -84,7 +85,7 @@ ProtectionCounters RtpsParticipant::protection_counters() const {
 }
 
 AuthenticationCounters RtpsParticipant::authentication_counters() const {
-  return core_.security ? core_.security->authentication_counters() : AuthenticationCounters{};
+  return core_.security ? core_.security->core().counters() : AuthenticationCounters{};
 }
 
 Status RtpsParticipant::revise_keys() {
@@ -201,7 +202,8 @@ void RtpsParticipant::change_own(OwnChange change, MonotonicTime now) {
     const bool any_stays = adopt_addresses(core_, std::move(*change.addresses));
     const bool is_new = !any_stays && !core_.security;
     if (is_new) announcer_.leave(remotes_);
-    discovery_.on_addresses_changed(is_new);
+    discovery_.on_addresses_changed(is_new ? Discovery::ChangedAddresses::all
+                                           : Discovery::ChangedAddresses::some);
     announcer_.announce_often();
   }
   // This cannot fail here: the data can be too long only when the participant is created.

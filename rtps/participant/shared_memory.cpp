@@ -21,7 +21,7 @@ bool is_here(const ParticipantCore& core, const LocatorList& locators) {
 }  // namespace
 
 MemoryExchange* memory_of(const ParticipantCore& core) {
-  return core.security ? core.security->core().memory : nullptr;
+  return core.security ? core.security->memory() : nullptr;
 }
 
 void start_memory(const ParticipantCore& core) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "wire/span_writer.hpp"
+
 namespace ddssec::rtps {
 namespace {
 

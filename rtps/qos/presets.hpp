@@ -20,7 +20,7 @@ struct QosPreset {
   std::int32_t lifespan = 0;  ///< seconds; 0 means infinite
 };
 
-/// Returns all presets.
+/// The table of presets; valid as long as the program.
 std::span<const QosPreset> qos_presets();
 
 /// Returns the policies for writers and readers; all other policies have the defaults of DDS. Empty

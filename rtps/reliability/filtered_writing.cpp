@@ -7,7 +7,7 @@ namespace ddssec::rtps {
 
 // Disposes and unregistrations are sent to all readers. 8.7.4 requires less, but only the reader
 // knows whether it ever saw the instance.
-bool FilteredWriting::judge(const Change& change, bool in_memory) {
+bool FilteredWriting::select_readers(const Change& change, bool in_memory) {
   results_.clear();
   wanted_.clear();
   wanted_in_memory_.clear();
@@ -20,7 +20,7 @@ bool FilteredWriting::judge(const Change& change, bool in_memory) {
     if (!passed && proxy.filtered_from.value == 0) proxy.filtered_from = change.sequence_number;
     const auto& locators = proxy.reader().locators;
     auto& wanted = in_memory && proxy.in_memory ? wanted_in_memory_ : wanted_;
-    if (passed) wanted.insert(wanted.end(), locators.begin(), locators.end());
+    if (passed && !proxy.is_limited) wanted.insert(wanted.end(), locators.begin(), locators.end());
   }
   for (auto* wanted : {&wanted_, &wanted_in_memory_}) {
     std::ranges::sort(*wanted);
@@ -33,13 +33,16 @@ bool FilteredWriting::judge(const Change& change, bool in_memory) {
 // A reader that shares a locator with a reader that gets the sample receives the sample too. It
 // drops the sample, which carries the filter result, and its own filter also rejects it.
 void FilteredWriting::send(const Change& change, const std::optional<MemoryReference>& memory) {
-  const bool all = judge(change, memory.has_value());
+  readers_.release_proven();
+  const bool all = select_readers(change, memory.has_value());
   for (auto& [guid, proxy] : readers_.all())
     if (proxy.wanted) send_gap(proxy, change.sequence_number);
-  if (all && !memory)
-    messages_.change(readers_.all_readers(), change, results_);
-  else if (!wanted_.empty())
-    messages_.change({{{}, wanted_}}, change, results_);
+  const auto send_whole = [&](const Receiver& to) { messages_.change(to, change, results_); };
+  readers_.for_each_limited([&](const ReaderProxy& proxy) {
+    if (proxy.wanted) send_whole(readers_.one(proxy));
+  });
+  if (!wanted_.empty())
+    send_whole(all && !memory ? readers_.all_readers() : Receiver{{{}, wanted_}});
   if (!wanted_in_memory_.empty())
     messages_.reference({{{}, wanted_in_memory_}}, change, *memory, results_);
 }

@@ -25,7 +25,7 @@ class FilteredWriting {
 
  private:
   /// Decides which readers get the change. Returns true if all do.
-  bool judge(const Change& change, bool in_memory);
+  bool select_readers(const Change& change, bool in_memory);
 
   MatchedReaders& readers_;
   WriterMessages& messages_;

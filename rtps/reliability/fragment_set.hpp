@@ -24,9 +24,8 @@ class FragmentSet {
   bool insert(FragmentNumber first, std::uint32_t count);
   bool contains(FragmentNumber number) const;
   bool is_complete() const { return missing_ == 0; }
-  /// Returns the first missing fragment; total + 1 if none is missing.
-  FragmentNumber first_missing() const { return first_missing_; }
-  /// Returns the missing fragments within 256 of the first missing one.
+  /// Returns the missing fragments within 256 of the first missing one, which is the base of the
+  /// set. If none is missing, the base is total + 1.
   FragmentNumberSet missing() const;
   /// Returns the memory of its pages, in octets.
   std::size_t octets() const;

@@ -1,7 +1,5 @@
 #include "rtps/reliability/local_delivery.hpp"
 
-#include <algorithm>
-
 #include "rtps/reliability/stateful_reader.hpp"
 
 namespace ddssec::rtps {

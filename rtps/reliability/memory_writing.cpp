@@ -21,9 +21,10 @@ std::optional<MemoryReference> MemoryWriting::store(const Change& change, Monoto
 }
 
 void MemoryWriting::send(const Change& change, const std::optional<MemoryReference>& memory) {
-  if (!memory) return messages_.change(readers_.all_readers(), change);
+  const auto send_whole = [&](const Receiver& to) { messages_.change(to, change); };
+  if (!memory) return readers_.for_all(send_whole);
   if (readers_.any_in_memory()) messages_.reference(readers_.readers_in_memory(), change, *memory);
-  if (readers_.any_by_network()) messages_.change(readers_.readers_by_network(), change);
+  readers_.for_all_by_network(send_whole);
 }
 
 }  // namespace ddssec::rtps

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "wire/header.hpp"
 #include "wire/info_destination.hpp"
 #include "wire/info_timestamp.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 

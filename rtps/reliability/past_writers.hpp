@@ -30,50 +30,20 @@ class PastWriters {
   /// Returns the digest of the writer's present keys; empty if they are not known.
   using KeysOf = std::function<std::optional<Sha256Digest>(const Guid& writer)>;
 
-  void add(const Guid& writer, const GuidPrefix& identity, const Position& position) {
-    static_cast<void>(take(writer));
-    writers_[writer] = {position, identity, ++last_};
-    of_[identity][last_] = writer;
-    if (writers_.size() <= kMax) return;
-    auto most = of_.begin();
-    for (auto at = of_.begin(); at != of_.end(); ++at)
-      if (at->second.size() > most->second.size()) most = at;
-    static_cast<void>(take(Guid(most->second.begin()->second)));
-  }
-  /// Keys of the writer have come that revise the former ones: the position counts for both.
-  /// Without an entity, the same for all writers of the participant.
-  void note_revised(const Guid& writer, const KeysOf& keys_of) {
-    each_of(writer.prefix, [&](const Guid& guid, Position& position) {
-      if (!writer.entity.is_zero() && guid != writer) return;
-      position.newest_next = {1};
-      position.newest_heartbeat.reset();
-      if (const auto keys = keys_of(guid)) position.keys = *keys;
-    });
-  }
-  /// Former keys of the participant have ended, with which others may have sent in its name.
-  void distrust_former_keys(const GuidPrefix& participant) {
-    each_of(participant, [](const Guid&, Position& position) { position.is_doubted = true; });
-  }
+  /// Adds a writer that has left, or replaces its position.
+  void add(const Guid& writer, const GuidPrefix& identity, const Position& position);
+  /// Call it when the writer has revised its keys. The position stays valid under the new keys. If
+  /// `writer` has no entity, this is for all writers of the participant.
+  void note_revised(const Guid& writer, const KeysOf& keys_of);
+  /// Notes that former keys of the participant have ended, with which others may have sent in its
+  /// name.
+  void distrust_former_keys(const GuidPrefix& participant);
   /// Removes and returns the writer's position; empty if the writer is not known.
-  std::optional<Position> take(const Guid& writer) {
-    const auto at = writers_.find(writer);
-    if (at == writers_.end()) return std::nullopt;
-    const auto [position, identity, number] = at->second;
-    writers_.erase(at);
-    const auto share = of_.find(identity);
-    share->second.erase(number);
-    if (share->second.empty()) of_.erase(share);
-    return position;
-  }
+  std::optional<Position> take(const Guid& writer);
 
  private:
   template <class F>
-  void each_of(const GuidPrefix& participant, F&& f) {
-    for (auto at = writers_.lower_bound({participant, {}}); at != writers_.end(); ++at) {
-      if (at->first.prefix != participant) return;
-      f(at->first, at->second.position);
-    }
-  }
+  void each_of(const GuidPrefix& participant, F&& f);
 
   struct Entry {
     Position position;

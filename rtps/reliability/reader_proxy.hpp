@@ -35,7 +35,7 @@ class Timeliness {
   static constexpr MonotonicTime kMaxDelay = std::chrono::milliseconds(500);
 
   /// Checks whether the reader is late. `written` is the last number that was written.
-  void check(SequenceNumber acknowledged, SequenceNumber written, MonotonicTime now) {
+  void update(SequenceNumber acknowledged, SequenceNumber written, MonotonicTime now) {
     if (acknowledged >= awaited_) {
       awaited_ = written;
       due_ = now + kMaxDelay;
@@ -115,6 +115,7 @@ class ReaderProxy {
   FragmentRepair repair;
   StatefulReader* local = nullptr;  ///< the reader in this process; nullptr if it is not attached
   bool in_memory = false;           ///< its participant has mapped the writer's memory
+  bool is_limited = false;          ///< AmplificationLimit limits what is sent to it
   bool wanted = true;               ///< true if the last change passed its filter
   /// The first change that did not pass its filter and for which no GAP was sent yet; 0 if there is
   /// none.

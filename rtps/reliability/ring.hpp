@@ -1,7 +1,6 @@
 // A queue that allocates only if it becomes longer than ever before.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <utility>
 #include <vector>

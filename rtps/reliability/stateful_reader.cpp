@@ -16,7 +16,7 @@ Destination destination_of(const WriterProxy& proxy) {
 
 // Reports what the message contradicts.
 template <class... Message>
-void check(WriterProxy& proxy, const Message&... message) {
+void note_contradictions(WriterProxy& proxy, const Message&... message) {
   if (proxy.contradictions && proxy.contradictions->note(message...))
     proxy.writer().contradicted(proxy.writer().guid);
 }
@@ -30,7 +30,7 @@ StatefulReader::StatefulReader(const Guid& guid, bool reliable, MessageSender& s
       is_reliable_(reliable),
       sender_(sender),
       messages_(guid.entity, sender),
-      common_{.deliver = std::move(deliver)} {}
+      common_{.deliver = std::move(deliver), .holder = this} {}
 
 void StatefulReader::limit(const Limits& limits) {
   largest_sample_ = limits.largest_sample;
@@ -39,7 +39,7 @@ void StatefulReader::limit(const Limits& limits) {
 
 void StatefulReader::share_held(std::shared_ptr<HeldOctets> held) {
   common_.held = std::move(held);
-  shares_held_ = true;
+  common_.held->share();
 }
 
 StatefulReader::~StatefulReader() {
@@ -104,7 +104,7 @@ bool StatefulReader::has_history() const {
 bool StatefulReader::accept(WriterProxy& proxy, SequenceNumber number, std::optional<Change> change,
                             KeyAge age) {
   const bool is_new = proxy.accept(number, std::move(change), age);
-  if (proxy.held().octets() > 0) trim(proxy);
+  if (proxy.held().octets() > 0) common_.held->trim(proxy.held().identity(), *this);
   return is_new;
 }
 
@@ -113,7 +113,7 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   sender_.note_sample();
   auto* proxy = find({from, data.writer});
   if (proxy == nullptr) return false;
-  check(*proxy, data, proxy->next());
+  note_contradictions(*proxy, data, proxy->next());
   if (data.sequence_number < proxy->next()) return false;
   // DDS 1.4 has no instance state for samples that did not pass a filter, so there is nothing to
   // report.
@@ -123,7 +123,7 @@ bool StatefulReader::on_data(const GuidPrefix& from, const Data& data,
   auto payload = elsewhere.size() > 0 ? std::move(elsewhere) : Payload::copy_of(data.payload);
   const bool is_new = proxy->accept(data.sequence_number,
                                     received_change(from, data, time, std::move(payload)), age);
-  if (proxy->held().octets() > 0) trim(*proxy);
+  if (proxy->held().octets() > 0) common_.held->trim(proxy->held().identity(), *this);
   return is_new;
 }
 
@@ -131,7 +131,7 @@ bool StatefulReader::on_data_frag(const GuidPrefix& from, const DataFrag& frag,
                                   const std::optional<Time>& time, bool is_marked, KeyAge age) {
   auto* proxy = find({from, frag.writer});
   if (proxy == nullptr) return false;
-  check(*proxy, frag, proxy->next());
+  note_contradictions(*proxy, frag, proxy->next());
   if (!proxy->lacks(frag.sequence_number)) return false;
   if (!has_place(*proxy, frag, time, age)) return false;
   const bool is_new = proxy->partial().insert(frag);
@@ -154,34 +154,26 @@ bool StatefulReader::has_place(WriterProxy& proxy, const DataFrag& frag,
     return false;
   }
   if (!partial.begin(proxy.writer().guid.prefix, frag, time)) return false;
-  trim(proxy);
+  common_.held->trim(proxy.held().identity(), *this);
   return true;
 }
 
 // The limits are for each identity, so that an attacker that spreads its data over many writers
 // displaces no data of another identity.
-void StatefulReader::trim(const WriterProxy& proxy) {
-  const auto give_up_largest = [this](const GuidPrefix& identity) {
-    WriterProxy* largest = nullptr;
-    for (auto& [guid, one] : writers_)
-      if (one.held().identity() == identity &&
-          (!largest || one.held().octets() > largest->held().octets()))
-        largest = &one;
-    largest->forget_latest();
-  };
-  if (shares_held_) {
-    while (proxy.held().octets() > 0 && common_.held->exceeds_share(proxy.held().identity()))
-      give_up_largest(proxy.held().identity());
-    return;
-  }
-  while (const auto identity = common_.held->largest_over_limit()) give_up_largest(*identity);
+void StatefulReader::give_up_latest(const GuidPrefix& identity) {
+  WriterProxy* largest = nullptr;
+  for (auto& [guid, one] : writers_)
+    if (one.held().identity() == identity &&
+        (!largest || one.held().octets() > largest->held().octets()))
+      largest = &one;
+  if (largest != nullptr) largest->forget_latest();
 }
 
 bool StatefulReader::on_heartbeat(const GuidPrefix& from, const Heartbeat& heartbeat,
                                   bool is_protected, KeyAge age) {
   auto* proxy = find({from, heartbeat.writer});
   if (proxy == nullptr) return false;
-  check(*proxy, heartbeat);
+  note_contradictions(*proxy, heartbeat);
   if (!proxy->on_heartbeat(heartbeat, is_protected, age)) return false;
   if (!proxy->is_reliable()) return true;
   if (heartbeat.group && proxy->next() > heartbeat.last && on_group_)

@@ -15,7 +15,7 @@ namespace ddssec::rtps {
 /// Delivers each writer's changes in order, each once. Its memory is limited: changes that arrived
 /// early and samples with missing fragments are kept up to the limits below. Above them, the
 /// identity that holds the most loses its latest ones, which are requested again. No clock or lock.
-class StatefulReader final : private TimedObject {
+class StatefulReader final : private TimedObject, private HeldOctets::Holder {
  public:
   static constexpr std::uint32_t kMaxSample = 64u << 20;
   /// Limits, which can be lowered for readers whose samples are small.
@@ -145,9 +145,8 @@ class StatefulReader final : private TimedObject {
   /// Begins a sample if needed. Returns false if the fragment belongs to a sample that has no room.
   bool has_place(WriterProxy& proxy, const DataFrag& frag, const std::optional<Time>& time,
                  KeyAge age);
-  /// Gives up the latest changes of identities that hold too much, from the writer that holds the
-  /// most. They are requested again. Call it after a change of this writer was held.
-  void trim(const WriterProxy& proxy);
+  /// Gives up the latest change of the writer that holds the most.
+  void give_up_latest(const GuidPrefix& identity) override;
   /// Asks the writer what it holds, and schedules the next query.
   void send_query(WriterProxy& proxy, MonotonicTime now);
   /// Acknowledges the changes that have arrived, and requests those that are missing up to `last`.
@@ -162,7 +161,6 @@ class StatefulReader final : private TimedObject {
   Alive alive_;
   Group on_group_;
   std::uint32_t largest_sample_ = kMaxSample;
-  bool shares_held_ = false;  ///< shares them with other readers
   WriterProxy::Common common_;
   std::map<Guid, WriterProxy> writers_;
   PastWriters past_;

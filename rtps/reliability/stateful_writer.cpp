@@ -22,7 +22,7 @@ StatefulWriter::StatefulWriter(const Guid& guid, const Qos& qos, MessageSender& 
       sender_(sender),
       history_(qos),
       messages_(guid.entity, qos.durability, sender, history_),
-      readers_(guid.entity, qos.is_reliable()),
+      readers_(guid.entity, qos.is_reliable(), &sender.amplification_limit()),
       filtered_(readers_, messages_),
       memory_(readers_, messages_, history_),
       retransmissions_(history_, messages_, evaluations_),
@@ -106,8 +106,9 @@ void StatefulWriter::unmatch(const Guid& reader) {
 
 void StatefulWriter::readdress(const Guid& reader, const LocatorList& locators, MonotonicTime now) {
   auto* proxy = readers_.find(reader);
-  if (proxy == nullptr || proxy->reader().is_in_process || proxy->reader().locators == locators)
-    return;
+  if (proxy == nullptr || proxy->reader().is_in_process) return;
+  readers_.update_limit(*proxy);
+  if (proxy->reader().locators == locators) return;
   sender_.flush();
   readers_.readdress(*proxy, locators);
   if (!proxy->acknowledges() || proxy->acknowledged() >= history_.last()) return;
@@ -154,9 +155,11 @@ void StatefulWriter::send(const Change& written, MonotonicTime now) {
   }
   if (heartbeat != Kind::none) filtered_.send_gaps(history_.last().next());
   if (heartbeat == Kind::without_final)
-    send_heartbeat_without_final(readers_.all_readers(), history_.first());
+    readers_.for_all(
+        [&](const Receiver& to) { send_heartbeat_without_final(to, history_.first()); });
   if (heartbeat == Kind::final)
-    messages_.heartbeat(readers_.all_readers(), history_.first(), {.is_final = true});
+    readers_.for_all(
+        [&](const Receiver& to) { messages_.heartbeat(to, history_.first(), {.is_final = true}); });
   pace_.note_write(now, sender_.samples_heard());
   const bool fits_again = written.payload.size() < sender_.full_size() / 3;
   if (fits_again && sender_.may_delay_flush() && pace_.may_wait(heartbeat))
@@ -174,7 +177,7 @@ void StatefulWriter::request_acknowledgments(bool even_if_none_is_missing) {
   if (all_acknowledged() && !even_if_none_is_missing) return;
   if (!readers_.any_remote()) return;
   filtered_.send_gaps(history_.last().next());
-  send_heartbeat_without_final(readers_.all_readers(), history_.first());
+  readers_.for_all([&](const Receiver& to) { send_heartbeat_without_final(to, history_.first()); });
   sender_.flush();
 }
 
@@ -189,8 +192,9 @@ void StatefulWriter::request_acknack(const Guid& reader, const LocatorList& at) 
 void StatefulWriter::assert_liveliness() {
   local_.assert_liveliness();
   if (!readers_.any_remote()) return;
-  messages_.heartbeat(readers_.all_readers(), history_.first(),
-                      {.is_final = true, .asserts_liveliness = true});
+  readers_.for_all([&](const Receiver& to) {
+    messages_.heartbeat(to, history_.first(), {.is_final = true, .asserts_liveliness = true});
+  });
   sender_.flush();
 }
 
@@ -204,9 +208,10 @@ void StatefulWriter::resume(MonotonicTime now) {
   if (readers_.any_remote() && suspended_from_ <= history_.last()) {
     for (auto number = history_.next_held(suspended_from_); number <= history_.last();
          number = history_.next_held(number.next()))
-      messages_.change(readers_.all_readers(), *history_.find(number));
+      readers_.for_all([&](const Receiver& to) { messages_.change(to, *history_.find(number)); });
     if (qos_.is_reliable()) {
-      send_heartbeat_without_final(readers_.all_readers(), history_.first());
+      readers_.for_all(
+          [&](const Receiver& to) { send_heartbeat_without_final(to, history_.first()); });
       schedule_.note_written(now);
       call_at(schedule_.due());
     }
@@ -314,7 +319,7 @@ bool StatefulWriter::is_ahead(MonotonicTime now) {
   if (!qos_.is_reliable() || readers_.size() == 0 || qos_.durability != DurabilityKind::volatile_ ||
       history_.octets() <= kHighWater)
     return false;
-  readers_.check_timeliness(history_.last(), now);
+  readers_.update_timeliness(history_.last(), now);
   const auto in_time = readers_.acknowledged_in_time().lowest();
   return in_time && history_.octets_after(*in_time, kHighWater) > kHighWater;
 }

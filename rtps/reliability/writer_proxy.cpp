@@ -8,7 +8,7 @@ WriterProxy::WriterProxy(MatchedWriter writer, bool reader_is_reliable, Common& 
     : writer_(std::move(writer)),
       common_(common),
       is_reliable_(reader_is_reliable && writer_.is_reliable),
-      held_(*common.held, writer_.owner()),
+      held_(*common.held, writer_.owner(), common.holder),
       early_(held_, common.spare),
       partial_(held_, !reader_is_reliable) {
   if (writer_.contradicted) contradictions = std::make_unique<Contradictions>();

@@ -56,6 +56,7 @@ class WriterProxy {
     /// them irrelevant.
     std::function<void(std::int64_t count)> lost = {};
     std::shared_ptr<HeldOctets> held = std::make_shared<HeldOctets>();
+    HeldOctets::Holder* holder = nullptr;  ///< the reader
     EarlyChanges::Spare spare = {};
   };
 

@@ -63,7 +63,7 @@ bool Admission::may_authenticate(const ParticipantData& data) const {
 Admission::Decision Admission::judge(const ParticipantData& data) {
   if (may_authenticate(data)) return Decision::authenticate;
   if (admits_unauthenticated()) return Decision::admit_unauthenticated;
-  ++core_.counters.failed;
+  core_.count_failed();
   const auto document = "participant " + data.guid.to_string();
   auto why = data.identity_token
                  ? check_participant(data).error().with_default_document(document)
@@ -147,7 +147,7 @@ Status Admission::check_own(const EntityId& id, const NewEndpoint& endpoint) {
 bool Admission::may_still(const EntityId& id) {
   const auto asked = own_.find(id);
   const bool as_at_the_start =
-      !core_.governance_has_changed &&
+      !core_.governance_change.has_changed() &&
       core_.own->plugins().access_control.renewals(core_.own->permissions()) == 0;
   if (asked == own_.end() || as_at_the_start) return true;
   const auto& [topic, partitions, data_tags] = asked->second;
@@ -184,7 +184,8 @@ Result<Admission::AnnouncedSecurity> Admission::create_endpoint(const EntityId& 
   own_.insert_or_assign(
       id, CreationParameters{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
   DDSSEC_RETURN_IF_ERROR(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
-  if (core_.governance_changes) DDSSEC_RETURN_IF_ERROR(add_other_protection(id, endpoint.topic));
+  if (core_.governance_change.is_under_way())
+    DDSSEC_RETURN_IF_ERROR(add_other_protection(id, endpoint.topic));
   return announced(id);
 }
 
@@ -198,9 +199,10 @@ Status Admission::add_other_protection(const EntityId& id, std::string_view topi
 
 std::optional<spi::EndpointSecurityAttributes> Admission::other_attributes(
     std::string_view topic) const {
-  if (!core_.other_governance) return {};
+  const auto& other = core_.governance_change.other_governance();
+  if (!other) return {};
   return core_.own->plugins().access_control.endpoint_attributes_of(core_.own->permissions(),
-                                                                    *core_.other_governance, topic);
+                                                                    *other, topic);
 }
 
 Result<Admission::AnnouncedSecurity> Admission::announced(const EntityId& id) {
@@ -220,7 +222,7 @@ std::optional<Admission::Permission> Admission::admit(const EntityId& local,
   // Also while there are no keys for it yet, or no longer (GovernanceTransition::note_revision).
   const auto other = other_attributes(remote.topic);
   const auto permission = admit({*attributes, is_reader(local), other ? &*other : nullptr}, remote);
-  if (!core_.governance_changes) return permission;
+  if (!core_.governance_change.is_under_way()) return permission;
   auto& second = core_.keyring.phases().endpoints();
   second.set_permitted(
       local, remote.guid,
@@ -237,7 +239,7 @@ bool Admission::permits_under_pending_governance(bool reads, const Permission& p
                                                  const Endpoint& remote) {
   auto& plugin = core_.own->plugins().access_control;
   const auto pending = plugin.pending_governance(core_.own->permissions());
-  if (!pending || pending != core_.other_governance) return true;
+  if (!pending || pending != core_.governance_change.other_governance()) return true;
   const auto* peer = core_.find(remote.guid.prefix);
   const auto* association = peer == nullptr ? nullptr : peer->state.association();
   if (association == nullptr) return false;

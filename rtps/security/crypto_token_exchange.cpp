@@ -84,7 +84,7 @@ StatefulReader* CryptoTokenExchange::volatile_reader(const GuidPrefix& prefix) {
 
 void CryptoTokenExchange::join(Peer& peer) {
   if (!peer.state.on_participant_tokens()) return;
-  ++core_.counters.authenticated;
+  core_.count_authenticated();
   if (peer.state.association() != nullptr)
     core_.raise(Error(Code::rtps_peer_authenticated), peer, EventOrigin::its_keys);
   core_.host.on_authenticated(GuidPrefix(peer.prefix()));
@@ -228,7 +228,7 @@ void CryptoTokenExchange::send_again(Peer& peer) {
   auto& association = *peer.state.association();
   auto& phases = core_.keyring.phases();
   association.governance.message_keys = 0;
-  if (core_.governance_changes && !phases.has_swapped())
+  if (core_.governance_change.is_under_way() && !phases.has_swapped())
     return phases.endpoints().send_again(peer.prefix());
   if (!is_trusted(peer)) return;
   for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
@@ -350,7 +350,7 @@ bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& cha
       message->destination_participant != core_.own->guid())
     return true;
   if (message->message_class == message_class::kRenewal ||
-      message->message_class == message_class::kRenewalTaken) {
+      message->message_class == message_class::kRenewalAccepted) {
     renewal_listener_(*peer, *message);
     return true;
   }

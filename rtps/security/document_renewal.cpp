@@ -1,40 +1,31 @@
 #include "rtps/security/document_renewal.hpp"
 
 namespace ddssec::rtps {
-namespace {
-
-std::size_t octets_of(const spi::Token& token) {
-  std::size_t octets = 0;
-  for (const auto& property : token.binary_properties) octets += property.value.size();
-  return octets;
-}
-
-}  // namespace
 
 DocumentRenewal::DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange,
-                                 KeyReviser& revision)
-    : core_(core), exchange_(exchange), revision_(revision) {
+                                 KeyReviser& key_reviser)
+    : core_(core), exchange_(exchange), key_reviser_(key_reviser) {
   exchange.on_renewal([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() != 1 || peer.state.joined() == nullptr) return;
     if (message.message_class == message_class::kRenewal) return on_offer(peer, message.data[0]);
-    on_taken(peer, message.data[0]);
+    on_accepted(peer, message.data[0]);
   });
 }
 
-void DocumentRenewal::offer() {
+void DocumentRenewal::offer_to_all() {
   for (auto& [prefix, peer] : core_.peers)
-    if (peer.state.joined() != nullptr && peer.data.vendor == kVendorDdssec) offer(peer);
+    if (peer.state.joined() != nullptr && peer.data.vendor == kVendorDdssec) offer_to(peer);
 }
 
 // Does nothing if the plugin cannot make the offer; the next try follows in a second.
-void DocumentRenewal::offer(Peer& peer) {
+void DocumentRenewal::offer_to(Peer& peer) {
   auto& next_offer = peer.state.association()->renewal.next_offer;
   if (core_.now < next_offer || !exchange_.has_room(peer)) return;
   auto& authentication = core_.own->plugins().authentication;
   auto offer = authentication.offer_renewal(peer.state.handshake()->handle());
   if (!offer || !*offer) return;
   next_offer = core_.now + kOfferPeriod;
-  if (octets_of(**offer) > CryptoTokenExchange::kMaxDocumentOctets)
+  if (spi::binary_octets(**offer) > CryptoTokenExchange::kMaxDocumentOctets)
     return report_too_large(peer, **offer);
   exchange_.send_token(peer, message_class::kRenewal, **std::move(offer));
 }
@@ -45,7 +36,7 @@ void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer
             {.document = "renewed certificate and permissions",
              .expected =
                  "at most " + std::to_string(CryptoTokenExchange::kMaxDocumentOctets) + " octets",
-             .found = std::to_string(octets_of(offer)),
+             .found = std::to_string(spi::binary_octets(offer)),
              .hint = "make the permissions shorter, if the session with this peer is to go on "
                      "after the former documents end; it begins again otherwise"}),
       peer, EventOrigin::its_keys);
@@ -63,30 +54,30 @@ void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
       permissions, peer.data.permissions_token.value_or(spi::Token{}), *credential);
   if (!has_less) return;
   // It may also have the keys of topics of which it has no endpoints any more.
-  if (*has_less) revision_.request(KeyReviser::RevisionReason::right_lost);
+  if (*has_less) key_reviser_.request(KeyReviser::RevisionReason::right_lost);
   // Without an answer the peer offers again. The new permissions count in any case.
   if (auto answer = authentication.accept_renewal(handshake, offer))
-    exchange_.send_token(peer, message_class::kRenewalTaken, *std::move(answer));
+    exchange_.send_token(peer, message_class::kRenewalAccepted, *std::move(answer));
   if (!access_control.check_remote_participant(permissions, core_.own->domain_id()))
     excluded_.push_back(peer.prefix());
   else
-    judge_endpoints_of(GuidPrefix(peer.prefix()));
+    rematch_endpoints_of(GuidPrefix(peer.prefix()));
 }
 
 // A reader that no longer matches still has the keys of its writers, so the keys are revised.
-void DocumentRenewal::judge_endpoints_of(const GuidPrefix& prefix) {
+void DocumentRenewal::rematch_endpoints_of(const GuidPrefix& prefix) {
   if (core_.host.on_rights_changed(prefix))
-    revision_.request(KeyReviser::RevisionReason::right_lost);
+    key_reviser_.request(KeyReviser::RevisionReason::right_lost);
 }
 
 void DocumentRenewal::on_own_rights_changed() {
   std::vector<GuidPrefix> prefixes;
   for (const auto& [prefix, peer] : core_.peers)
     if (peer.state.joined() != nullptr) prefixes.push_back(prefix);
-  for (const auto& prefix : prefixes) judge_endpoints_of(prefix);
+  for (const auto& prefix : prefixes) rematch_endpoints_of(prefix);
 }
 
-void DocumentRenewal::on_taken(Peer& peer, const spi::Token& answer) {
+void DocumentRenewal::on_accepted(Peer& peer, const spi::Token& answer) {
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
   const auto facts = authentication.note_renewal_accepted(peer.state.handshake()->handle(), answer);
   if (!facts) return;

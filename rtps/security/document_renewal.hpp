@@ -13,10 +13,10 @@ class DocumentRenewal {
   /// A peer that does not answer is shown the documents again after this time.
   static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(10);
 
-  DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& revision);
+  DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& key_reviser);
 
   /// Shows the peers the documents that were renewed. Call it once a second.
-  void offer();
+  void offer_to_all();
   /// Judges all endpoints again, because the local permissions were renewed.
   void on_own_rights_changed();
   /// Returns the peers whose renewed permissions do not let them take part any more, since the last
@@ -24,15 +24,15 @@ class DocumentRenewal {
   std::vector<GuidPrefix> take_excluded() { return std::exchange(excluded_, {}); }
 
  private:
-  void offer(Peer& peer);
+  void offer_to(Peer& peer);
   void report_too_large(const Peer& peer, const spi::Token& offer);
   void on_offer(Peer& peer, const spi::Token& offer);
-  void judge_endpoints_of(const GuidPrefix& prefix);
-  void on_taken(Peer& peer, const spi::Token& answer);
+  void rematch_endpoints_of(const GuidPrefix& prefix);
+  void on_accepted(Peer& peer, const spi::Token& answer);
 
   SecurityCore& core_;
   CryptoTokenExchange& exchange_;
-  KeyReviser& revision_;
+  KeyReviser& key_reviser_;
   std::vector<GuidPrefix> excluded_;
 };
 

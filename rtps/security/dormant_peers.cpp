@@ -11,7 +11,7 @@ bool DormantPeers::can_keep(const GuidPrefix& prefix) const {
   const auto* peer = core_.find(prefix);
   if (peer == nullptr || !CryptoTokenExchange::is_trusted(*peer)) return false;
   return peer->data.vendor != kVendorDdssec && !peer->state.association()->reset &&
-         !revision_.is_busy() && !core_.governance_changes;
+         !key_reviser_.is_busy() && !core_.governance_change.is_under_way();
 }
 
 void DormantPeers::keep(const GuidPrefix& prefix) {
@@ -52,7 +52,7 @@ void DormantPeers::send_to(DormantPeer& dormant, const LocatorList& addresses) {
 // The first query is a new message. The peer's acknowledgment of it cannot have been recorded
 // before. Everything else that arrives can be, or can be forged.
 void DormantPeers::note_heard(const GuidPrefix& prefix, MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   const auto at = core_.dormant.find(prefix);
   if (at == core_.dormant.end() || core_.now < at->second.next_query) return;
   auto& dormant = at->second;
@@ -85,12 +85,12 @@ std::optional<Peer> DormantPeers::take(const GuidPrefix& prefix) {
 void DormantPeers::drop(const GuidPrefix& prefix) {
   const auto at = core_.dormant.find(prefix);
   if (at == core_.dormant.end()) return;
-  revision_.note_absent(at->second.peer);
+  key_reviser_.note_absent(at->second.peer);
   core_.dormant.erase(at);
 }
 
 void DormantPeers::distrust(const GuidPrefix& prefix) {
-  if (core_.dormant.erase(prefix) > 0) revision_.request();
+  if (core_.dormant.erase(prefix) > 0) key_reviser_.request();
 }
 
 std::vector<GuidPrefix> DormantPeers::prefixes() const {
@@ -104,7 +104,7 @@ void DormantPeers::drop_all() {
 }
 
 void DormantPeers::tick() {
-  if (core_.governance_changes) return drop_all();
+  if (core_.governance_change.is_under_way()) return drop_all();
   for (const auto& prefix : prefixes()) {
     auto& dormant = core_.dormant.at(prefix);
     if (core_.now >= dormant.since + kLife) {

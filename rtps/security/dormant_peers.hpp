@@ -18,8 +18,8 @@ class DormantPeers {
   static constexpr MonotonicTime kQueryPeriod = std::chrono::seconds(1);
   static constexpr MonotonicTime kAnswerTime = std::chrono::seconds(5);
 
-  DormantPeers(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& revision)
-      : core_(core), exchange_(exchange), revision_(revision) {}
+  DormantPeers(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& key_reviser)
+      : core_(core), exchange_(exchange), key_reviser_(key_reviser) {}
 
   /// True if the peer may keep its session without us, and would not begin another one.
   bool can_keep(const GuidPrefix& prefix) const;
@@ -60,7 +60,7 @@ class DormantPeers {
 
   SecurityCore& core_;
   CryptoTokenExchange& exchange_;
-  KeyReviser& revision_;
+  KeyReviser& key_reviser_;
   std::vector<GuidPrefix> answered_;
 };
 

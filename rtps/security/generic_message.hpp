@@ -25,7 +25,7 @@ using namespace spi::message_class;
 inline constexpr std::string_view kAreYouThere = "org.ddssec.are_you_there";
 /// Specific to ddssec: documents that were renewed (DocumentRenewal), and the answer.
 inline constexpr std::string_view kRenewal = "org.ddssec.renewed_documents";
-inline constexpr std::string_view kRenewalTaken = "org.ddssec.renewed_documents_taken";
+inline constexpr std::string_view kRenewalAccepted = "org.ddssec.renewed_documents_taken";
 /// Specific to ddssec: which governance document a participant has (GovernanceTransition).
 inline constexpr std::string_view kGovernance = "org.ddssec.governance";
 /// Specific to ddssec: an offer of shared memory, or the answer (memory_messages.hpp).

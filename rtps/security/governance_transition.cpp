@@ -42,9 +42,10 @@ std::optional<GovernanceReport> report_in(const spi::Token& token) {
 
 }  // namespace
 
-GovernanceTransition::GovernanceTransition(SecurityCore& core, Admission& admission,
-                                           CryptoTokenExchange& exchange, KeyReviser& revision)
-    : core_(core), admission_(admission), exchange_(exchange), revision_(revision) {
+GovernanceTransition::GovernanceTransition(GovernanceChangeState& state, SecurityCore& core,
+                                           Admission& admission, CryptoTokenExchange& exchange,
+                                           KeyReviser& key_reviser)
+    : state_(state), core_(core), admission_(admission), exchange_(exchange), key_reviser_(key_reviser) {
   exchange.on_governance([this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() == 1) on_message(peer, message.data[0]);
   });
@@ -59,15 +60,15 @@ void GovernanceTransition::each_joined(F&& f) {
 // ---- phases
 
 void GovernanceTransition::tick() {
-  if (phase_ != Phase::draining) check();
+  if (state_.phase() != Phase::draining) poll_document();
   each_joined([&](Peer& peer) { send_again(peer); });
-  if (phase_ == Phase::none) return send_to_all();
+  if (state_.phase() == Phase::none) return send_to_all();
   // The protections are added before the reports are sent, because peers that receive a report send
   // keys for the second protection at once.
-  if (phase_ == Phase::accepting && !add_protections()) return;
+  if (state_.phase() == Phase::accepting && !add_protections()) return;
   send_to_all();
   const bool is_complete = complete_pairs();
-  if (phase_ == Phase::accepting) {
+  if (state_.phase() == Phase::accepting) {
     const bool all_are_ready =
         is_complete &&
         std::ranges::all_of(core_.peers, [&](const auto& one) { return is_ready(one.second); });
@@ -84,44 +85,40 @@ void GovernanceTransition::tick() {
   }
 }
 
-void GovernanceTransition::check() {
+void GovernanceTransition::poll_document() {
   const auto next =
       core_.own->plugins().access_control.pending_governance(core_.own->permissions());
-  if (phase_ == Phase::accepting && next != target_)
-    end();  // the CA of the document has left;
-            // another document may wait
-  core_.governance_waits = next.has_value();
+  // The CA of the document has left; another document may wait.
+  if (state_.phase() == Phase::accepting && next != state_.target()) end();
+  state_.note_pending(next.has_value());
   if (!next) waits_since_.reset();
-  if (phase_ == Phase::none && next && may_begin()) begin(*next);
+  if (state_.phase() == Phase::none && next && may_begin()) begin(*next);
 }
 
 // A change waits for a revision that is under way, because its keys are for the first protection.
 // An insider may cause revisions without end, so it waits no longer than its own time.
 bool GovernanceTransition::may_begin() {
   if (!waits_since_) waits_since_ = core_.now;
-  return !revision_.is_busy() || core_.now >= *waits_since_ + core_.own->governance_change_time();
+  return !key_reviser_.is_busy() ||
+         core_.now >= *waits_since_ + core_.own->governance_change_time();
 }
 
 // Keys of the next protection are revised with the present ones, so the first phase goes on: a
 // participant that dropped them would hear nothing from peers that change meanwhile. Those of the
 // former protection count for no longer in the second phase than former keys do.
 void GovernanceTransition::note_revision() {
-  if (phase_ == Phase::draining)
+  if (state_.phase() == Phase::draining)
     deadline_ = std::min(deadline_, core_.now + 2 * KeyReviser::kTimeout);
 }
 
 void GovernanceTransition::begin(const Version& next) {
-  target_ = next;
-  phase_ = Phase::accepting;
   has_failed_ = has_protections_ = false;
   has_lost_any_ = false;
-  core_.other_governance = next;
-  auto& other = core_.other_domain;
-  other =
+  auto domain =
       core_.own->plugins().access_control.participant_attributes_of(core_.own->permissions(), next);
-  if (other && spi::security_info(*other) == spi::security_info(core_.own->attributes()))
-    other.reset();
-  core_.governance_changes = true;
+  if (domain && spi::security_info(*domain) == spi::security_info(core_.own->attributes()))
+    domain.reset();
+  state_.begin(next, std::move(domain));
   deadline_ = *std::exchange(waits_since_, std::nullopt) + core_.own->governance_change_time();
   for (auto& [prefix, peer] : core_.peers) refresh(peer);
 }
@@ -130,40 +127,32 @@ void GovernanceTransition::begin(const Version& next) {
 void GovernanceTransition::change() {
   auto& access = core_.own->plugins().access_control;
   const auto former = access.governance_version(core_.own->permissions());
-  if (!access.apply_pending_governance(core_.own->permissions(), *target_)) return end();
-  core_.other_governance = former;
+  if (!access.apply_pending_governance(core_.own->permissions(), *state_.target())) return end();
   report_behind();
   core_.sender.flush_now();  // what waits was begun with the former protection
   core_.keyring.phases().swap();
-  if (core_.other_domain) {
-    core_.other_domain = core_.own->set_attributes(*core_.other_domain);
-    has_changed_domain_ = true;
-    note_all_former();
-  }
-  core_.governance_has_changed = true;
-  phase_ = Phase::draining;
+  auto domain = state_.other_domain();
+  if (domain) domain = core_.own->set_attributes(*domain);
+  state_.change(former, std::move(domain));
+  if (state_.other_domain()) note_all_former();
   // A peer that has the document sends with the new protection before its own time is over.
   deadline_ = core_.now + core_.own->governance_change_time() + kMargin;
   send_to_all();
   admission_.announce_protection();
-  judge_matches();
+  rematch();
 }
 
 void GovernanceTransition::end() {
   const auto former = peers_of_former();
   core_.keyring.phases().remove_second();
-  core_.governance_changes = core_.governance_waits = false;
+  state_.end();
   admission_.end_former_announcements();
-  if (phase_ == Phase::draining) core_.former_domain = core_.other_domain;
-  core_.other_domain.reset();
-  core_.other_governance.reset();
-  phase_ = Phase::none;
   deadline_ = kNever;
   each_joined([&](Peer& peer) { refresh(peer); });
   send_to_all();
-  judge_matches();
+  rematch();
   if (std::exchange(has_lost_any_, false))
-    revision_.request(KeyReviser::RevisionReason::right_lost);
+    key_reviser_.request(KeyReviser::RevisionReason::right_lost);
   for (const auto& prefix : former) core_.host.on_ended(prefix);
 }
 
@@ -184,11 +173,11 @@ void GovernanceTransition::want_keys() {
       if (core_.keyring.phases().messages().has_second()) association->governance.message_keys = 0;
       association->governance.lacks_keys = true;
     }
-  judge_matches();
+  rematch();
 }
 
 Status GovernanceTransition::add_second_protections() {
-  const auto& domain = core_.other_domain;
+  const auto& domain = state_.other_domain();
   if (domain && domain->rtps != core_.own->attributes().rtps) {
     const auto status = core_.keyring.phases().messages().add_second(*domain);
     if (!status) return std::unexpected(status.error().with_default_document("messages"));
@@ -246,7 +235,7 @@ bool GovernanceTransition::has_changed(const Peer& peer) const {
 // A peer that has not joined gets its keys later, so nothing waits for it.
 bool GovernanceTransition::is_ready(const Peer& peer) const {
   const bool is_concerned =
-      core_.other_domain ||
+      state_.other_domain() ||
       core_.keyring.phases().endpoints().has_pair_under_two_protections(peer.prefix());
   if (peer.state.joined() == nullptr || !is_concerned) return true;
   return has_changed(peer) && CryptoTokenExchange::is_up_to_date(peer);
@@ -257,7 +246,7 @@ void GovernanceTransition::refresh(Peer& peer) const {
   if (association == nullptr) return;
   auto& governance = association->governance;
   governance.takes_part = has_changed(peer);
-  if (phase_ != Phase::none && governance.takes_part &&
+  if (state_.is_under_way() && governance.takes_part &&
       governance.received->state != State::changing)
     core_.keyring.phases().note_sends_next(peer.prefix());
 }
@@ -265,19 +254,19 @@ void GovernanceTransition::refresh(Peer& peer) const {
 void GovernanceTransition::report_behind() {
   each_joined([&](Peer& peer) {
     const bool is_concerned =
-        core_.other_domain ||
+        state_.other_domain() ||
         core_.keyring.phases().endpoints().has_pair_under_two_protections(peer.prefix());
     if (!is_concerned || has_changed(peer)) return;
     const auto& report = peer.state.association()->governance.received;
-    const bool is_ahead = report && report->version.revision > target_->revision;
+    const bool is_ahead = report && report->version.revision > state_.target()->revision;
     core_.raise(
         Error(
             is_ahead ? Code::governance_peer_ahead : Code::governance_peer_behind,
             {.document = "governance",
              .field = "revision",
-             .expected = std::to_string(target_->revision),
+             .expected = std::to_string(state_.target()->revision),
              .found = report ? std::to_string(report->version.revision) : "an earlier one or none",
-             .note = core_.other_domain
+             .note = state_.other_domain()
                          ? "the session with it ends when the change is over"
                          : "its endpoints no longer match on topics that the two documents "
                            "protect differently"}),
@@ -285,7 +274,7 @@ void GovernanceTransition::report_behind() {
   });
 }
 
-void GovernanceTransition::judge_matches() {
+void GovernanceTransition::rematch() {
   std::vector<GuidPrefix> prefixes;
   each_joined([&](Peer& peer) { prefixes.push_back(peer.prefix()); });
   for (const auto& prefix : prefixes)
@@ -295,8 +284,9 @@ void GovernanceTransition::judge_matches() {
 // ---- messages
 
 GovernanceOfPeer::GovernanceReport GovernanceTransition::own() const {
-  if (phase_ != Phase::none)
-    return {*target_, phase_ == Phase::accepting ? State::changing : State::changed};
+  if (state_.is_under_way())
+    return {*state_.target(),
+            state_.phase() == Phase::accepting ? State::changing : State::changed};
   const auto version =
       core_.own->plugins().access_control.governance_version(core_.own->permissions());
   return {version.value_or(Version{}), State::in_force};
@@ -306,7 +296,7 @@ void GovernanceTransition::send_report(Peer& peer, bool wants_answer) {
   if (peer.data.vendor != kVendorDdssec || !exchange_.has_room(peer)) return;
   auto& governance = peer.state.association()->governance;
   const auto report = own();
-  const bool wants_keys = phase_ != Phase::none && governance.lacks_keys;
+  const bool wants_keys = state_.is_under_way() && governance.lacks_keys;
   if (governance.sent == report && !wants_keys) return;
   governance.sent = report;
   governance.lacks_keys = false;
@@ -318,7 +308,7 @@ void GovernanceTransition::send_report(Peer& peer, bool wants_answer) {
 void GovernanceTransition::send_to_all() {
   each_joined([&](Peer& peer) {
     const auto& governance = peer.state.association()->governance;
-    if (phase_ != Phase::none || governance.sent) send_report(peer, !governance.sent);
+    if (state_.is_under_way() || governance.sent) send_report(peer, !governance.sent);
   });
 }
 
@@ -333,7 +323,7 @@ void GovernanceTransition::on_message(Peer& peer, const spi::Token& token) {
   governance.wants_keys |= spi::find_property(token.properties, kWantsKeys) != nullptr;
   if (governance.wants_keys && governance.repetitions.try_spend(core_.now)) send_again(peer);
   // Until there are keys for the second protection, the peer must not send its own.
-  if (phase_ == Phase::accepting && !has_protections_) return;
+  if (state_.phase() == Phase::accepting && !has_protections_) return;
   if (spi::find_property(token.properties, kWantsAnswer) != nullptr &&
       governance.answers.try_spend(core_.now)) {
     governance.sent.reset();

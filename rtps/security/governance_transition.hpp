@@ -23,26 +23,20 @@ class GovernanceTransition {
   /// Added to the second phase, because messages take time and lost ones are sent again.
   static constexpr MonotonicTime kMargin = std::chrono::seconds(5);
 
-  GovernanceTransition(SecurityCore& core, Admission& admission, CryptoTokenExchange& exchange,
-                       KeyReviser& revision);
+  GovernanceTransition(GovernanceChangeState& state, SecurityCore& core, Admission& admission,
+                       CryptoTokenExchange& exchange, KeyReviser& key_reviser);
 
   /// Call it once a second.
   void tick();
-  /// True if the participant's own attributes have changed since the last call.
-  bool take_changed_domain() { return std::exchange(has_changed_domain_, false); }
   /// Call it while keys are revised, or are to be. A second phase does not last long then.
   void note_revision();
 
  private:
-  using Version = spi::AccessControl::GovernanceVersion;
+  using Version = GovernanceChangeState::Version;
+  using Phase = GovernanceChangeState::Phase;
   using State = GovernanceOfPeer::State;
-  enum class Phase : std::uint8_t {
-    none,
-    accepting,  ///< both protections are accepted, the former one is sent
-    draining,   ///< both are accepted, the new one is sent
-  };
 
-  void check();
+  void poll_document();
   bool may_begin();
   void begin(const Version& next);
   void change();
@@ -66,24 +60,21 @@ class GovernanceTransition {
   void send_to_all();
   void on_message(Peer& peer, const spi::Token& report);
   void report_behind();
-  void judge_matches();
+  void rematch();
   void note_all_former();
   /// Those that were there when the domain changed, and have not taken the document since.
   std::vector<GuidPrefix> peers_of_former();
   template <class F>
   void each_joined(F&& f);
 
+  GovernanceChangeState& state_;
   SecurityCore& core_;
   Admission& admission_;
   CryptoTokenExchange& exchange_;
-  KeyReviser& revision_;
-  Phase phase_ = Phase::none;
-  /// The document of the change under way, or of the last one.
-  std::optional<Version> target_;
+  KeyReviser& key_reviser_;
   /// Set while a document waits whose change has not begun.
   std::optional<MonotonicTime> waits_since_;
   MonotonicTime deadline_ = kNever;
-  bool has_changed_domain_ = false;
   bool has_protections_ = false;  ///< there are keys for all second protections
   bool has_failed_ = false;
   bool has_lost_any_ = false;  ///< an endpoint of a peer that matched lost its right

@@ -54,8 +54,8 @@ std::unique_ptr<PeerHandshake> Handshakes::handshake_with(const ParticipantData&
       PeerHandshake::Sides{own.guid(), data.guid, own.identity(),
                            data.identity_token.value_or(spi::Token{}),
                            data.vendor != kVendorFastDds, data.vendor == kVendorDdssec,
-                           revision_.identity_of_absent(data.guid.prefix)},
-      core_.own_data, account_, core_.now);
+                           key_reviser_.identity_of_absent(data.guid.prefix)},
+      core_.own_data(), account_, core_.now);
 }
 
 void Handshakes::add(const ParticipantData& data, const AnnouncedAddresses& addresses) {
@@ -134,7 +134,7 @@ void Handshakes::send(Peer& peer, const PeerHandshake::Messages& messages) {
   for (const auto& message : messages) {
     has_asked |= message.message_class == message_class::kAuthRequest;
     const auto held_back = send_one(message);
-    if (handshake.begins()) peer.deferred_octets = std::max(peer.deferred_octets, held_back);
+    if (handshake.is_initiator()) peer.deferred_octets = std::max(peer.deferred_octets, held_back);
   }
   if (peer.deferred_octets == 0) return;
   const auto own = handshake.auth_request();
@@ -169,10 +169,10 @@ void Handshakes::on_stateless(const GuidPrefix& source, BytesView payload) {
   const bool ours = message && message->identity.source.prefix == source &&
                     message->destination_participant == core_.own->guid();
   if (!ours) return;
-  if (!handshake->started() && !has_place(*peer)) return;
+  if (!handshake->is_started() && !has_place(*peer)) return;
   handshake->note_heard();
   handshake->note_sign(core_.now);
-  if (!std::exchange(peer->has_spoken, true) && !handshake->started())
+  if (!std::exchange(peer->has_spoken, true) && !handshake->is_started())
     handshake->start_at(core_.now);
   if (message->message_class == message_class::kAuthRequest)
     on_auth_request(*peer, *message);
@@ -197,7 +197,7 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   const auto repeated = handshake.receive_auth_request(message, out);
   if (core_.sender.amplification_limit().prove(peer.prefix(), repeated)) note_credit(peer, 0);
   if (!out.empty()) send(peer, out);
-  if (!handshake.begins()) return;
+  if (!handshake.is_initiator()) return;
   if (peer.state.association() == nullptr) return request_resend(peer);
   const auto* joined = peer.state.joined();
   if (joined == nullptr || core_.now < joined->next_probe) return;
@@ -213,7 +213,7 @@ void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {
   if (assessment.effort == Effort::request) make_room_for_answer(core_, account_);
   const bool taken =
       may_spend(peer, assessment.effort) && handshake.receive(message, assessment, core_.now, out);
-  if (handshake.started()) peer.state.on_handshake_begun();
+  if (handshake.is_started()) peer.state.on_handshake_begun();
   if (!taken) return request_resend(peer);
   if (handshake.refusals() > 0 && peer.state.association() == nullptr) note_failure(peer);
   // A final message is sent once the keys are ready for what the peer sends next.
@@ -241,7 +241,7 @@ void Handshakes::request_resend(const Peer& peer) {
 
 bool Handshakes::advance(Peer& peer) {
   auto& handshake = *peer.state.handshake();
-  if (handshake.started()) peer.state.on_handshake_begun();
+  if (handshake.is_started()) peer.state.on_handshake_begun();
   if (handshake.failure()) {
     refuse(peer);
     return false;
@@ -256,7 +256,7 @@ bool Handshakes::advance(Peer& peer) {
   if (!peer.state.on_handshake_finished()) return false;
   auto association = associate(peer);
   if (!association) {
-    if (had_keys) revision_.request();
+    if (had_keys) key_reviser_.request();
     if (spi::refusal_passes(association.error().code()))
       try_later(peer);
     else
@@ -267,8 +267,8 @@ bool Handshakes::advance(Peer& peer) {
   if (was_admitted) core_.host.on_replaced(GuidPrefix(peer.prefix()));
   // The peer has earlier keys of local endpoints, whether it left or not. It may have fewer rights,
   // but no peer has lost trust.
-  revision_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
-  if (had_endpoint_keys) revision_.request(KeyReviser::RevisionReason::right_lost);
+  key_reviser_.drop_absent(peer.prefix(), KeyReviser::RevisionReason::right_lost);
+  if (had_endpoint_keys) key_reviser_.request(KeyReviser::RevisionReason::right_lost);
   fragments_.forget(peer.prefix());
   core_.sender.amplification_limit().end(peer.prefix());
   return peer.state.on_permissions_validated(std::move(*association), core_.now);
@@ -290,7 +290,7 @@ Result<Association> Handshakes::associate(Peer& peer) {
 bool Handshakes::wake(Peer peer) {
   const auto prefix = peer.prefix();
   if (!subjects_.has_place(prefix)) {
-    revision_.note_absent(peer);
+    key_reviser_.note_absent(peer);
     return false;
   }
   peer.state.association()->place = place_of(subjects_, prefix);
@@ -381,7 +381,7 @@ Status Handshakes::adopt_proven_data(Peer& peer) {
 
 void Handshakes::refuse(Peer& peer) {
   const bool was_admitted = peer.state.is_admitted();
-  if (peer.state.association() != nullptr) revision_.request();
+  if (peer.state.association() != nullptr) key_reviser_.request();
   if (!peer.state.on_refusal(admission_.admits_unauthenticated())) return;
   note_failure(peer);
   peer.refused_at = core_.now;

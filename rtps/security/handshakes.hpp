@@ -55,11 +55,11 @@ class Handshakes {
   static constexpr MonotonicTime kMaxRefusedPause = std::chrono::seconds(60);
 
   Handshakes(SecurityCore& core, const Admission& admission, CryptoTokenExchange& exchange,
-             KeyReviser& revision, DormantPeers& dormant)
+             KeyReviser& key_reviser, DormantPeers& dormant)
       : core_(core),
         admission_(admission),
         exchange_(exchange),
-        revision_(revision),
+        key_reviser_(key_reviser),
         dormant_(dormant) {}
 
   /// Adds a participant that can authenticate, and that announced itself for the first time.
@@ -109,7 +109,7 @@ class Handshakes {
   void try_later(Peer& peer);
   void refuse(Peer& peer);
   void note_failure(Peer& peer) {
-    if (!std::exchange(peer.was_counted_as_failed, true)) ++core_.counters.failed;
+    if (!std::exchange(peer.was_counted_as_failed, true)) core_.count_failed();
   }
   /// Gives a refused peer another try. Does nothing if too many handshakes begin.
   void try_again(Peer& peer);
@@ -132,7 +132,7 @@ class Handshakes {
   SecurityCore& core_;
   const Admission& admission_;
   CryptoTokenExchange& exchange_;
-  KeyReviser& revision_;
+  KeyReviser& key_reviser_;
   DormantPeers& dormant_;
   HandshakeAccount account_;
   HandshakeSender messages_{core_.sender};

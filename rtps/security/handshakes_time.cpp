@@ -67,7 +67,7 @@ void Handshakes::tick(Peer& peer) {
 // Announcements cost their sender nothing, and messages little, but keys cost local work.
 bool Handshakes::may_tick(Peer& peer) {
   auto& handshake = *peer.state.handshake();
-  if (!handshake.started() && !has_place(peer)) {
+  if (!handshake.is_started() && !has_place(peer)) {
     handshake.start_at(core_.now + PeerHandshake::kResend);
     return false;
   }
@@ -75,12 +75,12 @@ bool Handshakes::may_tick(Peer& peer) {
     return peer.has_spoken ? budgets_.may_begin_again(core_.now)
                            : budgets_.may_begin(peer.source, core_.now);
   };
-  if (!handshake.started() && !may_start()) {
+  if (!handshake.is_started() && !may_start()) {
     handshake.start_at(core_.now + HandshakeBudgets::kStartPeriod);
     return false;
   }
   if (std::exchange(peer.may_send_deferred, false)) return true;
-  const bool is_silent = handshake.started() && !peer.has_spoken;
+  const bool is_silent = handshake.is_started() && !peer.has_spoken;
   // One announcement is not answered again and again, because its sender may not exist.
   const bool was_heard =
       !is_silent || handshake.repetitions() < kMaxUnaskedMessages || peer.was_announced;
@@ -137,7 +137,7 @@ void Handshakes::note_overdue(Peer& peer) {
 MonotonicTime Handshakes::next_admission(const Peer& peer) const {
   const auto* unproven = peer.state.unproven();
   if (unproven == nullptr || unproven->is_admitted) return kNever;
-  const auto began = unproven->handshake->began();
+  const auto began = unproven->handshake->started_at();
   return began && admission_.admits_unauthenticated() ? *began + kAdmissionTimeout : kNever;
 }
 

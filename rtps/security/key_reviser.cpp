@@ -25,7 +25,7 @@ MonotonicTime KeyReviser::next_tick() const {
 }
 
 MonotonicTime KeyReviser::beginning() const {
-  return core_.governance_waits ? *due_by_ : std::min(*due_by_, next_that_can_wait_);
+  return core_.governance_change.is_pending() ? *due_by_ : std::min(*due_by_, next_that_can_wait_);
 }
 
 void KeyReviser::begin() {
@@ -65,7 +65,7 @@ void KeyReviser::finish() {
                   EventOrigin::its_keys);
 }
 
-void KeyReviser::check_key_life() {
+void KeyReviser::poll_key_life() {
   if (!is_enabled()) return;
   if (core_.keyring.end_former_keys()) request();
 }

@@ -41,7 +41,7 @@ class KeyReviser {
   void tick();
   MonotonicTime next_tick() const;
   /// Call it once a second: checks whether the lifetime of the keys has ended.
-  void check_key_life();
+  void poll_key_life();
 
   // Functions for peers that left while they were trusted. Their knowledge of the local keys is
   // acceptable as long as they are trusted.
@@ -56,7 +56,7 @@ class KeyReviser {
   void drop_absent(const GuidPrefix& prefix, RevisionReason reason);
   /// Requests a revision if `ended(identity, permissions)` is true for any of them.
   template <class F>
-  void check_absent(F&& ended) {
+  void poll_absent(F&& ended) {
     for (const auto& absent : absent_)
       if (ended(absent.identity->handle(), absent.permissions.handle)) request();
   }

@@ -174,7 +174,7 @@ class Keyring final : public SendProtection {
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
   spi::CryptoKeyExchange& exchange() { return own_.plugins().cryptography.key_exchange(); }
   spi::CryptoTransform& transform() { return own_.plugins().cryptography.transform(); }
-  std::unexpected<Error> undecodable(const Error& error, const GuidPrefix& sender);
+  std::unexpected<Error> undecodable_error(const Error& error, const GuidPrefix& sender);
 
   OwnSecurity& own_;
   EventSink& events_;

@@ -18,7 +18,7 @@ bool begins_protected(BytesView message) {
 Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesView message,
                                                    MutableBytes scratch, MonotonicTime now) {
   if (!begins_protected(message)) {
-    if (pre_shared_.are_due()) return pre_shared_.refuse_bare(header, now);
+    if (pre_shared_.are_due()) return pre_shared_.missing_protection_error(header, now);
     return OpenMessage{message};
   }
   if (spi::has_pre_shared_key_flag(message)) {
@@ -28,14 +28,15 @@ Result<Keyring::OpenMessage> Keyring::open_message(const Header& header, BytesVi
   // The peer has ended the session. With ddssec's plugins in Cyclone DDS it answers every message
   // in this way after a revocation or an expiry. This is not a damaged message.
   if (const auto reset = spi::read_reset(message)) {
-    own_.session_ends().received(header.prefix, *reset, now);
+    own_.session_ends().note_reset(header.prefix, *reset, now);
     return fail(Code::session_reset_by_peer);
   }
   const auto remote = remotes_.find(header.prefix);
-  if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), header.prefix);
+  if (remote == remotes_.end())
+    return undecodable_error(Error(Code::crypto_not_matched), header.prefix);
   const auto opened =
       phases_.messages().open(remote->second.crypto, message, scratch, remote->second.says_next);
-  if (!opened) return undecodable(opened.error(), header.prefix);
+  if (!opened) return undecodable_error(opened.error(), header.prefix);
   return OpenMessage{scratch.first(opened->size), true, opened->age};
 }
 

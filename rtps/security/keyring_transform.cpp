@@ -48,7 +48,7 @@ bool is_plain_builtin(const EntityId& id) {
          id == kParticipantMessageWriter;
 }
 
-std::unexpected<Error> Keyring::undecodable(const Error& error, const GuidPrefix& sender) {
+std::unexpected<Error> Keyring::undecodable_error(const Error& error, const GuidPrefix& sender) {
   ++counters_.undecodable;
   if (!is_expected(error.code())) events_.raise(peer_event(error, sender.to_string()));
   return std::unexpected(error);
@@ -57,21 +57,21 @@ std::unexpected<Error> Keyring::undecodable(const Error& error, const GuidPrefix
 Result<Keyring::OpenSubmessage> Keyring::open_submessage(const GuidPrefix& sender, BytesView group,
                                                          MutableBytes scratch) {
   const auto remote = remotes_.find(sender);
-  if (remote == remotes_.end()) return undecodable(Error(Code::crypto_not_matched), sender);
+  if (remote == remotes_.end()) return undecodable_error(Error(Code::crypto_not_matched), sender);
   const auto found =
       transform().preprocess_secure_submessage(own_.crypto(), remote->second.crypto, group);
-  if (!found) return undecodable(found.error(), sender);
+  if (!found) return undecodable_error(found.error(), sender);
   const bool by_writer = found->category == spi::SecureSubmessageCategory::datawriter;
   const auto size = by_writer ? transform().decode_datawriter_submessage(
                                     found->datareader, found->datawriter, group, scratch)
                               : transform().decode_datareader_submessage(
                                     found->datawriter, found->datareader, group, scratch);
-  if (!size) return undecodable(size.error(), sender);
+  if (!size) return undecodable_error(size.error(), sender);
   const auto* by = keys_.endpoint_of(by_writer ? found->datawriter.value : found->datareader.value);
-  if (by == nullptr) return undecodable(Error(Code::crypto_not_matched), sender);
+  if (by == nullptr) return undecodable_error(Error(Code::crypto_not_matched), sender);
   // Others have the former key, too, and the new document may deny them the topic.
   if (phases_.is_former(by->local, by->guid, by->protection))
-    return undecodable(Error(Code::message_from_before), sender);
+    return undecodable_error(Error(Code::message_from_before), sender);
   const bool is_newest = spi::named_key_revision(group) == by->newest->revision;
   return OpenSubmessage{scratch.first(*size), by->guid, by->protection,
                         is_newest ? KeyAge::newest : KeyAge::former};
@@ -87,7 +87,7 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
   if (local == nullptr) return fail(Code::crypto_not_matched);
   if (const auto* next = phases_.only_next(reader, writer)) [[unlikely]] {
     const auto plain = open_payload_under(transform(), *next, writer, payload, scratch);
-    return plain ? plain : undecodable(Error(Code::message_from_before), writer.prefix);
+    return plain ? plain : undecodable_error(Error(Code::message_from_before), writer.prefix);
   }
   if (const auto* other = phases_.endpoints().second_keys_of(reader, writer)) [[unlikely]] {
     const bool by_key = opened_by.submessage == writer;
@@ -105,7 +105,7 @@ Result<BytesView> Keyring::open_payload(const EntityId& reader, const Guid& writ
   }
   const auto plain = open_payload_under(transform(), *local, writer, payload, scratch);
   if (!plain && plain.error().code() != Code::crypto_not_matched)
-    return undecodable(plain.error(), writer.prefix);
+    return undecodable_error(plain.error(), writer.prefix);
   return plain;
 }
 
@@ -123,7 +123,8 @@ bool Keyring::accepts(const EntityId& id, const Guid& remote, const ReceivedProt
     // The key may have been found by way of another endpoint, which has no second protection.
     const bool is_former =
         opened_by.submessage == remote && phases_.is_former(id, remote, opened_by.protection);
-    if (is_former) static_cast<void>(undecodable(Error(Code::message_from_before), remote.prefix));
+    if (is_former)
+      static_cast<void>(undecodable_error(Error(Code::message_from_before), remote.prefix));
     return !is_former;
   }
   ++counters_.unprotected;

@@ -44,7 +44,7 @@ void MemoryExchange::start() {
 }
 
 void MemoryExchange::serve(MonotonicTime now) {
-  core_.security.now = now;
+  core_.security.set_now(now);
   core_.passing->serve(now);
   adopt_prepared(now);
   mapped_.serve(now);

@@ -2,104 +2,18 @@
 // listed at the top of peer.cpp.
 #pragma once
 
-#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
-#include "plugins/spi/access_control.hpp"
-#include "plugins/spi/session_reset.hpp"
 #include "rtps/budget/source_address.hpp"
 #include "rtps/budget/work_budget.hpp"
 #include "rtps/discovery/participant_data.hpp"
-#include "rtps/reliability/stateful_reader.hpp"
-#include "rtps/security/early_tokens.hpp"
-#include "rtps/security/peer_handshake.hpp"
-#include "rtps/security/waiting_tokens.hpp"
+#include "rtps/security/association.hpp"
 
 namespace ddssec::rtps {
-
-/// Calls a function once, in its destructor.
-class Cleanup {
- public:
-  Cleanup() = default;
-  explicit Cleanup(std::function<void()> call) : call_(std::move(call)) {}
-  Cleanup(Cleanup&& other) noexcept : call_(std::exchange(other.call_, nullptr)) {}
-  Cleanup& operator=(Cleanup&& other) noexcept {
-    std::swap(call_, other.call_);
-    return *this;
-  }
-  ~Cleanup() {
-    if (call_) call_();
-  }
-
- private:
-  std::function<void()> call_;
-};
-
-/// A handle of access control, and the cleanup that returns it.
-struct PeerPermissions {
-  spi::PermissionsHandle handle = {};
-  Cleanup give_back = {};
-};
-
-/// The reports of a peer about its governance document; see GovernanceTransition.
-struct GovernanceOfPeer {
-  enum class State : std::uint8_t {
-    changing,  ///< accepts the former protection and that of the document; sends by the former
-    changed,   ///< accepts both; sends by that of the document
-    in_force,  ///< accepts only that of the document
-  };
-  struct GovernanceReport {
-    spi::AccessControl::GovernanceVersion version;
-    State state = State::in_force;
-    bool operator==(const GovernanceReport&) const = default;
-  };
-  std::optional<GovernanceReport> received = {};  ///< the latest
-  std::optional<GovernanceReport> sent = {};      ///< the latest that we sent to the peer
-  /// True if the peer has accepted the document that is in force here or comes into force. The peer
-  /// is then told which protection keys are for, and its endpoints match with either.
-  bool takes_part = false;
-  /// The protection of messages whose keys were sent to the peer last; see MessageKeys.
-  std::uint64_t message_keys = 0;
-  /// This participant has keys for the next protection and has not announced it to the peer.
-  bool lacks_keys = false;
-  /// The peer announced that it lacks keys. Keys are sent again at once for a few such reports, and
-  /// for more of them once a second.
-  bool wants_keys = false;
-  WorkBudget repetitions{3, std::chrono::seconds(5), {}};
-  /// It was associated when another governance came into force here, which it did not have.
-  bool was_associated_under_former = false;
-  WorkBudget answers{3, std::chrono::seconds(5), {}};
-};
-
-/// The state that is shared with a peer that proved its identity. The members are destroyed in
-/// reverse order: the keys first, then the permissions and the identity that the keys were created
-/// for.
-struct Association {
-  /// The finished handshake; another one may run at the same time.
-  std::unique_ptr<PeerHandshake> handshake = {};
-  PeerPermissions permissions = {};
-  std::string subject = {};  ///< of its certificate
-  Cleanup place = {};        ///< returns its share of the places for its certificate
-  struct Renewal {
-    MonotonicTime next_offer{};  ///< earliest time for the next offer to the peer
-    WorkBudget judgements{3, std::chrono::seconds(5), {}};  ///< of offers of the peer
-  };
-  Renewal renewal = {};  ///< see DocumentRenewal
-  GovernanceOfPeer governance = {};
-  MonotonicTime former_keys_end = kNever;  ///< of the keys that it has revised
-  /// The peer has revised its keys. With its former keys, another participant may have sent a false
-  /// end of one of its endpoints, and we dropped the keys of that endpoint. Missing keys are
-  /// therefore requested.
-  bool has_revised = false;
-  EarlyTokens early = {};
-  WaitingTokens waiting = {};
-  std::unique_ptr<StatefulReader> volatile_reader = {};
-  std::unique_ptr<StatefulWriter> volatile_writer = {};
-  /// Makes the peer begin a new session if it keeps this one. Empty for a peer of another product.
-  std::optional<spi::ResetToken> reset = {};
-  Cleanup keys = {};  ///< removes them from the keyring
-};
 
 /// Each state owns what it needs; leaving a state releases it.
 namespace peer {

@@ -16,12 +16,6 @@ Bytes octets_of(const spi::Token& token, std::string_view name) {
   return found != nullptr ? *found : Bytes();
 }
 
-std::size_t octets_of_values(const spi::Token& token) {
-  std::size_t out = 0;
-  for (const auto& property : token.binary_properties) out += property.value.size();
-  return out;
-}
-
 Sha256Digest digest_of(const spi::Token& token) {
   Writer out;
   spi::write_token(out, token);
@@ -83,7 +77,7 @@ void PeerHandshake::start(MonotonicTime now, Messages& out) {
     auth_request_ = message_of(message_class::kAuthRequest, *peer->local_auth_request, {});
   if (const auto own = auth_request()) out.push_back(*own);
   next_ = now + pause();
-  if (begins() && make_request(kNever)) out.push_back(request_->message);
+  if (is_initiator() && make_request(kNever)) out.push_back(request_->message);
 }
 
 bool PeerHandshake::make_request(MonotonicTime until) {
@@ -122,12 +116,12 @@ void PeerHandshake::tick(MonotonicTime now, Messages& out) {
     static_cast<void>(plugin_.return_handshake_handle(request_->handle));
     request_.reset();
   }
-  if (begins() && !request_ && !finished_) make_request(kNever);
+  if (is_initiator() && !request_ && !finished_) make_request(kNever);
   if (failure_) return;
   if (request_) out.push_back(request_->message);
   answers_.repeat(out);
   const auto own = auth_request();
-  const bool waits = !begins() && !finished_ && own;
+  const bool waits = !is_initiator() && !finished_ && own;
   if (waits && (answers_.empty() || std::exchange(has_shorter_delays_, false))) out.push_back(*own);
   next_ = finished_ && !request_ && answers_.empty() ? kNever : now + pause();
   if (!finished_) next_ = std::min(next_, overdue_at_);
@@ -159,7 +153,7 @@ void PeerHandshake::shorten_delays(MonotonicTime now) {
 }
 
 void PeerHandshake::begin_again(MonotonicTime now) {
-  if (!begins() || !finished_ || request_ || !make_request(now + kSecondTry)) return;
+  if (!is_initiator() || !finished_ || request_ || !make_request(now + kSecondTry)) return;
   next_ = now;
 }
 
@@ -177,7 +171,7 @@ Bytes PeerHandshake::receive_auth_request(const GenericMessage& message, Message
     heard_challenge_ = std::move(challenge);
     note_repeats_challenges();
     const auto own = auth_request();
-    if (!begins() && own) out.push_back(*own);
+    if (!is_initiator() && own) out.push_back(*own);
   }
   return octets_of(token, kHeardChallenge);
 }
@@ -194,7 +188,8 @@ PeerHandshake::Assessment PeerHandshake::assess(const GenericMessage& message) c
   if (message.data.size() != 1 || failure_) return {};
   const auto& token = message.data.front();
   const auto outline = plugin_.outline(token);
-  if (begins()) return outline.kind == Kind::reply ? assess_reply(token, outline) : Assessment{};
+  if (is_initiator())
+    return outline.kind == Kind::reply ? assess_reply(token, outline) : Assessment{};
   if (outline.kind == Kind::request) return assess_request(token);
   const bool is_echo = outline.kind == Kind::final && !answers_.answered_by(outline).empty();
   return {is_echo ? Effort::echo : Effort::none};
@@ -231,7 +226,7 @@ bool PeerHandshake::receive(const GenericMessage& message, const Assessment& ass
     return true;
   }
   if (needed == Effort::request) return on_request(message, digest, now, out);
-  if (begins())
+  if (is_initiator())
     on_reply(message, digest, out);
   else
     on_final(message);
@@ -242,7 +237,7 @@ bool PeerHandshake::receive(const GenericMessage& message, const Assessment& ass
 // one.
 void PeerHandshake::repeat_known(const GenericMessage& message, const Sha256Digest& digest,
                                  Messages& out) {
-  if (begins()) {
+  if (is_initiator()) {
     finished_->final->related = message.identity;
     return out.push_back(*finished_->final);
   }
@@ -276,7 +271,7 @@ bool PeerHandshake::on_request(const GenericMessage& message, const Sha256Digest
                 .challenge = std::move(challenge),
                 .peer_data = to_bytes(outline.participant_data),
                 .since = now,
-                .octets = octets_of_values(token)});
+                .octets = spi::binary_octets(token)});
   next_ = std::min(next_, now + kResend);
   return true;
 }

@@ -88,11 +88,11 @@ class PeerHandshake {
   /// Returns the local auth_request, without a challenge; empty if there is none to send.
   std::optional<GenericMessage> auth_request() const;
   MonotonicTime next_tick() const { return next_; }
-  bool started() const { return is_started_; }
+  bool is_started() const { return is_started_; }
   /// Returns how often its messages were sent, not counting answers.
   int repetitions() const { return repetitions_; }
   /// Returns the time of the start; empty before it.
-  std::optional<MonotonicTime> began() const {
+  std::optional<MonotonicTime> started_at() const {
     return is_started_ ? std::optional(began_) : std::nullopt;
   }
   /// Sets the time of the start or of the next repetition.
@@ -111,11 +111,11 @@ class PeerHandshake {
   /// Begins a new handshake next to the finished one, if the local side is the one that begins.
   void begin_again(MonotonicTime now);
   /// True if the local GUID is the lower one (DDS-Security 1.2, clause 10.3.3).
-  bool begins() const { return sides_.own_guid < sides_.peer_guid; }
+  bool is_initiator() const { return sides_.own_guid < sides_.peer_guid; }
   /// Returns the number of the peer's messages that the plugin refused.
   std::uint64_t refusals() const { return refusals_; }
 
-  bool finished() const { return finished_.has_value(); }
+  bool is_finished() const { return finished_.has_value(); }
   /// Returns true if a handshake was finished since the last call.
   bool take_proof() { return std::exchange(has_new_proof_, false); }
   /// Returns the reason why the handshake can never succeed, if there is one. No message of a third

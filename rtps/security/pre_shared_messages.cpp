@@ -12,8 +12,8 @@ Result<BytesView> PreSharedMessages::open(const Header& header, BytesView messag
   auto* const keys = own_.pre_shared_keys();
   if (keys == nullptr) {
     ++counters_.undecodable;
-    return complain(Code::secure_flags_unsupported, header,
-                    "no pre-shared key: our governance has rtps_psk_protection_kind NONE", now);
+    return report_error(Code::secure_flags_unsupported, header,
+                        "no pre-shared key: our governance has rtps_psk_protection_kind NONE", now);
   }
   if (!keys->remembers(message) && !derivations_.try_spend(now)) {
     ++counters_.undecodable;
@@ -27,9 +27,10 @@ Result<BytesView> PreSharedMessages::open(const Header& header, BytesView messag
   return std::unexpected(size.error());
 }
 
-std::unexpected<Error> PreSharedMessages::refuse_bare(const Header& header, MonotonicTime now) {
+std::unexpected<Error> PreSharedMessages::missing_protection_error(const Header& header,
+                                                                   MonotonicTime now) {
   ++counters_.unprotected;
-  return complain(
+  return report_error(
       Code::rtps_protection_missing, header,
       "a pre-shared key, as rtps_psk_protection_kind of our governance demands; Cyclone "
       "DDS and Fast DDS have none, so where they take part it must be NONE",
@@ -37,8 +38,9 @@ std::unexpected<Error> PreSharedMessages::refuse_bare(const Header& header, Mono
 }
 
 // After the event limit is reached, an invalid message costs no more than reading the budget.
-std::unexpected<Error> PreSharedMessages::complain(Code code, const Header& header,
-                                                   std::string_view expected, MonotonicTime now) {
+std::unexpected<Error> PreSharedMessages::report_error(Code code, const Header& header,
+                                                       std::string_view expected,
+                                                       MonotonicTime now) {
   if (!complaints_.try_spend(now)) return fail(code);
   const auto sender = header.prefix.to_string();
   const Error error(code, {.document = "participant " + sender + " of " + name_of(header.vendor),

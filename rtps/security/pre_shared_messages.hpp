@@ -36,13 +36,13 @@ class PreSharedMessages {
                          MonotonicTime now);
   /// Refuses an unprotected message where protection is required. Returns the error
   /// rtps_protection_missing.
-  std::unexpected<Error> refuse_bare(const Header& header, MonotonicTime now);
+  std::unexpected<Error> missing_protection_error(const Header& header, MonotonicTime now);
   /// Protects a message. Error: not_protected if there is no key.
   Result<std::size_t> protect(BytesView plain, MutableBytes out);
 
  private:
-  std::unexpected<Error> complain(Code code, const Header& header, std::string_view expected,
-                                  MonotonicTime now);
+  std::unexpected<Error> report_error(Code code, const Header& header, std::string_view expected,
+                                      MonotonicTime now);
 
   OwnSecurity& own_;
   EventSink& events_;

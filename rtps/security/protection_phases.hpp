@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rtps/security/message_keys.hpp"
+#include "rtps/security/second_protections.hpp"
 
 namespace ddssec::rtps {
 

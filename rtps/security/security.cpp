@@ -45,7 +45,7 @@ constexpr MonotonicTime kExpiryPeriod = std::chrono::seconds(1);
 
 Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
                    SecurityHost& host, EventSink& events)
-    : core_(std::move(own), sender, timers, host, events) {}
+    : core_(std::move(own), {sender, timers, host, events}, governance_change_) {}
 
 // Peers are removed one after the other, because each one flushes the messages that need its keys.
 Security::~Security() {
@@ -78,7 +78,6 @@ Status Security::start() {
     core_.events.raise(Event(Error(
         Code::rtps_memory_unused,
         {.document = "shared memory", .found = std::string(memory::to_string(memory.error()))})));
-  core_.memory = memory_.get();
   return {};
 }
 
@@ -86,14 +85,14 @@ Status Security::start() {
 
 void Security::discovered(const ParticipantData& data, const AnnouncedAddresses& addresses,
                           MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   if (knows(data.guid.prefix)) return;
   handshakes_.add(data, addresses);
 }
 
 void Security::announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses,
                                MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.announced_again(data, addresses);
 }
 
@@ -101,7 +100,7 @@ void Security::announced_again(const ParticipantData& data, const AnnouncedAddre
 // still announces itself did not resume it. Announcements can be forged, but the end cannot.
 void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
   constexpr auto kPatience = std::chrono::seconds(6);
-  core_.now = now;
+  core_.set_now(now);
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
   if (peer->state.joined() == nullptr) return handshakes_.note_announced(*peer);
@@ -116,7 +115,7 @@ void Security::note_announced(const GuidPrefix& prefix, MonotonicTime now) {
 std::optional<Bytes> Security::lost(const GuidPrefix& prefix) {
   std::optional<Bytes> reset;
   if (auto* peer = core_.find(prefix)) {
-    revision_.note_absent(*peer);
+    key_reviser_.note_absent(*peer);
     const auto* ended = peer->state.distrusted();
     if (ended != nullptr && ended->former && ended->former->reset)
       reset = spi::write_reset(core_.own->guid().prefix, *ended->former->reset);
@@ -157,13 +156,13 @@ bool Security::has_spoken(const GuidPrefix& prefix) const {
 }
 
 void Security::on_stateless(const GuidPrefix& source, BytesView payload, MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.on_stateless(source, payload);
 }
 
 void Security::on_stateless_frag(const GuidPrefix& source, const DataFrag& frag,
                                  const SourceAddress& from, MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.on_stateless_frag(source, frag, from);
 }
 
@@ -182,34 +181,34 @@ void Security::note_key_exchange(const GuidPrefix& prefix) {
 // ---- trust
 
 void Security::distrust(const GuidPrefix& prefix) {
-  revision_.drop_absent(prefix, KeyReviser::RevisionReason::trust_lost);
+  key_reviser_.drop_absent(prefix, KeyReviser::RevisionReason::trust_lost);
   dormant_.distrust(prefix);
   auto* peer = core_.find(prefix);
   if (peer == nullptr) return;
-  if (peer->state.association() != nullptr) revision_.request();
+  if (peer->state.association() != nullptr) key_reviser_.request();
   peer->state.on_trust_ended();
 }
 
 Status Security::revise_keys() {
-  if (!revision_.is_enabled()) return fail(Code::rtps_key_revision_disabled);
-  revision_.request();
+  if (!key_reviser_.is_enabled()) return fail(Code::rtps_key_revision_disabled);
+  key_reviser_.request();
   return {};
 }
 
 void Security::tick(MonotonicTime now) {
-  core_.now = now;
+  core_.set_now(now);
   handshakes_.tick();
   exchange_.tick();
   // This comes before expire(). A revision that expire() requests begins in the next tick, when the
   // peers that have ended are removed.
-  if (revision_.is_busy()) change_.note_revision();
-  revision_.tick();
+  if (key_reviser_.is_busy()) change_.note_revision();
+  key_reviser_.tick();
   if (memory_) memory_->serve(now);
   if (now >= next_expiry_) expire();
 }
 
 MonotonicTime Security::next_tick() const {
-  return std::min({next_expiry_, revision_.next_tick(), handshakes_.next_tick(),
+  return std::min({next_expiry_, key_reviser_.next_tick(), handshakes_.next_tick(),
                    exchange_.next_tick(), memory_ ? memory_->next_tick() : kNever});
 }
 
@@ -246,8 +245,8 @@ void Security::expire() {
     for (const auto& prefix : gone) distrust(prefix);
   if (all) dormant_.drop_all();
   dormant_.distrust_if(ended);
-  revision_.check_absent(ended);
-  revision_.check_key_life();
+  key_reviser_.poll_absent(ended);
+  key_reviser_.poll_key_life();
   if (auto* const keys = own.pre_shared_keys()) keys->refresh();
   for (const auto& prefix : gone) core_.host.on_ended(prefix);
   if (all) return;
@@ -261,9 +260,9 @@ void Security::expire() {
     renewal_.on_own_rights_changed();
     handshakes_.try_all_again();
   }
-  renewal_.offer();
+  renewal_.offer_to_all();
   change_.tick();
-  if (change_.take_changed_domain()) handshakes_.try_all_again();
+  if (governance_change_.take_changed_domain()) handshakes_.try_all_again();
 }
 
 }  // namespace ddssec::rtps

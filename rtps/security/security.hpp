@@ -21,6 +21,8 @@
 
 namespace ddssec::rtps {
 
+class MemoryExchange;
+
 /// The interface of rtps/security to the participant. Not thread-safe: the caller serializes calls.
 class Security {
  public:
@@ -33,10 +35,9 @@ class Security {
 
   OwnSecurity& own() { return *core_.own; }
   Keyring& keyring() { return core_.keyring; }
-  const AuthenticationCounters& authentication_counters() const { return core_.counters; }
 
-  /// Registers the builtin endpoints. SecurityCore::own_data must be set before. Errors: those of
-  /// the plugins.
+  /// Registers the builtin endpoints. Call SecurityCore::set_own_data before. Errors: those of the
+  /// plugins.
   Status start();
 
   /// Decides what to do with a participant that announced itself (Admission).
@@ -44,7 +45,6 @@ class Security {
   bool may_authenticate(const ParticipantData& data) const {
     return admission_.may_authenticate(data);
   }
-  bool admits_unauthenticated() const { return admission_.admits_unauthenticated(); }
   std::optional<Admission::Permission> admit(const EntityId& local,
                                              const Admission::Endpoint& remote) {
     return admission_.admit(local, remote);
@@ -80,7 +80,14 @@ class Security {
   /// Notes that the peer acknowledged messages of the key exchange.
   void note_keys_acknowledged(const GuidPrefix& prefix);
 
-  /// Returns the core, for events about peers.
+  /// Returns nullptr if shared memory is off.
+  MemoryExchange* memory() const { return memory_.get(); }
+  /// Returns the attributes before the last change of the domain, once after it has ended.
+  std::optional<spi::ParticipantSecurityAttributes> take_former_domain() {
+    return governance_change_.take_former_domain();
+  }
+
+  /// Returns the core, for events about peers and for counters.
   SecurityCore& core() { return core_; }
 
   /// Removes a participant and its keys. Returns a message to send to a participant that is no
@@ -133,14 +140,15 @@ class Security {
   template <class F>
   std::vector<GuidPrefix> peers_if(F&& ended) const;
 
+  GovernanceChangeState governance_change_;  // before core_, which refers to it
   SecurityCore core_;
   Admission admission_{core_};
   CryptoTokenExchange exchange_{core_};
-  KeyReviser revision_{core_, exchange_};
-  DormantPeers dormant_{core_, exchange_, revision_};
-  Handshakes handshakes_{core_, admission_, exchange_, revision_, dormant_};
-  DocumentRenewal renewal_{core_, exchange_, revision_};
-  GovernanceTransition change_{core_, admission_, exchange_, revision_};
+  KeyReviser key_reviser_{core_, exchange_};
+  DormantPeers dormant_{core_, exchange_, key_reviser_};
+  Handshakes handshakes_{core_, admission_, exchange_, key_reviser_, dormant_};
+  DocumentRenewal renewal_{core_, exchange_, key_reviser_};
+  GovernanceTransition change_{governance_change_, core_, admission_, exchange_, key_reviser_};
   std::unique_ptr<MemoryExchange> memory_;  ///< nullptr: shared memory is off
   MonotonicTime next_expiry_{};
 };

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "rtps/security/dormant_peer.hpp"
+#include "rtps/security/governance_change_state.hpp"
 #include "rtps/security/keyring.hpp"
 #include "rtps/security/security_counters.hpp"
 
@@ -43,19 +44,29 @@ class SecurityHost {
   virtual void on_ended(const GuidPrefix& peer) = 0;
 };
 
-class MemoryExchange;
-
-/// The shared state. All parts borrow it. The only part that it knows is `memory`, which is set
-/// while shared memory is on.
-struct SecurityCore {
-  SecurityCore(std::unique_ptr<OwnSecurity> identity, MessageSender& message_sender,
-               TimerQueue& timer_queue, SecurityHost& security_host, EventSink& sink)
+/// The shared state. All parts borrow it; it knows none of them. They may change the peers, the
+/// keyring and our own identity. They only read the rest: Security and MemoryExchange set the time,
+/// and GovernanceTransition changes the governance.
+class SecurityCore {
+ public:
+  /// What the participant gives to its security.
+  struct Surroundings {
+    MessageSender& sender;
+    TimerQueue& timers;
+    SecurityHost& host;
+    EventSink& events;
+  };
+  SecurityCore(std::unique_ptr<OwnSecurity> identity, const Surroundings& around,
+               const GovernanceChangeState& change)
       : own(std::move(identity)),
-        sender(message_sender),
-        timers(timer_queue),
-        host(security_host),
-        events(sink),
-        keyring(*own, sink) {}
+        sender(around.sender),
+        timers(around.timers),
+        host(around.host),
+        events(around.events),
+        governance_change(change),
+        keyring(*own, around.events) {}
+  SecurityCore(const SecurityCore&) = delete;
+  SecurityCore& operator=(const SecurityCore&) = delete;
 
   /// Returns nullptr if the participant is not known, or cannot authenticate.
   Peer* find(const GuidPrefix& prefix) {
@@ -74,8 +85,9 @@ struct SecurityCore {
   }
   /// True if the participant's liveliness counts only if it is asserted by the secure topic.
   bool must_protect_liveliness(const GuidPrefix& prefix) const {
-    const bool by_other = other_domain && keyring.phases().counts_second(prefix);
-    return (by_other ? *other_domain : own->attributes()).is_liveliness_protected();
+    const auto& other = governance_change.other_domain();
+    const bool by_other = other && keyring.phases().counts_second(prefix);
+    return (by_other ? *other : own->attributes()).is_liveliness_protected();
   }
   /// Returns the possible senders of a message that a local endpoint accepts as one of the remote
   /// endpoint.
@@ -115,36 +127,35 @@ struct SecurityCore {
   std::optional<std::string> proven_subject(const Peer& peer) const {
     if (const auto* association = peer.state.association()) return association->subject;
     const auto* handshake = peer.state.handshake();
-    if (handshake == nullptr || !handshake->finished()) return std::nullopt;
+    if (handshake == nullptr || !handshake->is_finished()) return std::nullopt;
     return own->plugins().authentication.authenticated_subject(handshake->handle());
   }
+
+  void set_now(MonotonicTime time) { now_ = time; }
+  /// Sets c.pdata of the handshakes that begin from now on: a big-endian parameter list.
+  void set_own_data(Bytes data) { own_data_ = std::make_shared<const Bytes>(std::move(data)); }
+  const std::shared_ptr<const Bytes>& own_data() const { return own_data_; }
+  const AuthenticationCounters& counters() const { return counters_; }
+  void count_authenticated() { ++counters_.authenticated; }
+  void count_failed() { ++counters_.failed; }
 
   const std::unique_ptr<OwnSecurity> own;
   MessageSender& sender;
   TimerQueue& timers;
   SecurityHost& host;
   EventSink& events;
+  const GovernanceChangeState& governance_change;
   Keyring keyring;
   /// Both are destroyed before the keyring, which contains their keys. A peer that is dormant may
   /// also be among the peers, as one that has not authenticated.
   std::map<GuidPrefix, Peer> peers;
   std::map<GuidPrefix, DormantPeer> dormant;
-  AuthenticationCounters counters;
-  /// c.pdata of the handshakes that begin from now on: a big-endian parameter list.
-  std::shared_ptr<const Bytes> own_data;
-  MonotonicTime now{};              ///< time of the current call
-  bool governance_changes = false;  ///< endpoints have two protections (GovernanceTransition)
-  /// While the governance changes: the document that is to come or, once that is in force, the
-  /// former one.
-  std::optional<spi::AccessControl::GovernanceVersion> other_governance;
-  /// The participant's attributes under that document, if it protects the whole domain otherwise.
-  std::optional<spi::ParticipantSecurityAttributes> other_domain;
-  /// A change is over: the attributes before it, until discovery has taken them.
-  std::optional<spi::ParticipantSecurityAttributes> former_domain;
-  bool governance_has_changed = false;
-  /// Endpoints have two protections, or will as soon as no keys are being revised.
-  bool governance_waits = false;
-  MemoryExchange* memory = nullptr;  ///< nullptr: shared memory is off
+  const MonotonicTime& now = now_;  ///< the time of the current call
+
+ private:
+  MonotonicTime now_{};
+  std::shared_ptr<const Bytes> own_data_;
+  AuthenticationCounters counters_;
 };
 
 }  // namespace ddssec::rtps

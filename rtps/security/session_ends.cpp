@@ -11,7 +11,7 @@ void SessionEnds::expect(const GuidPrefix& peer, const spi::SharedSecret& secret
   sessions_.insert_or_assign(peer, Session{spi::derive_reset_token(secret, peer)});
 }
 
-void SessionEnds::received(const GuidPrefix& peer, const spi::Reset& reset, MonotonicTime now) {
+void SessionEnds::note_reset(const GuidPrefix& peer, const spi::Reset& reset, MonotonicTime now) {
   const auto session = sessions_.find(peer);
   if (session == sessions_.end() || session->second.ended) return;
   const auto& expected = session->second.expected;

@@ -19,7 +19,7 @@ class SessionEnds {
   void forget(const GuidPrefix& peer) { sessions_.erase(peer); }
   /// Handles a message in the name of the peer that says that the session has ended. Without a
   /// proof it has no effect.
-  void received(const GuidPrefix& peer, const spi::Reset& reset, MonotonicTime now);
+  void note_reset(const GuidPrefix& peer, const spi::Reset& reset, MonotonicTime now);
   /// True, once for each session, if its end was proven before `time`.
   bool remove_if_before(const GuidPrefix& peer, MonotonicTime time);
 

@@ -11,18 +11,18 @@
 namespace ddssec::rtps {
 
 Result<InterfaceWatch> InterfaceWatch::open() {
-  const auto failed = [](const char* call) {
+  const auto watch_error = [](const char* call) {
     return fail(
         Code::rtps_socket_failed,
         {.document = "changes of network interfaces", .field = call, .found = errno_text(errno)});
   };
   FileDescriptor fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE));
-  if (fd.number() < 0) return failed("socket");
+  if (fd.number() < 0) return watch_error("socket");
   sockaddr_nl address{};
   address.nl_family = AF_NETLINK;
   address.nl_groups = RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV6_IFADDR;
   if (::bind(fd.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    return failed("bind");
+    return watch_error("bind");
   return InterfaceWatch(std::move(fd));
 }
 

@@ -4,7 +4,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "base/bytes.hpp"
 #include "base/file_descriptor.hpp"

@@ -7,7 +7,6 @@
 #include <ctime>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -165,7 +164,7 @@ int run(const bench::Options& options) {
               {stock + "/libdds_security_auth.so", stock + "/libdds_security_ac.so",
                stock + "/libdds_security_crypto.so"},
               std::stoi(options.at("--rounds")));
-  std::puts("\nus of processor time               ours        stock stock/ours");
+  std::puts("\nus of processor time             ddssec        stock stock/ddssec");
   bench.authentication(options.at("--pki"));
   std::puts("10,000 topics in permissions, 10,000 rules in governance");
   bench.access_control(options.at("--rules"));

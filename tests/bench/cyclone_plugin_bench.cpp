@@ -158,7 +158,7 @@ class Bench {
         rounds_(rounds) {}
 
   void transformations() {
-    std::puts("ns a call             size     ours    stock  stock/ours      raw  ours/raw");
+    std::puts("ns a call             size   ddssec    stock stock/ddssec     raw ddssec/raw");
     for (const auto& kind : kKinds)
       for (const int protection : {2, 1})
         for (const std::size_t size : {std::size_t{64}, std::size_t{256}, std::size_t{1024},
@@ -174,7 +174,7 @@ class Bench {
 
   void two_threads() {
     std::puts("\n1 -> 2 threads, 1 KiB payload ENCRYPT, a writer each (kops/s)");
-    for (const auto& [name, library] : {std::pair{"ours", &ours_}, {"stock", &stock_}}) {
+    for (const auto& [name, library] : {std::pair{"ddssec", &ours_}, {"stock", &stock_}}) {
       const CryptoLink first(crypto(*library), crypto(*library), keys_of(0, 0, 2), 1);
       const CryptoLink second(crypto(*library), crypto(*library), keys_of(0, 0, 2), 1);
       const Octets plain(1024, 7);
@@ -189,7 +189,7 @@ class Bench {
 
   void registration() {
     std::puts("\nregistering a remote participant with N known (us)");
-    for (const auto& [name, library] : {std::pair{"ours", &ours_}, {"stock", &stock_}})
+    for (const auto& [name, library] : {std::pair{"ddssec", &ours_}, {"stock", &stock_}})
       register_many(name, crypto(*library));
   }
 

@@ -71,7 +71,7 @@ def samples_per_second(variant, size, seconds):
 
 def show(title, unit, rows, ratio):
     medians = {name: statistics.median(values) for name, values in rows.items()}
-    cells = "".join(f"{medians[name]:>12.4g}" for name in ("off", "stock", "ours"))
+    cells = "".join(f"{medians[name]:>12.4g}" for name in ("off", "stock", "ddssec"))
     print(f"{title:<34}{cells}  {ratio(medians):>6.2f}x  {unit}", flush=True)
     return {"title": title, "unit": unit, **medians, "ratio": ratio(medians)}
 
@@ -89,9 +89,9 @@ def main():
     with tempfile.TemporaryDirectory() as pki:
         # ddsperf's endpoints are in partitions of their own.
         folders = make_folders(pki, governance=ENCRYPT, topics=many_topics(420), partition="*")
-        variants = [Variant("off", None), Variant("stock", folders), Variant("ours", folders, options.build / "dropin")]
+        variants = [Variant("off", None), Variant("stock", folders), Variant("ddssec", folders, options.build / "dropin")]
         print(f"Cyclone DDS, everything ENCRYPT; {machine()}\n"
-              f"{'median of ' + str(options.rounds) + ' rounds':<34}{'off':>12}{'stock':>12}{'ours':>12}   ratio")
+              f"{'median of ' + str(options.rounds) + ' rounds':<34}{'off':>12}{'stock':>12}{'ddssec':>12}   ratio")
         measurements = [
             ("round trip p50, 12 octets", "us", lambda v: round_trip(v, 12, options.seconds)),
             ("round trip p50, 1 KiB", "us", lambda v: round_trip(v, 1024, options.seconds)),
@@ -103,7 +103,7 @@ def main():
             for _ in range(options.rounds):
                 for v in variants:
                     rows[v.name].append(measure(v))
-            results.append(show(title, unit, rows, lambda m: m["ours"] / m["stock"]))
+            results.append(show(title, unit, rows, lambda m: m["ddssec"] / m["stock"]))
     if options.json:
         pathlib.Path(options.json).write_text(json.dumps({"machine": machine(), "results": results}, indent=1))
 

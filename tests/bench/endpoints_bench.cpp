@@ -65,14 +65,14 @@ auto make(rtps::DomainParticipant& participant, int count, Make&& one) {
 }
 
 auto writers(rtps::DomainParticipant& participant, int count) {
-  auto& publisher = **participant.create_publisher();
+  auto& publisher = participant.create_publisher();
   return make(participant, count, [&](rtps::Topic& topic) {
     return *publisher.create_datawriter<Value>(topic, rtps::default_writer_qos());
   });
 }
 
 auto readers(rtps::DomainParticipant& participant, int count) {
-  auto& subscriber = **participant.create_subscriber();
+  auto& subscriber = participant.create_subscriber();
   auto qos = rtps::default_reader_qos();
   qos.reliability.kind = rtps::ReliabilityKind::reliable;
   return make(participant, count, [&, qos](rtps::Topic& topic) {

@@ -61,10 +61,10 @@ void measure(const PluginServices& services, const char* name) {
                                          .multicast = false};
   auto one = must(rtps::DomainParticipant::create(options, services));
   auto other = must(rtps::DomainParticipant::create(options, services));
-  auto* writer = must(must(one->create_publisher())
-                          ->template create_datawriter<T>(*must(one->create_topic<T>(name))));
-  auto* reader = must(must(other->create_subscriber())
-                          ->template create_datareader<T>(*must(other->create_topic<T>(name))));
+  auto* writer = must(
+      one->create_publisher().template create_datawriter<T>(*must(one->create_topic<T>(name))));
+  auto* reader = must(other->create_subscriber().template create_datareader<T>(
+      *must(other->create_topic<T>(name))));
   while (writer->publication_matched_status().current_count == 0 ||
          reader->subscription_matched_status().current_count == 0)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -21,7 +21,7 @@ import latency_plot
 from participants import LIMIT, start
 from surroundings import in_own_namespace, machine, make_folders
 
-PROGRAMS = {"UDP": "bench_udp_peer", "ours": "bench_embedded_peer", "Cyclone": "bench_cyclone_peer"}
+PROGRAMS = {"UDP": "bench_udp_peer", "ddssec": "bench_embedded_peer", "Cyclone": "bench_cyclone_peer"}
 COLUMNS = (("median_us", "p50"), ("p90_us", "p90"), ("p99_us", "p99"), ("p999_us", "p99.9"), ("p9999_us", "p99.99"),
            ("jitter_us", "jitter"), ("cpu_us", "CPU"))
 
@@ -48,7 +48,7 @@ FLOOR = Variant("UDP", False, False, "wait")
 
 def variants(options):
     out = [Variant(make, secured, reliable, mode) for secured in (False, True) for mode in ("wait", "listener")
-           for reliable in (False, True) for make in ("ours", "Cyclone")]
+           for reliable in (False, True) for make in ("ddssec", "Cyclone")]
     if options.loss:  # a best-effort answer that is lost ends a listener's chain
         out = [v for v in out if v.is_reliable or v.mode == "wait"]
     else:
@@ -87,7 +87,7 @@ def round_trips(variant, options, folders, network):
     program = options.build / "bin" / PROGRAMS[variant.make]
     arguments = ["--count", str(options.count), "--size", str(options.size), "--interval", str(options.interval),
                  *variant.arguments()]
-    if variant.make == "ours" and options.busy_wait:
+    if variant.make == "ddssec" and options.busy_wait:
         arguments += ["--busy-wait", str(options.busy_wait)]
     folders = folders if variant.secured else ("off", "off")
     (where_ping, enter_ping), (where_pong, enter_pong) = network.places()
@@ -133,7 +133,7 @@ def table(figures):
            "|---|" + "---:|" * (len(COLUMNS) + 2)]
     for variant, found in figures.items():
         cells = [f"{found[key]:.1f}" for key, _ in COLUMNS]
-        ours = variant.make == "ours"
+        ours = variant.make == "ddssec"
         cells.append(", ".join(ratio(figures, variant, variant.of("Cyclone"), key) for key in ("median_us", "p99_us"))
                      if ours else "")
         cells.append(ratio(figures, variant, FLOOR, "median_us"))
@@ -157,7 +157,7 @@ def parse():
     parser.add_argument("--interval", type=int, default=0, metavar="US",
                         help="microseconds from one ping to the next; 0: the next follows the answer")
     parser.add_argument("--busy-wait", type=int, default=0, metavar="US",
-                        help="ours looks for messages for so many microseconds before it sleeps")
+                        help="ddssec looks for messages for so many microseconds before it sleeps")
     parser.add_argument("--loss", type=float, default=0, metavar="P", help="a link that loses this share, such as 0.2")
     parser.add_argument("--load", type=int, default=0, metavar="N", help="so many processes compute meanwhile")
     parser.add_argument("--realtime", action="store_true", help="with SCHED_FIFO, before all else on the machine; as root")
@@ -185,7 +185,7 @@ def main():
         network.close()
     title = (f"Round trips in microseconds, {options.size} octets, medians of {options.rounds} rounds of {options.count}; "
              f"{machine()}, load average {os.getloadavg()[0]:.1f}"
-             + (f", ours with a busy wait of {options.busy_wait} us" if options.busy_wait else "")
+             + (f", ddssec with a busy wait of {options.busy_wait} us" if options.busy_wait else "")
              + (", SCHED_FIFO" if options.realtime else "") + (f", {options.load} processes compute" if options.load else "")
              + (f", {options.loss:.0%} of packets lost each way" if options.loss else ""))
     print(title + "\n")

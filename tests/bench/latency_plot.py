@@ -4,7 +4,7 @@ import math
 from html import escape
 
 PERCENTILES = (("median_us", "50"), ("p90_us", "90"), ("p99_us", "99"), ("p999_us", "99.9"), ("p9999_us", "99.99"))
-COLORS = {"ours": "#0b6e4f", "Cyclone": "#c1440e", "UDP": "#555555"}
+COLORS = {"ddssec": "#0b6e4f", "Cyclone": "#c1440e", "UDP": "#555555"}
 WIDTH, HEIGHT, LEFT, TOP, GAP = 360, 240, 60, 50, 60
 
 

@@ -17,7 +17,7 @@ import tempfile
 
 from surroundings import DOMAIN, in_own_namespace, machine, make_folders
 
-MAKES = {"ours": "ddssec-peer", "Cyclone": "bench_cyclone_peer", "Fast DDS": "bench_fastdds_peer"}
+MAKES = {"ddssec": "ddssec-peer", "Cyclone": "bench_cyclone_peer", "Fast DDS": "bench_fastdds_peer"}
 LIMIT = 30  # seconds a pair may take
 
 
@@ -94,14 +94,14 @@ def ratio(medians, over, under):
 
 def table(figures, makes):
     """Text lines, and the same for JSON."""
-    lines = ["| | " + " | ".join([*makes, "ours/Cyclone", *(f"{make}, secured" for make in makes),
-                                   "ours/Cyclone, secured", "ours secured/unsecured"]) + " |",
+    lines = ["| | " + " | ".join([*makes, "ddssec/Cyclone", *(f"{make}, secured" for make in makes),
+                                   "ddssec/Cyclone, secured", "ddssec secured/unsecured"]) + " |",
              "|---|" + "---:|" * (2 * len(makes) + 3)]
     records = []
     for (title, unit), cells in figures.items():
         medians = {variant: statistics.median(values) for variant, values in cells.items()}
-        pairs = [ratio(medians, ("ours", False), ("Cyclone", False)), ratio(medians, ("ours", True), ("Cyclone", True)),
-                 ratio(medians, ("ours", True), ("ours", False))]
+        pairs = [ratio(medians, ("ddssec", False), ("Cyclone", False)), ratio(medians, ("ddssec", True), ("Cyclone", True)),
+                 ratio(medians, ("ddssec", True), ("ddssec", False))]
         shown = [f"{x:.2f}" if x else "-" for x in pairs]
         values = {secured: [f"{medians[make, secured]:.4g}" if (make, secured) in medians else "-" for make in makes]
                   for secured in (False, True)}

@@ -80,16 +80,16 @@ Status create(rtps::DomainParticipant& participant, const bench_options& options
               Embedded& embedded) {
   if (const char* written = bench_written(options.role)) {
     DDSSEC_ASSIGN_OR_RETURN(auto* const on, topic(participant, written));
-    DDSSEC_ASSIGN_OR_RETURN(auto* const publisher, participant.create_publisher());
+    auto& publisher = participant.create_publisher();
     DDSSEC_ASSIGN_OR_RETURN(
-        embedded.writer, publisher->create_datawriter<Blob>(
+        embedded.writer, publisher.create_datawriter<Blob>(
                              *on, qos_of(options, rtps::default_writer_qos(), std::true_type())));
   }
   if (const char* read = bench_read(options.role)) {
     DDSSEC_ASSIGN_OR_RETURN(auto* const on, topic(participant, read));
-    DDSSEC_ASSIGN_OR_RETURN(auto* const subscriber, participant.create_subscriber());
+    auto& subscriber = participant.create_subscriber();
     DDSSEC_ASSIGN_OR_RETURN(embedded.reader,
-                            subscriber->create_datareader<Blob>(
+                            subscriber.create_datareader<Blob>(
                                 *on, qos_of(options, rtps::default_reader_qos(), std::false_type()),
                                 bench_listens(&options) ? &embedded : nullptr));
     embedded.unread.attach_condition(

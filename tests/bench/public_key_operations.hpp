@@ -9,7 +9,7 @@
 
 namespace ddssec::bench {
 
-using DigestContext = std::unique_ptr<EVP_MD_CTX, pki::Deleter<EVP_MD_CTX_free>>;
+using DigestContext = std::unique_ptr<EVP_MD_CTX, Deleter<EVP_MD_CTX_free>>;
 
 inline const std::string kSigned(1024, 'x');
 

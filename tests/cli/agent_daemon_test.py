@@ -98,7 +98,7 @@ class Daemon(AgentTest):
         self.run_program("identity", "issue", name, "--ca", "old", "-o", name, "--days", "365", "--now", "-300d")
         return (self.at / name / "cert.pem").read_bytes()
 
-    def test_CertificatesPutBackInTwoFolders_AreNotRenewedEachSecond(self):
+    def test_certificates_put_back_in_two_folders_are_not_renewed_each_second(self):
         """Each renewal makes the agent look at the other folder, too."""
         due = {name: self.due_folder(name) for name in ("one", "two")}
         agent = self.start(*due, "--ca", "old")
@@ -119,7 +119,7 @@ class Daemon(AgentTest):
         agent.wait_for("renewed", 6, seconds=20)
         self.assertEqual(agent.end(), 0)
 
-    def test_AnswersOfAHookThatDoNotFit_AreRefusedForTheSameReasonEachTime(self):
+    def test_answers_of_a_hook_that_do_not_fit_are_refused_for_the_same_reason_each_time(self):
         ShortLived(self.at, self.ca).put_into(self.talker, 15, age=45)  # due; tried again after 1, 2 and 4 s
         hook = self.hook(f"cat >/dev/null; cat {self.talker}/cert.pem")
         agent = self.start("demo/talker", "--hook", hook)
@@ -127,7 +127,7 @@ class Daemon(AgentTest):
         self.assertEqual({event["code"] for event in agent.events("failed")}, {"renewal_goes_back"})
         self.assertEqual(agent.end(), 0)
 
-    def test_EarlierCertificateOfARevokedOne_IsNotRenewedByAHook(self):
+    def test_earlier_certificate_of_a_revoked_one_is_not_renewed_by_a_hook(self):
         """The owner of the folder puts it back, and removes the list there."""
         earlier, ca = self.due_folder("one"), self.at / "old"
         hook = self.hook(f"echo >>{self.at}/asked\n{SIGN.format(ca=ca)} -days 400")
@@ -170,7 +170,7 @@ class Daemon(AgentTest):
             self.skipTest("no process may be traced here")
         return worker
 
-    def test_Stop_WithAWorkerThatCannotBeEnded_IsObeyed(self):
+    def test_stop_with_a_worker_that_cannot_be_ended_is_obeyed(self):
         self.short_lived(1)
         agent = self.start("demo/talker", "--hook", self.hook(f"echo >{self.at}/began; exec sleep 300"))
         worker = self.seize_worker(agent)
@@ -179,7 +179,7 @@ class Daemon(AgentTest):
         self.assertLess(time.monotonic() - begin, 15)
         os.waitpid(worker, 0)
 
-    def test_WorkerThatCannotBeEnded_IsTheLastOneOfItsFolderUntilItEnds(self):
+    def test_worker_that_cannot_be_ended_is_the_last_one_of_its_folder_until_it_ends(self):
         self.short_lived(1)
         hook = self.hook(f"echo >{self.at}/began; until [ -e {self.at}/go ]; do sleep 0.05; done; exit 1")
         agent = self.start("demo/talker", "--hook", hook)
@@ -199,7 +199,7 @@ class Daemon(AgentTest):
         self.wait_until_hook_begins()
         self.assertEqual(agent.end(), 0)
 
-    def test_Started_WithAHook_SaysWhetherRevocationIsChecked(self):
+    def test_started_with_a_hook_says_whether_revocation_is_checked(self):
         _, hook = self.short_lived(3600)
         trust = self.at / "trust.pem"
         trust.write_bytes((self.ca / "ca.pem").read_bytes())
@@ -210,7 +210,7 @@ class Daemon(AgentTest):
             self.assertEqual(agent.wait_for("started")["crl"], expected)
             self.assertEqual(agent.end(), 0)
 
-    def test_Stop_WithAReaderThatStopped_IsObeyed(self):
+    def test_stop_with_a_reader_that_stopped_is_obeyed(self):
         end, output = os.pipe()
         fcntl.fcntl(output, fcntl.F_SETPIPE_SZ, 4096)
         os.write(output, bytes(4096))
@@ -239,7 +239,7 @@ class Daemon(AgentTest):
         self.assertEqual(len(agent.events("failed")), 1)
         self.assertEqual(agent.end(), 0)
 
-    def test_AWrongPassphrase_IsFoundAtTheStart(self):
+    def test_a_wrong_passphrase_is_found_at_the_start(self):
         right, wrong = {"PASS": "right horse"}, {"PASS": "wrong horse"}
         self.run_program("ca", "create", "locked", "--passphrase-env", "PASS", environment=right)
         self.run_program("identity", "issue", "x", "--ca", "locked", "-o", "x", "--passphrase-env", "PASS", environment=right)

@@ -70,10 +70,10 @@ class Documents(AgentTest):
         self.assertEqual({p: o for p, o in self.contents().items() if "cert.pem" not in p},
                          {p: o for p, o in before.items() if "cert.pem" not in p})
 
-    def test_PermissionsThatLast_AreNotAskedFor(self):
+    def test_permissions_that_last_are_not_asked_for(self):
         self.assertIsNone(self.look(*self.documents_hook()))
 
-    def test_PermissionsAfterTwoThirds_AreRenewedWithTheirText(self):
+    def test_permissions_after_two_thirds_are_renewed_with_their_text(self):
         self.short_permissions()
         event = self.look(*self.documents_hook())
         self.assertEqual(self.names(event), ["permissions.p7s", "permissions.xml"])
@@ -81,11 +81,11 @@ class Documents(AgentTest):
         self.run_program("doctor", "demo/talker", "--now", "+300d")
         self.assertIsNone(self.look(*self.documents_hook()))
 
-    def test_PermissionsThatHaveEnded_AreAskedForToo(self):
+    def test_permissions_that_have_ended_are_asked_for_too(self):
         self.short_permissions(-100)
         self.assertEqual(self.names(self.look(*self.documents_hook())), ["permissions.p7s", "permissions.xml"])
 
-    def test_BadPermissions_AreRefusedAndTheOldStay(self):
+    def test_bad_permissions_are_refused_and_the_old_stay(self):
         self.short_permissions()
         self.run_program("ca", "create", "other", "--role", "permissions", "--no-passphrase")
         self.refuses("smime_signer_not_permissions_ca", *self.documents_hook(ca=self.at / "other"))
@@ -100,7 +100,7 @@ class Documents(AgentTest):
         self.refuses("hook_too_slow", *self.documents_hook(text="[ $DDSSEC_WANTED != permissions ] || sleep 60"),
                      "--hook-timeout", "1")
 
-    def test_DocumentThatWasSignedEarlier_IsRefusedThoughItLastsLonger(self):
+    def test_document_that_was_signed_earlier_is_refused_though_it_lasts_longer(self):
         """It may have given more."""
         self.short_permissions(200, options=())
         wide = self.at / "wide.p7s"
@@ -127,7 +127,7 @@ class Documents(AgentTest):
                      self.permissions_ca / "ca.key.pem", "-in", "grants.xml", "-out", name)
         return f"[ $DDSSEC_WANTED != permissions ] || cat {self.at / name}"
 
-    def test_PermissionsThatPlanOthers_AreNotReplacedByEarlierOnes(self):
+    def test_permissions_that_plan_others_are_not_replaced_by_earlier_ones(self):
         """Such a document cannot be extended, but it counts like any other."""
         hour = 3600
         wide = self.documents_hook(text=self.signed_grants("wide.p7s", (-400, 40 * hour)))
@@ -137,7 +137,7 @@ class Documents(AgentTest):
         follow = self.documents_hook(text=self.signed_grants("next.p7s", (5 * hour, 30 * hour), (30 * hour, 60 * hour)))
         self.assertEqual(self.names(self.look(*follow, "--now", "+16h")), ["permissions.p7s"])
 
-    def test_PermissionsWhoseBeginStays_AreDueByTheirSignature(self):
+    def test_permissions_whose_begin_stays_are_due_by_their_signature(self):
         self.short_permissions(20 * 86400)
         begin = (datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(days=60)).strftime("%FT%TZ")
         words = self.documents_hook(seconds=30 * 86400, begin=begin)
@@ -146,7 +146,7 @@ class Documents(AgentTest):
         self.assertIsNone(self.look(*words, "--now", "+19d"))
         self.assertIsNotNone(self.look(*words, "--now", "+21d", exit=None))
 
-    def test_HookWithoutPermissions_IsAProblemOnceTheyAreDue(self):
+    def test_hook_without_permissions_is_a_problem_once_they_are_due(self):
         words = self.documents_hook(text="exit 0")
         self.assertIsNone(self.look(*words))
         self.short_permissions()
@@ -160,7 +160,7 @@ class Documents(AgentTest):
         self.assertIn("error[no_new_permissions]", told)
         self.assertIn("no permissions that can be used", " ".join(told.split()))
 
-    def test_Daemon_HookWithoutPermissions_IsAskedRarelyAndReportedOnce(self):
+    def test_daemon_hook_without_permissions_is_asked_rarely_and_reported_once(self):
         self.short_permissions(24)  # of 120 s: asked again after 2 s
         asked = self.at / "asked"
         words = self.documents_hook(text=f"[ $DDSSEC_WANTED != permissions ] || echo >>{asked}")
@@ -176,7 +176,7 @@ class Documents(AgentTest):
         self.assertEqual(agent.end(), 0)
         self.assertEqual(len(agent.events("documents_fetched")), 1)
 
-    def test_PermissionsThatAreReplacedWhileTheHookRuns_Stay(self):
+    def test_permissions_that_are_replaced_while_the_hook_runs_stay(self):
         """They may give less."""
         self.short_permissions(100)
         narrow = self.at / "narrow.p7s"
@@ -188,13 +188,13 @@ class Documents(AgentTest):
         self.assertEqual((self.talker / "permissions.p7s").read_bytes(), narrow.read_bytes())
         self.assertEqual(self.names(self.look(*self.documents_hook())), ["permissions.p7s", "permissions.xml"])
 
-    def test_HookThatOthersCanChange_IsNotRun(self):
+    def test_hook_that_others_can_change_is_not_run(self):
         words = self.documents_hook()
         (self.at / "documents").chmod(0o777)
         event = self.look(*words, exit=4)
         self.assertEqual(event["problem"]["code"], "hook_unsafe")
 
-    def test_ItGetsTheCertificateAndWhatIsWanted(self):
+    def test_it_gets_the_certificate_and_what_is_wanted(self):
         self.short_permissions()
         script = f"cat >{self.at}/input-$DDSSEC_WANTED; env >{self.at}/env-$DDSSEC_WANTED"
         self.look(*self.documents_hook(text=script), exit=None)
@@ -205,7 +205,7 @@ class Documents(AgentTest):
             self.assertLessEqual({line.split("=")[0] for line in lines}, {"PATH", "LC_ALL", "DDSSEC_FOLDER", "DDSSEC_SUBJECT",
                                                                          "DDSSEC_WANTED", "PWD", "_", "SHLVL", "OLDPWD"})
 
-    def test_RevocationList_IsTakenOnceAndNeverAnOlderOne(self):
+    def test_revocation_list_is_taken_once_and_never_an_older_one(self):
         old = (self.ca / "crl.pem").read_bytes()
         self.run_program("identity", "revoke", "demo/listener", "--ca", "demo")
         shutil.copy(self.ca / "crl.pem", self.at / "lists.pem")
@@ -220,14 +220,14 @@ class Documents(AgentTest):
         shutil.copy(self.at / "other/crl.pem", self.at / "lists.pem")
         self.refuses("crl_signature_invalid", *self.documents_hook(), exit=(1, 3))
 
-    def test_RevokedParticipant_AsksForNoCertificateOnceItsListIsThere(self):
+    def test_revoked_participant_asks_for_no_certificate_once_its_list_is_there(self):
         self.run_program("identity", "revoke", "demo/talker", "--ca", "demo")
         self.run_program("crl", "new", "--ca", "demo", "--next-update", "400")
         shutil.copy(self.ca / "crl.pem", self.at / "lists.pem")
         events = self.once(*self.documents_hook(), *self.LATER, exit=None)
         self.assertEqual([event.get("code") for event in events if event["event"] == "failed"], ["certificate_revoked"])
 
-    def test_RenewalList_IsPutBesideTheCertificate(self):
+    def test_renewal_list_is_put_beside_the_certificate(self):
         self.run_program("identity", "renew", "demo/listener", "--ca", "demo", "--permissions")
         shutil.copy(self.ca / "renewed.pem", self.at / "renewed.pem")
         self.assertEqual(self.names(self.look(*self.documents_hook())), ["renewed.pem"])
@@ -236,11 +236,11 @@ class Documents(AgentTest):
         (self.at / "renewed.pem").write_text("nothing")
         self.refuses("renewal_list_malformed", *self.documents_hook(), exit=(1, 3))
 
-    def test_OnlyWithAHook(self):
+    def test_only_with_a_hook(self):
         self.run_program("agent", "demo/talker", "--ca", "demo", "--documents-hook", "/bin/true", exit=2)
 
     @unittest.skipUnless(os.geteuid() == 0, "only root has folders of other users")
-    def test_FolderOfAnotherUser_NeedsATrustFileForDocumentsToo(self):
+    def test_folder_of_another_user_needs_a_trust_file_for_documents_too(self):
         self.short_permissions()
         self.at.chmod(0o755)
         for path in (self.talker, *self.talker.rglob("*")):
@@ -256,7 +256,7 @@ class Documents(AgentTest):
         event = self.look(*words, "--trust", "trust.pem", exit=None)
         self.assertEqual(event["problem"]["code"], "key_mismatch")
 
-    def test_Daemon_RenewalThatFails_DoesNotDelayDocuments(self):
+    def test_daemon_renewal_that_fails_does_not_delay_documents(self):
         ShortLived(self.at, self.ca).put_into(self.talker, 65 * 86400, age=300 * 86400)  # due; tried again after a minute
         self.short_permissions(6)
         words = self.documents_hook(seconds=12)
@@ -268,7 +268,7 @@ class Documents(AgentTest):
         self.assertEqual([event for event in agent.events("documents_fetched") if "problem" in event], [])
         self.assertEqual(agent.end(), 0)
 
-    def test_Daemon_RenewsPermissionsOfSecondsAgainAndAgain(self):
+    def test_daemon_renews_permissions_of_seconds_again_and_again(self):
         self.short_permissions(6)
         agent = Running(self.at, "demo/talker", *self.documents_hook(seconds=12))
         self.addCleanup(agent.end, signal.SIGKILL)

@@ -107,7 +107,7 @@ class Folders(AgentTest):
         self.assertFalse((self.at / "asked").exists())
         self.run_program("agent", "demo/talker", "--once", "--hook", hook, "--crl", lists, exit=2)
 
-    def test_ExpiredCertificate_IsNotRenewedByAHookUnlessAsked(self):
+    def test_expired_certificate_is_not_renewed_by_a_hook_unless_asked(self):
         """The CA's list may not name it any more."""
         hook, later = self.signing_hook(), ("--now", "+366d")
         trust = ("--hook", hook, "--trust", self.ca / "ca.pem")

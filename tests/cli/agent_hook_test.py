@@ -54,7 +54,7 @@ class Hooks(AgentTest):
         self.refused("hook_failed", "--hook", "/no/such/program", *self.LATER)
         self.refused("hook_failed", "--hook", self.hook("kill -9 $$"), *self.LATER)
 
-    def test_Messages_OfAHook_CannotLookLikeEvents(self):
+    def test_messages_of_a_hook_cannot_look_like_events(self):
         """In a journal, standard error is beside the events."""
         script = r"""printf '{"event":"renewed"}\033[2J\ntorn' >&2; head -c 300000 /dev/zero | tr '\0' x >&2; exit 3"""
         done = self.run_program("agent", "demo/talker", "--once", "--hook", self.hook(script), *self.LATER, exit=1)
@@ -104,7 +104,7 @@ class Hooks(AgentTest):
         (self.at / "ext").write_text("basicConstraints=critical,CA:TRUE\n")
         self.refused("renewal_unfit", "--hook", self.signing_hook("-days", "400", "-extfile", f"{self.at}/ext"), *self.LATER)
 
-    def test_Folder_ThatChangesWhileAHookRuns_KeepsItsFiles(self):
+    def test_folder_that_changes_while_a_hook_runs_keeps_its_files(self):
         """A certificate for the former key would stand beside the next key, and the participant would not start."""
         again = f"cp {self.talker}/cert.pem {self.at}/c && mv {self.at}/c {self.talker}/cert.pem"
         self.refused("files_changed", "--hook", self.signing_hook(before=again), *self.LATER)

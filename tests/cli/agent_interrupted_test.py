@@ -112,7 +112,7 @@ class Interrupted(AgentTest):
         self.assertIn(done.returncode, (0, 5), done.stderr)
         return done.returncode == 0, checked_events(done.stdout)
 
-    def test_ADiskThatIsFull_LeavesEachFileOldOrNewAndTheNextLookDoesTheWork(self):
+    def test_a_disk_that_is_full_leaves_each_file_old_or_new_and_the_next_look_does_the_work(self):
         base = self.at.parent / (self.at.name + "-base")
         subprocess.run(["cp", "-a", self.at / "demo", base], check=True)
         self.addCleanup(shutil.rmtree, base, True)

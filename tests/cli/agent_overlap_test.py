@@ -29,12 +29,12 @@ class Overlap(AgentTest):
     def all_files(self):
         return {str(p): p.read_bytes() for p in (self.at / "demo").rglob("*") if p.is_file()}
 
-    def test_BeforeTheDate_NothingIsEnded(self):
+    def test_before_the_date_nothing_is_ended(self):
         self.begin()
         self.assertEqual([event["event"] for event in self.look("--permissions", "--now", "+29d")], ["current"])
         self.assertEqual(self.certificates("demo/ca/identity/ca.pem"), 2)
 
-    def test_AtTheDate_BothOverlapsEndAsByHand(self):
+    def test_at_the_date_both_overlaps_end_as_by_hand(self):
         self.begin()
         one, other, folder = self.look("--permissions", *DAY)
         for event, role in ((one, "identity"), (other, "permissions")):
@@ -46,18 +46,18 @@ class Overlap(AgentTest):
         self.run_program("check", "demo/talker", "demo/listener", *DAY)
         self.assertEqual([event["event"] for event in self.look("--permissions", *DAY)], ["current"])
 
-    def test_WithoutPermissions_OnlyTheIdentityCasOverlapEnds(self):
+    def test_without_permissions_only_the_identity_cas_overlap_ends(self):
         self.begin()
         self.assertEqual([event["event"] for event in self.look(*DAY)], ["overlap_ended", "current"])
         self.assertEqual([self.certificates(f"demo/ca/{role}/ca.pem") for role in ROLES], [1, 2])
 
-    def test_DryRun_SaysWhatWouldEndAndWritesNothing(self):
+    def test_dry_run_says_what_would_end_and_writes_nothing(self):
         self.begin()
         before = self.all_files()
         self.assertEqual(self.look("--dry-run", *DAY)[0]["event"], "overlap_due")
         self.assertEqual(self.all_files(), before)
 
-    def test_FolderThatIsAway_IsNamedAsByHand(self):
+    def test_folder_that_is_away_is_named_as_by_hand(self):
         self.begin()
         (self.at / "demo/listener").rename(self.at / "away")
         event = self.look(*DAY, exit=None)[0]
@@ -66,7 +66,7 @@ class Overlap(AgentTest):
         self.assertEqual(self.json("ca", "show", "demo", "--role", "identity", *DAY)["result"]["rotation"]["elsewhere"],
                          [str(self.at / "demo/listener")])
 
-    def test_KeyThatCannotBeRead_LeavesTheOverlapAndSaysSo(self):
+    def test_key_that_cannot_be_read_leaves_the_overlap_and_says_so(self):
         (self.at / "secret").write_text("correct horse\n")
         self.run_program("ca", "create", "ca", "--passphrase-file", "secret")
         self.run_program("identity", "issue", "a", "--ca", "ca", "-o", "a", "--publish", "x", "--passphrase-file", "secret")
@@ -76,7 +76,7 @@ class Overlap(AgentTest):
         self.assertEqual((first["event"], first["folder"], first["again_in"]), ("failed", "ca", 3600))
         self.assertEqual(self.certificates("ca/identity/ca.pem"), 2)
 
-    def test_RecordThatCannotBeRead_IsReportedAndTheOtherOverlapEnds(self):
+    def test_record_that_cannot_be_read_is_reported_and_the_other_overlap_ends(self):
         """Otherwise the former CA would be trusted for ever, and nothing would say so."""
         self.begin()
         (self.at / "demo/ca/identity/ca.overlap.json").write_text("{}")
@@ -88,7 +88,7 @@ class Overlap(AgentTest):
         self.assertEqual([self.certificates(f"demo/ca/{role}/ca.pem") for role in ROLES], [2, 1])
 
     @unittest.skipUnless(os.geteuid() == 0, "only root has folders of other users")
-    def test_FolderOfAnotherUser_KeepsTheOverlapAndNamesTheCommand(self):
+    def test_folder_of_another_user_keeps_the_overlap_and_names_the_command(self):
         self.begin()
         self.at.chmod(0o755)
         for path in (self.at / "demo/listener", *(self.at / "demo/listener").rglob("*")):
@@ -105,7 +105,7 @@ class Overlap(AgentTest):
         until = (datetime.datetime.now(datetime.timezone.utc) + datetime.timedelta(seconds=seconds)).strftime("%FT%TZ")
         record.write_text(json.dumps(json.loads(record.read_text()) | {"until": until}))
 
-    def test_Daemon_KeyThatRefusesItsPassphrase_DoesNotDelayTheOtherOverlap(self):
+    def test_daemon_key_that_refuses_its_passphrase_does_not_delay_the_other_overlap(self):
         for name in ("ca", "other"):
             (self.at / f"{name}-secret").write_text(f"correct {name}\n")
             self.run_program("ca", "create", name, "--passphrase-file", f"{name}-secret")
@@ -131,7 +131,7 @@ class Overlap(AgentTest):
         self.assertEqual(len(agent.events("failed")), 1)
         self.assertEqual(agent.end(), 0)
 
-    def test_Daemon_EndsItAtItsDateWithoutASignal(self):
+    def test_daemon_ends_it_at_its_date_without_a_signal(self):
         self.begin()
         for role in ROLES:
             self.end_in(4, f"demo/ca/{role}")

@@ -35,7 +35,7 @@ class OwnCa(AgentTest):
         self.assertEqual(self.once("--ca", "demo", "--now", "+301d")[0]["event"], "current")
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--now", "+302d")  # the log knows it
 
-    def test_Renewed_WithAWarningOfTheCasFiles_HasItAsProblem(self):
+    def test_renewed_with_a_warning_of_the_cas_files_has_it_as_problem(self):
         log = self.ca / "issued.jsonl"
         log.write_text("no line\n" + log.read_text())
         event, = self.renew(exit=1)
@@ -45,24 +45,24 @@ class OwnCa(AgentTest):
         self.renew("--days", "500")
         self.assertAlmostEqual((self.dates()[1] - datetime.datetime.now()).days, 800, delta=2)
 
-    def test_Days_ThatEndBeforeTheCertificateInPlace_AreSaidToGoBack(self):
+    def test_days_that_end_before_the_certificate_in_place_are_said_to_go_back(self):
         event = self.refused("renewal_goes_back", "--ca", "demo", "--days", "5", *self.LATER)
         self.assertIn("identity renew FOLDER --days N", event["hint"])
         self.assertNotIn("ca renew", event["hint"])
         self.assertEqual(self.once("--ca", "demo", "--days", "5", "--now", "+362d")[0]["event"], "renewed")
 
-    def test_FromAYearToDays_ByIdentityRenew_GoesOnInDays(self):
+    def test_from_a_year_to_days_by_identity_renew_goes_on_in_days(self):
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--days", "5")
         self.assertEqual(self.once("--ca", "demo")[0]["event"], "current")
         event, = self.once("--ca", "demo", "--now", "+4d")
         self.assertEqual((event["event"], event["restart_needed"]), ("renewed", False))
         self.assertAlmostEqual((self.dates()[1] - datetime.datetime.now()).days, 9, delta=1)
 
-    def test_Renewed_AfterTheEnd_SaysThatARestartIsNeeded(self):
+    def test_renewed_after_the_end_says_that_a_restart_is_needed(self):
         event, = self.once("--ca", "demo", "--now", "+366d")
         self.assertEqual((event["event"], event["restart_needed"]), ("renewed", True))
 
-    def test_MissingCertificate_IsSaidInTheWordsOfTheCommand(self):
+    def test_missing_certificate_is_said_in_the_words_of_the_command(self):
         (self.talker / "cert.pem").unlink()
         event = self.refused("file_not_found", "--ca", "demo", exit=3)
         self.assertIn("no certificate to renew", event["message"])
@@ -93,7 +93,7 @@ class OwnCa(AgentTest):
         self.assertFalse(event["permissions_extended"])
         self.assertIn(event["problem"]["code"], ("document_superseded", "document_unlogged"))
 
-    def test_PermissionsThatAreDueAlone_AndCannotBeExtended_CostNoCertificate(self):
+    def test_permissions_that_are_due_alone_and_cannot_be_extended_cost_no_certificate(self):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "-o",
                          "alone.xml")
         ca = self.at / "demo/ca/permissions"
@@ -114,7 +114,7 @@ class OwnCa(AgentTest):
         event, = self.once("--ca", "demo", "--permissions", "--now", "+301d", exit=1)
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "grant_expired"))
 
-    def test_RightsThatHaveEnded_AreNotGivenAgainByAClockThatWasSetBack(self):
+    def test_rights_that_have_ended_are_not_given_again_by_a_clock_that_was_set_back(self):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "100", "--sign",
                          "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
         self.run_program("identity", "renew", "demo/listener", "--ca", "demo", "--now", "+101d")  # a line of the log
@@ -126,7 +126,7 @@ class OwnCa(AgentTest):
                          "+99d")
         self.assertEqual(self.once("--ca", "demo", "--permissions", "--now", "+99d")[0]["event"], "current")
 
-    def test_Current_WithPermissionsThatHaveEnded_HasAProblem(self):
+    def test_current_with_permissions_that_have_ended_has_a_problem(self):
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "--days", "2", "--sign",
                          "--ca", "demo", "-o", "demo/talker/permissions.xml", "--replace")
         for more in ((), ("--dry-run",)):
@@ -136,7 +136,7 @@ class OwnCa(AgentTest):
                           event["problem"]["hint"])
         self.assertNotIn("problem", self.once("--ca", "demo", "--now", "+5d")[0])  # the permissions are not the agent's
 
-    def test_Current_WithFilesThatDoNotFit_HasAProblem(self):
+    def test_current_with_files_that_do_not_fit_has_a_problem(self):
         for file, code in (("key.pem", "key_mismatch"), ("permissions.p7s", "no_grant_for_subject")):
             right = (self.talker / file).read_bytes()
             (self.talker / file).write_bytes((self.at / "demo/listener" / file).read_bytes())
@@ -148,7 +148,7 @@ class OwnCa(AgentTest):
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "issuer_unknown"))
         self.assertNotIn("answered", event["problem"]["message"])
 
-    def test_Current_WithAListThatEnds_HasAProblem(self):
+    def test_current_with_a_list_that_ends_has_a_problem(self):
         """A participant with an expired list authenticates no peer."""
         self.run_program("identity", "revoke", "demo/listener", "--ca", "demo")
         (self.talker / "crl.pem").write_bytes((self.ca / "crl.pem").read_bytes())
@@ -196,7 +196,7 @@ class OwnCa(AgentTest):
                          "20000", "--publish", "x")
         self.refused("outlives_ca", "--ca", "demo", "--now", "+3000d", exit=4)
 
-    def test_PermissionsThatEndBeforeACertificateWithoutALaterEnd_AreExtendedAlone(self):
+    def test_permissions_that_end_before_a_certificate_without_a_later_end_are_extended_alone(self):
         self.run_program("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker", "--replace", "--clamp", "--days",
                          "20000", "--publish", "x")
         certificate, key = ((self.talker / name).read_bytes() for name in ("cert.pem", "key.pem"))

@@ -182,7 +182,7 @@ class Unwritable(Blocked):
         (self.at / "demo/bravo").chmod(0o2775)
         return done.stderr
 
-    def test_EachStepOfAnOverlap_MadeAgain_ReachesTheFolder(self):
+    def test_each_step_of_an_overlap_made_again_reaches_the_folder(self):
         for role in ("permissions", "identity"):
             key = (self.at / f"demo/ca/{role}/ca.key.pem").read_bytes()
             self.assertIn(f"ddssec ca rotate demo --role {role} --overlap TIME",
@@ -207,7 +207,7 @@ class Unwritable(Blocked):
             self.assertEqual(self.current(role), list(NAMES))
         self.meet("alpha", "bravo")
 
-    def test_End_OfAFolderThatHadNotMovedEither_ReachesIt(self):
+    def test_end_of_a_folder_that_had_not_moved_either_reaches_it(self):
         for role in ("permissions", "identity"):
             self.step(role, "--overlap", "30d")
             self.without_bravo(role, "--end")
@@ -216,7 +216,7 @@ class Unwritable(Blocked):
             self.assertEqual((self.current(role), self.left(role)), (list(NAMES), None))
         self.meet("alpha", "bravo")
 
-    def test_RotationAtOnce_IsCompletedByEnd(self):
+    def test_rotation_at_once_is_completed_by_end(self):
         for role in ("permissions", "identity"):
             self.assertIn(f"then: ddssec ca rotate demo --role {role} --end", self.without_bravo(role))
             self.assertEqual(self.left(role), ["bravo"])
@@ -226,7 +226,7 @@ class Unwritable(Blocked):
             self.assertEqual((self.at / f"demo/ca/{role}/ca.key.pem").read_bytes(), key)
         self.meet("alpha", "bravo")
 
-    def test_End_WithFilesThatWaitBesideTheirPlaces_PutsThemInPlace(self):
+    def test_end_with_files_that_wait_beside_their_places_puts_them_in_place(self):
         for role in ("permissions", "identity"):
             self.step(role, "--overlap", "30d")
             (self.at / "demo/bravo").chmod(0o3775)

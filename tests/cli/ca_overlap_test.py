@@ -138,7 +138,7 @@ class Overlap(Transcript):
     def folders(self, *names):
         return [str(self.at / "demo" / name) for name in names]
 
-    def test_CaShow_InAnOverlap_TellsWhoHasMovedAndTheNextStep(self):
+    def test_ca_show_in_an_overlap_tells_who_has_moved_and_the_next_step(self):
         for role in ROLES:
             self.assertIsNone(self.rotation(role))
             self.rotate(role, "--overlap", "30d")
@@ -166,7 +166,7 @@ class Overlap(Transcript):
     def only_warning(self, words, answer, file):
         self.assertEqual([(f"{d['severity']}[{d['id']}]", d["file"]) for d in answer["diagnostics"]], [(words, file)])
 
-    def test_Step_WhileAFolderIsAway_SaysNoAndShowNamesItUntilTheNextEnd(self):
+    def test_step_while_a_folder_is_away_says_no_and_show_names_it_until_the_next_end(self):
         for role in ROLES:
             self.rotate(role, "--overlap", "30d")
             (self.at / "demo/listener").rename(self.at / "away")
@@ -219,26 +219,26 @@ class Overlap(Transcript):
         self.run_program(*step, *NOW)
         self.assertIsNone(self.rotation(role))
 
-    def test_StepsThatShowProposes_OfAnIdentityCa_ReachAFolderThatIsElsewhere(self):
+    def test_steps_that_show_proposes_of_an_identity_ca_reach_a_folder_that_is_elsewhere(self):
         self.steps_end_an_overlap("identity")
 
-    def test_StepsThatShowProposes_OfAPermissionsCa_ReachAFolderThatIsElsewhere(self):
+    def test_steps_that_show_proposes_of_a_permissions_ca_reach_a_folder_that_is_elsewhere(self):
         self.steps_end_an_overlap("permissions")
 
-    def test_StepThatShowProposes_AfterTheEndOfAnIdentityCa_ReachesAFolderThatIsElsewhere(self):
+    def test_step_that_show_proposes_after_the_end_of_an_identity_ca_reaches_a_folder_that_is_elsewhere(self):
         self.step_ends_what_an_end_has_left("identity")
 
-    def test_StepThatShowProposes_AfterTheEndOfAPermissionsCa_ReachesAFolderThatIsElsewhere(self):
+    def test_step_that_show_proposes_after_the_end_of_a_permissions_ca_reaches_a_folder_that_is_elsewhere(self):
         self.step_ends_what_an_end_has_left("permissions")
 
-    def test_FolderThatIsGone_OfARevokedParticipant_IsNotWaitedFor(self):
+    def test_folder_that_is_gone_of_a_revoked_participant_is_not_waited_for(self):
         self.rotate("identity", "--overlap", "30d")
         self.json("identity", "revoke", "demo/listener", "--ca", "demo", *NOW, exit=1)
         (self.at / "demo/listener").rename(self.at / "away")
         self.rotate("identity", "--end")
         self.assertIsNone(self.rotation("identity"))
 
-    def test_CertificateOutsideTheLog_LeavesItsFolderAndEveryStepSaysSo(self):
+    def test_certificate_outside_the_log_leaves_its_folder_and_every_step_says_so(self):
         """As a hook of the agent may put it into the folder: the CA issued it with another tool."""
         shutil.copytree(self.at / "demo", self.at / "copy")
         self.json("identity", "renew", "copy/listener", "--ca", "copy", *NOW)
@@ -254,7 +254,7 @@ class Overlap(Transcript):
         self.refused("issuer_unknown", 1, "ca", "rotate", "demo", "--role", "identity", "--end", *NOW)
         self.assertEqual(self.rotation("identity")["left"], folder)
 
-    def test_End_OfOneFolder_WarnsOfTheOthers(self):
+    def test_end_of_one_folder_warns_of_the_others(self):
         for role in ROLES:
             self.rotate(role, "--overlap", "30d")
             answer = self.json("ca", "rotate", "demo", "demo/talker", "--role", role, "--end", *NOW)
@@ -262,7 +262,7 @@ class Overlap(Transcript):
             self.rotate(role, "--end")
         self.assertTrue(self.talks("demo/talker", "demo/listener"))
 
-    def test_Overlap_OfOneFolder_IsCompletedByTheNextOverlapAndMoveWarns(self):
+    def test_overlap_of_one_folder_is_completed_by_the_next_overlap_and_move_warns(self):
         for role in ROLES:
             self.rotate(role, "demo/talker", "--overlap", "30d")
             answer = self.json("ca", "rotate", "demo", "demo/talker", "--role", role, "--move", *NOW)
@@ -276,7 +276,7 @@ class Overlap(Transcript):
             self.assertEqual(self.json("ca", "rotate", "demo", "--role", role, "--move", *NOW)["diagnostics"], [])
             self.rotate(role, "--end")
 
-    def test_MoveAndEnd_OfAFolderWithoutKeyOrPermissions_WarnThatItsParticipantDoesNotTakeThem(self):
+    def test_move_and_end_of_a_folder_without_key_or_permissions_warn_that_its_participant_does_not_take_them(self):
         missing = {"identity": "key.pem", "permissions": "permissions.p7s"}
         for role, name in missing.items():
             self.rotate(role, "--overlap", "30d")
@@ -286,7 +286,7 @@ class Overlap(Transcript):
                 self.only_warning("warning[renewal_not_taken]", answer, *self.folders(f"listener/{name}"))
             (self.at / name).rename(self.at / "demo/listener" / name)
 
-    def test_Doctor_OfAFolderThatTheEndDidNotReach_TellsOfTheFormerCa(self):
+    def test_doctor_of_a_folder_that_the_end_did_not_reach_tells_of_the_former_ca(self):
         for role in ROLES:
             self.rotate(role, "--overlap", "30d")
             (self.at / "demo/listener").rename(self.at / "away")
@@ -298,7 +298,7 @@ class Overlap(Transcript):
             for role, one in zip(ROLES, told):
                 self.assertIn(f"ddssec ca rotate CA --role {role} --end", one["hint"])
 
-    def test_RevokedParticipant_IsNotLeftAfterTheEnd(self):
+    def test_revoked_participant_is_not_left_after_the_end(self):
         self.rotate("identity", "--overlap", "30d")
         self.json("identity", "revoke", "demo/talker", "--ca", "demo", *NOW, exit=1)
         self.assertEqual(self.rotation("identity")["folders"], 1)
@@ -337,14 +337,14 @@ class Overlap(Transcript):
     def begin(self, folder):
         return self.json("identity", "show", folder, "--now", "2026-11-26T00:00:00Z")["result"]["not_before"]
 
-    def test_Move_OfACertificateThatBeganLessThanADayAgo_DoesNotBeginBeforeIt(self):
+    def test_move_of_a_certificate_that_began_less_than_a_day_ago_does_not_begin_before_it(self):
         """A running participant takes no certificate that begins before the one in force."""
         before = self.begin("demo/talker")
         for step in (("--overlap", "30d"), ("--move",)):
             self.rotate("identity", *step, at=("--now", "2026-11-20T12:00:00Z"))
         self.assertEqual(self.begin("demo/talker"), before)
 
-    def test_Move_OfAnOlderCertificate_BeginsADayAgo(self):
+    def test_move_of_an_older_certificate_begins_a_day_ago(self):
         for step in (("--overlap", "30d"), ("--move",)):
             self.rotate("identity", *step, at=("--now", "2026-11-26T00:00:00Z"))
         self.assertEqual(self.begin("demo/talker"), "2026-11-25T00:00:00Z")

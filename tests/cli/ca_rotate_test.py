@@ -101,7 +101,7 @@ class Rotate(Transcript):
         self.assertEqual(self.rotate("identity", "moved", "demo/listener")["result"]["elsewhere"], [])
         self.meet("moved", "demo/listener")
 
-    def test_PlacesOfAPermissionsCa_AreInTheLogFromThenOn(self):
+    def test_places_of_a_permissions_ca_are_in_the_log_from_then_on(self):
         (self.at / "demo/talker").rename(self.at / "moved")
         (self.at / "moved/cyclonedds.xml").unlink()  # it names the former place
         moved = str(self.at / "moved")
@@ -114,7 +114,7 @@ class Rotate(Transcript):
         out = self.json("crl", "distribute", "--ca", "demo", *NOW)["result"]
         self.assertEqual((out["folders"], out["elsewhere"]), ([moved], []))
 
-    def test_FoldersThatAreNotNamed_AreWarnedOfAndFollowAsTheHintSays(self):
+    def test_folders_that_are_not_named_are_warned_of_and_follow_as_the_hint_says(self):
         for role in ("identity", "permissions"):
             told = self.rotate(role, "demo/talker")["diagnostics"]
             self.assertEqual([(d["id"], d["file"]) for d in told], [("rotation_unfinished", self.folders("listener")[0])])
@@ -123,14 +123,14 @@ class Rotate(Transcript):
             self.assertEqual(self.rotate(role, "--end")["result"]["folders"], self.folders("listener"))
             self.meet("demo/talker", "demo/listener")
 
-    def test_PlaceOfACopy_IsNotRecorded(self):
+    def test_place_of_a_copy_is_not_recorded(self):
         shutil.copytree(self.at / "demo/talker", self.at / "copy")
         (self.at / "copy/cyclonedds.xml").unlink()
         before = self.text("demo/ca/identity/issued.jsonl")
         self.rotate("permissions", "copy", "demo/talker", "demo/listener", exit=None)
         self.assertEqual(self.text("demo/ca/identity/issued.jsonl"), before)
 
-    def test_ExpiredCas_AreReplaced(self):
+    def test_expired_cas_are_replaced(self):
         later = ("--now", "2040-01-01T00:00:00Z")
         told = self.json("doctor", "demo/talker", *later, exit=1)["diagnostics"]
         self.assertEqual({d["hint"].split(" gives")[0] for d in told if d["id"] == "DOC022"},
@@ -142,7 +142,7 @@ class Rotate(Transcript):
                              *later)
         self.json("check", "demo/talker", "demo/listener", *later)
 
-    def test_UnreadableOverlap_IsEndedByARotationAtOnce(self):
+    def test_unreadable_overlap_is_ended_by_a_rotation_at_once(self):
         self.rotate("identity", "--overlap", "30d")
         (self.at / "demo/ca/identity/ca.overlap.json").write_text("{")
         told = self.refused("overlap_unreadable", 1, "ca", "rotate", "demo", "--role", "identity", "--move", *NOW)

@@ -186,7 +186,7 @@ class Ca(Transcript):
         self.assertRegex(told, r"identity_ca.pem before 2036-.*\nThe revocation list ends on 2036-.*ddssec crl new --ca demo, "
                                r"then ddssec crl distribute --ca demo\n")
 
-    def test_RenewingAnExpiredCa_SaysWhatToDoNow(self):
+    def test_renewing_an_expired_ca_says_what_to_do_now(self):
         later = ("--now", "2040-01-01T00:00:00Z")
         self.run_program("init", "demo", *NOW)
         told = self.run_program("ca", "renew", "demo", "--role", "identity", *later).stdout
@@ -195,7 +195,7 @@ class Ca(Transcript):
         self.assertRegex(told, r"which ended on 2036-.*\. Now:\n")
         self.run_program("ca", "rotate", "demo", "--role", "permissions", "--clock-is-right", *later)
 
-    def test_RenewingACaOfAKeystore_NamesTheCommandsOfKeystores(self):
+    def test_renewing_a_ca_of_a_keystore_names_the_commands_of_keystores(self):
         self.run_program("keystore", "create", "a ks", "--no-passphrase", *NOW)
         self.run_program("keystore", "enclave", "a ks", "/a", "--allow-all", *NOW)
         told = self.run_program("ca", "renew", "a ks", "--role", "identity", *NOW).stdout

@@ -94,7 +94,7 @@ class Check(CheckTest):
                                r'rule of grant "participant" matches, default DENY \(permissions\.p7s:[0-9]+\)\n')
         self.assertNotIn("NO:", self.run_program("check", "talker", "listener", "--topics", "Square").stdout)
 
-    def test_CheckAndCan_OfARefusalByTheDefault_NameItsLine(self):
+    def test_check_and_can_of_a_refusal_by_the_default_name_its_line(self):
         lines = (self.at / "listener/permissions.p7s").read_text().splitlines()
         (line,) = [number for number, text in enumerate(lines, 1) if "<default>" in text]
         text = self.run_program("check", "talker", "listener").stdout

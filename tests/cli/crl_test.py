@@ -88,7 +88,7 @@ class Revocation(Transcript):
         for vendor in ("cyclonedds", "fastdds", "ddssec"):
             self.assertFalse(self.meet(vendor, 1)["result"]["talk"])
 
-    def test_Distribute_WithARevokedParticipant_SaysWhyItsFolderIsLeftOutAndDoctorAdvisesNoCircle(self):
+    def test_distribute_with_a_revoked_participant_says_why_its_folder_is_left_out_and_doctor_advises_no_circle(self):
         self.meet("ddssec", 0)
         self.run_program("identity", "revoke", "demo/x", "--ca", "demo", *NOW)
         told = self.run_program("crl", "distribute", "--ca", "demo", *NOW).stdout
@@ -314,7 +314,7 @@ class Revocation(Transcript):
         self.assertIn("(puts the list into 1 folder)", done.stdout)
         self.assertIn("issued   2 certificates, 1 revoked", self.run_program("ca", "show", "ca").stdout)
 
-    def test_Distribute_AfterTheOnlyParticipantWasRevoked_HasNothingToDo(self):
+    def test_distribute_after_the_only_participant_was_revoked_has_nothing_to_do(self):
         for ca in ("ks", "alone"):
             make = ("keystore", "create", ca) if ca == "ks" else ("ca", "create", ca)
             self.run_program(*make, "--no-passphrase", *NOW)

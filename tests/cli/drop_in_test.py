@@ -56,7 +56,7 @@ class DropIn(Transcript):
         self.assertEqual(any("DOC093" in one["id"] + one["message"] for one in checked["diagnostics"]), exit == 1)
         return told
 
-    def test_PropertiesOfAProcess_AreJudgedAsThePluginsJudgeThem(self):
+    def test_properties_of_a_process_are_judged_as_the_plugins_judge_them(self):
         for text in ("", "# nothing\n", "org.ddssec.auth.ocsp = soft\n", "org.ddssec.access.allow_shared_memory = true\n",
                      "org.ddssec.governance_change_time = of the embedded participant alone\n"):
             self.assertEqual(self.refusals(self.properties(text), 0), [], text)
@@ -85,7 +85,7 @@ class DropIn(Transcript):
         (told,) = self.refusals(environment, 0)
         self.assertEqual(told["severity"], "warning")
 
-    def test_AnEncryptedKey_OpensWithThePasswordThatEachProductIsGiven(self):
+    def test_an_encrypted_key_opens_with_the_password_that_each_product_is_given(self):
         folder = self.at / "demo/talker"
         key, xml, profile = folder / "key.pem", folder / "cyclonedds.xml", folder / "fastdds.xml"
         self.openssl("pkcs8", "-topk8", "-in", key, "-out", "k.pem", "-passout", "pass:secret")
@@ -112,7 +112,7 @@ class DropIn(Transcript):
         xml.write_text(texts[0].replace("</PrivateKey>", "</PrivateKey><Password>wrong</Password>"))
         self.assertEqual(verdicts(1)[0], ["fail", "ok", "ok"])
 
-    def test_ADomainTag_IsWarnedOf(self):
+    def test_a_domain_tag_is_warned_of(self):
         words = ("doctor", "demo/talker", "--vendor", "ddssec", *NOW)
         tag = "<Discovery><Tag>Robots</Tag></Discovery>"
         told = lambda environment: [(one["severity"], one["file"]) for one in self.json(

@@ -45,7 +45,7 @@ class GrantedDomains(Transcript):
         return self.run_program("permissions", "new", "--cert", f"{folder}/cert.pem", "--publish", "U", "--replace", "--sign",
                                 "--ca", "ca", "-o", f"{folder}/permissions.xml", *words, *NOW, exit=exit)
 
-    def test_PermissionsNew_WithoutDomain_TakesThatOfTheGovernanceDocument(self):
+    def test_permissions_new_without_domain_takes_that_of_the_governance_document(self):
         self.issue("a", "--publish", "T", "--governance", self.governance("g", "--domain", "7"))
         self.assertEqual(self.new_permissions("a").stderr, "")
         self.assertEqual(self.domains("a"), [[7, 7]])
@@ -58,7 +58,7 @@ class GrantedDomains(Transcript):
         self.new_permissions("b", "--domain", "6")
         self.assertEqual(self.domains("b"), [[6, 6]])
 
-    def test_DoctorAndCheck_OfPermissionsForAnotherDomain_NameThePermissions(self):
+    def test_doctor_and_check_of_permissions_for_another_domain_name_the_permissions(self):
         governance = self.governance("g", "--domain", "7")
         self.issue("a", "--publish", "T", "--governance", governance)
         self.issue("b", "--subscribe", "T", "--governance", governance)
@@ -74,7 +74,7 @@ class GrantedDomains(Transcript):
         self.assertIn("the permissions are probably wrong", told[0]["message"])
         self.assertEqual(self.json("can", "a", "publish", "U", *NOW, exit=1)["result"]["domain"], 7)
 
-    def test_SignAndRenew_OfPermissionsForAnotherDomain_Warn(self):
+    def test_sign_and_renew_of_permissions_for_another_domain_warn(self):
         self.issue("a", "--publish", "T", "--governance", self.governance("g", "--domain", "7"))
         self.new_permissions("a", "--domain", "0")
         for words in (("permissions", "sign", "a/permissions.xml", "--ca", "ca", "--replace"),

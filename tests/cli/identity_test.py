@@ -127,7 +127,7 @@ class Identity(Transcript):
         self.assertNotIn("yet", done.stdout)
         self.json("doctor", "whole", *NOW)
 
-    def test_Issue_WithGovernanceAndNoRights_WritesThePermissionsCaSoThatTheHintsSuffice(self):
+    def test_issue_with_governance_and_no_rights_writes_the_permissions_ca_so_that_the_hints_suffice(self):
         self.governance()
         out = self.run_with_secret(self.json, *self.issue("--governance", "governance.p7s"))
         self.assertIn("talker/permissions_ca.pem", [f["path"] for f in out["files_written"]])
@@ -139,14 +139,14 @@ class Identity(Transcript):
         self.json("doctor", "talker", *NOW)
         self.json("can", "talker", "publish", "x", *NOW)
 
-    def test_Issue_OfAFleetWithoutRights_WritesThePermissionsCa(self):
+    def test_issue_of_a_fleet_without_rights_writes_the_permissions_ca(self):
         (self.at / "fleet.toml").write_text('[[participant]]\nname = "a"\n[[participant]]\nname = "b"\npublish = ["x"]\n')
         self.run_with_secret(self.run_program, "identity", "issue", "--from", "fleet.toml", "--ca", "ca", "-o", "fleet", *NOW)
         for name in ("a", "b"):
             self.assertEqual((self.at / f"fleet/{name}/permissions_ca.pem").read_bytes(),
                              (self.at / "ca/permissions/ca.pem").read_bytes())
 
-    def test_Issue_WithAnIdentityCaAlone_SaysThatThePermissionsCaIsMissing(self):
+    def test_issue_with_an_identity_ca_alone_says_that_the_permissions_ca_is_missing(self):
         done = self.run_with_secret(self.run_program, "identity", "issue", "x", "--ca", "ca/identity", "-o", "x", *NOW)
         self.assertIn("no permissions_ca.pem is in it yet, since --ca has no permissions CA: copy ca.pem", done.stdout)
         self.assertFalse((self.at / "x/permissions_ca.pem").exists())
@@ -154,7 +154,7 @@ class Identity(Transcript):
         out = self.run_with_secret(self.json, "identity", "issue", "x", "--ca", "ca", "-o", "x", "--replace", *NOW)
         self.assertNotIn("x/permissions_ca.pem", [f["path"] for f in out["files_written"]], "it may be of documents to come")
 
-    def test_CanAndCheck_OfAFolderWithoutPermissionsCa_AdviseAsDoctorDoes(self):
+    def test_can_and_check_of_a_folder_without_permissions_ca_advise_as_doctor_does(self):
         self.governance()
         self.run_with_secret(self.run_program, *self.issue("--governance", "governance.p7s", "--publish", "x"))
         (self.at / "talker/permissions_ca.pem").unlink()
@@ -178,7 +178,7 @@ class Identity(Transcript):
         request.unlink()
         self.refused("file_not_found", 3, *sign)
 
-    def test_Renew_OfACertificateThatBeganLessThanADayAgo_DoesNotBeginBeforeIt(self):
+    def test_renew_of_a_certificate_that_began_less_than_a_day_ago_does_not_begin_before_it(self):
         self.run_with_secret(self.run_program, "identity", "issue", "talker", "--ca", "ca", "-o", "talker", "--publish", "x",
                              "--now", "2026-12-21T00:00:00Z")
         before = (self.at / "talker/cert.pem").read_text()
@@ -195,7 +195,7 @@ class Identity(Transcript):
         self.assertNotIn("takes it while it runs", told.stdout)
         return told.stderr
 
-    def test_Renew_ThatARunningParticipantDoesNotTake_SaysSo(self):
+    def test_renew_that_a_running_participant_does_not_take_says_so(self):
         self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
         told = self.renewed_but_not_taken("--days", "5", "--dry-run")
         self.assertIn("expected an end not before 2027-11-21T00:00:00Z, found 2026-11-26T00:00:00Z", told)
@@ -231,7 +231,7 @@ class Identity(Transcript):
         late = self.run_with_secret(self.run_program, *renew[:-2], "--now", "2029-01-01T00:00:00Z")
         self.assertIn("the identity had ended, and with it all connections: start the participant again\n", late.stdout)
 
-    def test_Renew_WithPermissionsThatStay_SaysSo(self):
+    def test_renew_with_permissions_that_stay_says_so(self):
         self.run_with_secret(self.run_program, *self.issue("--publish", "x"))
         renew = ("identity", "renew", "talker", "--ca", "ca", "--permissions", *NOW)
         told = self.run_with_secret(self.run_program, *renew, "--days", "400").stdout

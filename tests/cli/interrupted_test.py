@@ -201,7 +201,7 @@ class Interrupted(Transcript):
                               env={**os.environ, "LD_LIBRARY_PATH": library_path(), "LD_PRELOAD": str(LIBRARY),
                                    "AT_CALL": "kill -TERM $PPID", "CALL": str(number)})
 
-    def test_AnInterruptedDistribution_SaysWhatItHasWritten(self):
+    def test_an_interrupted_distribution_says_what_it_has_written(self):
         self.run_program("init", "demo", "--participant", "a", "--participant", "b", "--participant", "c", *NOW)
         self.run_program("identity", "renew", "demo/a", "--ca", "demo", *NOW)
         before, number, said = self.octets(), 0, set()
@@ -225,7 +225,7 @@ class Interrupted(Transcript):
             shutil.copytree(base, self.at, symlinks=True)
         self.assertGreaterEqual(said, {1, 2}, "it was not interrupted between two lists")
 
-    def test_ADiskThatIsFull_LeavesEachFileOldOrNew(self):
+    def test_a_disk_that_is_full_leaves_each_file_old_or_new(self):
         self.run_program("init", "demo", *NOW)
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "x", "-o", "p.xml", *NOW)
         for words in (("identity", "renew", "demo/talker", "--ca", "demo", "--permissions"),

@@ -144,7 +144,7 @@ class Keystore(KeystoreTest):
                             "--node-defaults")
         self.assertIn("--policy", told["message"])
 
-    def test_Permission_ShowsWhatLintWarnsOfWhateverTheRightsComeFrom(self):
+    def test_permission_shows_what_lint_warns_of_whatever_the_rights_come_from(self):
         (self.at / "short.xml").write_text(SHORT.replace("chatter", "rt/chatter", 1))
         self.create()
         self.json("keystore", "enclave", "ks", "/demo/talker", "--allow-all", *NOW)

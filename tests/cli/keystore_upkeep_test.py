@@ -140,7 +140,7 @@ class Upkeep(KeystoreTest):
         self.run_program("keystore", "enclave", "ks", "/a", "--replace", *NOW)
         self.healthy("/a")
 
-    def test_Replace_OfAnEnclave_KeepsItsPermissionsAndTheEnclavesBelowIt(self):
+    def test_replace_of_an_enclave_keeps_its_permissions_and_the_enclaves_below_it(self):
         self.create()
         for name in ("/a", "/a/b", "/z"):
             self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)
@@ -162,7 +162,7 @@ class Upkeep(KeystoreTest):
         self.assertNotEqual(files("a")["permissions.p7s"], after["permissions.p7s"])
         self.healthy("/a", "/a/b", "/z")
 
-    def test_Replace_WithoutPermissionsOfTheEnclave_AsksForThem(self):
+    def test_replace_without_permissions_of_the_enclave_asks_for_them(self):
         self.create()
         enclave = ("keystore", "enclave", "ks")
         self.refused("usage", 2, *enclave, "/a", "--replace", *NOW)  # there is nothing to keep
@@ -177,7 +177,7 @@ class Upkeep(KeystoreTest):
             self.run_program(*enclave, name, "--replace", "--allow-all", *NOW)
         self.healthy("/a", "/b")
 
-    def test_Replace_OfAnEnclaveOfAnotherKeystore_MakesItOneOfThisOne(self):
+    def test_replace_of_an_enclave_of_another_keystore_makes_it_one_of_this_one(self):
         self.create()
         self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
         self.run_program("keystore", "create", "other", "--no-passphrase", *NOW)

@@ -127,7 +127,7 @@ class Verify(KeystoreTest):
         self.assertIn("there is no crl.pem", told[0]["message"])
         self.assertIn("ddssec crl distribute", told[0]["hint"])
 
-    def test_Verify_OfACopy_NamesTheCopyAndNotTheOriginal(self):
+    def test_verify_of_a_copy_names_the_copy_and_not_the_original(self):
         self.create()
         for name in ("/zed", "/zed/deep"):
             self.run_program("keystore", "enclave", "ks", name, "--allow-all", *NOW)

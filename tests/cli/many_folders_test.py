@@ -45,7 +45,7 @@ class ManyFolders(Transcript):
         texts = [(folder / "renewed.pem").read_text() for folder in self.folders]
         return {(text.count("BEGIN CERTIFICATE"), text.count("BEGIN SIGNED PERMISSIONS")) for text in texts}
 
-    def test_Distribute_VerifiesEachEntryOnce(self):
+    def test_distribute_verifies_each_entry_once(self):
         self.issue(FOLDERS)
         self.list_all()
         for former in ("none", "the same"):
@@ -53,7 +53,7 @@ class ManyFolders(Transcript):
             self.assertLess(taken, 5 * SLOWNESS, f"lists before: {former}")
             self.assertEqual(self.entries(), {(FOLDERS, FOLDERS)})
 
-    def test_Agent_WithMoreFoldersThanOpenFiles_KeepsAll(self):
+    def test_agent_with_more_folders_than_open_files_keeps_all(self):
         self.issue(40)
         done = subprocess.run([PROGRAM, "agent", *map(str, self.folders), "--ca", "ca", "--once", *NOW], cwd=self.at, text=True,
                               capture_output=True, timeout=120, check=False, stdin=subprocess.DEVNULL,
@@ -62,7 +62,7 @@ class ManyFolders(Transcript):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(done.stdout.count('"event":"current"'), 40)
 
-    def test_FoldersWithOtherLists_AreJudgedEachByItsOwn(self):
+    def test_folders_with_other_lists_are_judged_each_by_its_own(self):
         self.issue(4)
         self.list_all()
         certificate = (self.folders[1] / "cert.pem").read_text()
@@ -108,7 +108,7 @@ class ManyFolders(Transcript):
         self.assertRegex(self.said(*words, terminal=True), rf"\r\d+ of {of}.*\r\x1b\[K".replace(".*", "[^\n]*"))
         self.assertIsNone(re.search(r"\d+ of ", self.said(*words, "-q")))
 
-    def test_LongWork_SaysHowFarItIs(self):
+    def test_long_work_says_how_far_it_is(self):
         self.issue(6)
         self.list_all()
         self.expect_progress("crl", "distribute", "--ca", "ca", of="6 revocation lists")

@@ -196,13 +196,13 @@ class Mistakes(Transcript):
 
 
 class Proposals(Transcript):
-    def test_ALinkThatLeadsNowhere_IsNotProposedForItself(self):
+    def test_a_link_that_leads_nowhere_is_not_proposed_for_itself(self):
         (self.at / "link.xml").symlink_to("nowhere.xml")
         for words in (("permissions", "show"), ("governance", "show"), ("expiry",), ("crl", "show")):
             told = self.refused("file_not_found", 3, *words, "link.xml")
             self.assertEqual(told["hint"], "check the path: it is a link to nowhere.xml, which does not exist")
 
-    def test_AParticipantThatIsNotHere_IsRevokedAsTheHintSays(self):
+    def test_a_participant_that_is_not_here_is_revoked_as_the_hint_says(self):
         self.run_program("keystore", "create", "a ks", "--no-passphrase", *NOW)
         self.run_program("keystore", "enclave", "a ks", "/a", "--allow-all", *NOW)
         shutil.move(self.at / "a ks/enclaves/a", self.at / "gone")
@@ -212,7 +212,7 @@ class Proposals(Transcript):
             self.assertIn("a ks/public/identity_ca.crl.pem", self.run_program(*words, "--dry-run", *NOW).stdout)
         self.assertIn("revoked (1 certificate)", self.run_program(*words, *NOW).stdout)
 
-    def test_AFileOfAnotherKind_IsNotSaidToBeMissing(self):
+    def test_a_file_of_another_kind_is_not_said_to_be_missing(self):
         (self.at / "file").write_text("text")
         self.assertIn("found another file", self.refused("file_unreadable", 3, "expiry", "file")["message"])
 

@@ -194,7 +194,7 @@ class Ocsp(Transcript):
         self.assertEqual((event["event"], event["problem"]["code"]), ("current", "ocsp_fetch_failed"))
         self.assertIn("ocsp_fetch_failed", [one["id"] for one in answer["diagnostics"]])
 
-    def test_TheAgent_FetchesAResponseThoughTheCaRefusesTheRenewal(self):
+    def test_the_agent_fetches_a_response_though_the_ca_refuses_the_renewal(self):
         """Peers that demand a response would refuse the participant, although its certificate is valid."""
         self.index(talker="V")
         with self.responder() as url:
@@ -222,12 +222,12 @@ class Ocsp(Transcript):
                 os.kill(worker, signal.SIGKILL)
                 return checked_events(agent.communicate(timeout=30)[0])
 
-    def test_TheAgent_ReportsARenewalWhoseProcessIsKilledAfterIt(self):
+    def test_the_agent_reports_a_renewal_whose_process_is_killed_after_it(self):
         event, = self.events_if_killed_at_the_look_up(lambda folder: None)
         self.assertEqual((event["event"], event["problem"]["code"]), ("renewed", "internal"))
         self.assertIn("it has ended", event["problem"]["message"])
 
-    def test_TheAgent_ReportsTheErrorOfARenewalThoughItsProcessIsKilledAfterIt(self):
+    def test_the_agent_reports_the_error_of_a_renewal_though_its_process_is_killed_after_it(self):
         key = self.at / "demo/talker/key.pem"
         event, = self.events_if_killed_at_the_look_up(lambda folder: shutil.copy(key, folder / "key.pem"))
         self.assertEqual((event["event"], event["code"]), ("failed", "key_mismatch"))

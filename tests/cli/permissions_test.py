@@ -77,7 +77,7 @@ class NewPermissions(Transcript):
         for own in ("talker/permissions.p7s", "listener/of-talker.p7s"):
             self.assertEqual(warned(own), [])
 
-    def test_Sign_WithAMistypedSubject_AsksForASimilarOne(self):
+    def test_sign_with_a_mistyped_subject_asks_for_a_similar_one(self):
         for name in ("camera", "robot1"):
             self.run_program("identity", "issue", name, "--ca", "ca", "-o", name, *NOW)
         for typed, meant in (("CN=camrea", "CN=camera"), ("CN=Camera", "CN=camera"), ("CN=robto1", "CN=robot1"),
@@ -105,7 +105,7 @@ class NewPermissions(Transcript):
     def warnings(self, *words):
         return self.run_program("permissions", *words, "--ca", "ca", *NOW).stderr
 
-    def test_EndBeforeTheCertificates_IsWarnedOf(self):
+    def test_end_before_the_certificates_is_warned_of(self):
         new = ("new", "--cert", "talker/cert.pem", "--publish", "a", "--replace", "--sign", "-o")
         told = self.warnings(*new, "talker/permissions.xml", "--days", "3")
         self.assertIn("warning[end_not_final]", told)
@@ -114,7 +114,7 @@ class NewPermissions(Transcript):
         self.assertNotIn("end_not_final", self.warnings(*new, "talker/permissions.xml"))
         self.assertNotIn("end_not_final", self.warnings(*new, "elsewhere.xml", "--days", "3"))
 
-    def test_PermissionsForAFolder_ThatAreSignedElsewhere_AreWarnedOf(self):
+    def test_permissions_for_a_folder_that_are_signed_elsewhere_are_warned_of(self):
         """Those in the folder stay the last that the CA signed for it."""
         new = ("new", "--cert", "talker/cert.pem", "--publish", "a", "--replace", "--sign", "-o")
         self.assertNotIn("signed_elsewhere", self.warnings(*new, "draft.xml"))  # the folder has none

@@ -28,7 +28,7 @@ class RenewalList(Transcript):
     def distribute(self, *words):
         return self.json("crl", "distribute", "--ca", "demo", *words)
 
-    def test_Renewed_IsInTheListsOfItsCas_AndInEachFolderAfterDistribute(self):
+    def test_renewed_is_in_the_lists_of_its_cas_and_in_each_folder_after_distribute(self):
         self.assertEqual(self.labels("demo/ca/identity/renewed.pem"), [])
         self.renew("talker", "--permissions")
         self.assertEqual(self.labels("demo/ca/identity/renewed.pem"), [CERTIFICATE])
@@ -41,21 +41,21 @@ class RenewalList(Transcript):
         certificate = (self.at / "demo/talker/cert.pem").read_text()
         self.assertIn(certificate.strip(), (self.at / "demo/listener/renewed.pem").read_text())
 
-    def test_ALaterRenewal_TakesThePlaceOfTheFormerOfItsSubjectAlone(self):
+    def test_a_later_renewal_takes_the_place_of_the_former_of_its_subject_alone(self):
         for name in ("talker", "listener", "talker"):
             self.renew(name, "--permissions")
         self.assertEqual(self.labels("demo/ca/identity/renewed.pem"), [CERTIFICATE] * 2)
         self.assertIn((self.at / "demo/talker/cert.pem").read_text(),
                       (self.at / "demo/ca/identity/renewed.pem").read_text())
 
-    def test_Distribute_SaysWhatTheListHas_AndWritesItOnce(self):
+    def test_distribute_says_what_the_list_has_and_writes_it_once(self):
         self.renew()
         done = self.run_program("crl", "distribute", "--ca", "demo")
         self.assertIn("renewal list with 1 certificate and 0 permissions documents\n", done.stdout)
         written = [file["path"] for file in self.distribute()["files_written"]]
         self.assertNotIn("demo/listener/renewed.pem", " ".join(written), "it is there already")
 
-    def test_Revoked_IsNotDistributed(self):
+    def test_revoked_is_not_distributed(self):
         self.renew()
         self.distribute()
         self.run_program("identity", "revoke", "demo/talker", "--ca", "demo")
@@ -67,7 +67,7 @@ class RenewalList(Transcript):
         self.assertIn(certificate, (self.at / "demo/ca/identity/renewed.pem").read_text())
 
     # Only a revoked certificate was on the participant's list, which it would have refused (1386).
-    def test_Replace_AfterARevocation_MakesTheListOfTheFolderAgainAndSaysSo(self):
+    def test_replace_after_a_revocation_makes_the_list_of_the_folder_again_and_says_so(self):
         self.run_program("keystore", "create", "ks", "--no-passphrase")
         self.run_program("keystore", "enclave", "ks", "/talker", "--allow-all")
         for ca, folder, words in (("demo", "demo/talker", ("identity", "issue", "talker", "--ca", "demo", "-o", "demo/talker")),
@@ -105,7 +105,7 @@ class RenewalList(Transcript):
         end = (begin + datetime.timedelta(days=9)).isoformat()
         return re.sub(r"<not_after>.*?</not_after>", f"<not_after>{end}</not_after>", xml)
 
-    def test_PermissionsSign_ListsAnExtension_AndNothingElse(self):
+    def test_permissions_sign_lists_an_extension_and_nothing_else(self):
         ca, talker = "demo/ca/permissions/renewed.pem", "demo/talker/permissions.p7s"
         xml = self.xml_of(talker)
         narrow = xml.replace("<topic>*</topic>", "<topic>Square</topic>")
@@ -129,7 +129,7 @@ class RenewalList(Transcript):
         self.run_program("governance", "sign", "demo/governance.xml", "--ca", "demo", "--replace")
         self.assertEqual(self.labels(ca), [PERMISSIONS] * 2)
 
-    def test_PermissionsSign_ListsWiderOnes(self):
+    def test_permissions_sign_lists_wider_ones(self):
         ca, talker = "demo/ca/permissions/renewed.pem", "demo/talker/permissions.p7s"
         square = self.xml_of(talker).replace("<topic>*</topic>", "<topic>Square</topic>")
         self.sign(self.until(square, 2050), talker, "--replace", "--no-lint")
@@ -149,7 +149,7 @@ class RenewalList(Transcript):
         return [base64.b64decode("".join(one.split("\n")[1:-2])).decode("latin-1") for one in blocks]
 
     # Before, a document that was signed for later, or elsewhere, kept the agent from any extension.
-    def test_PermissionsThatAreSignedElsewhere_StopNoExtension(self):
+    def test_permissions_that_are_signed_elsewhere_stop_no_extension(self):
         xml = self.xml_of("demo/talker/permissions.p7s").replace("<topic>*</topic>", "<topic>Square</topic>")
         self.sign(xml, "narrow.p7s")
         self.sign(re.sub(r"<not_before>.*?</not_before>", "<not_before>2040-01-01T00:00:00</not_before>",
@@ -160,7 +160,7 @@ class RenewalList(Transcript):
         self.assertTrue(event["permissions_extended"])
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
 
-    def test_PermissionsThatAreReplacedInTheirPlace_AreNotExtended(self):
+    def test_permissions_that_are_replaced_in_their_place_are_not_extended(self):
         talker = self.at / "demo/talker/permissions.p7s"
         wide = talker.read_bytes()
         self.sign(self.xml_of("demo/talker/permissions.p7s").replace("<topic>*</topic>", "<topic>Square</topic>"),
@@ -170,7 +170,7 @@ class RenewalList(Transcript):
         self.assertIn("document_superseded", self.run_program(*words, exit=(1, 3, 4)).stderr)
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [])
 
-    def test_PermissionsThatHaveEnded_LeaveTheList(self):
+    def test_permissions_that_have_ended_leave_the_list(self):
         talker = "demo/talker/permissions.p7s"
         xml = self.xml_of(talker)
         for year in (2051, 2052):
@@ -188,7 +188,7 @@ class RenewalList(Transcript):
         lines = [text[i:i + 64] for i in range(0, len(text), 64)]
         return "\n".join([f"-----BEGIN {PERMISSIONS}-----", *lines, f"-----END {PERMISSIONS}-----", ""])
 
-    def test_AMove_LeavesOutPermissionsForAnExpression_AndSaysSo(self):
+    def test_a_move_leaves_out_permissions_for_an_expression_and_says_so(self):
         xml = re.sub(r"<subject_name>(.*?)</subject_name>", r"<subject_name_expression>\1</subject_name_expression>",
                      self.xml_of("demo/talker/permissions.p7s"))
         self.sign(xml, "demo/talker/permissions.p7s", "--replace", "--no-lint")
@@ -206,7 +206,7 @@ class RenewalList(Transcript):
                          (self.at / "demo/ca/identity/crl.pem").read_bytes())
         return out
 
-    def test_ADamagedListOfACa_KeepsNothingBack_AndTheNextRenewalBeginsANewOne(self):
+    def test_a_damaged_list_of_a_ca_keeps_nothing_back_and_the_next_renewal_begins_a_new_one(self):
         self.renew("listener", "--permissions")
         self.distribute()
         file, before = self.at / "demo/ca/permissions/renewed.pem", self.labels("demo/listener/renewed.pem")
@@ -220,7 +220,7 @@ class RenewalList(Transcript):
             self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS])
             self.distribute()
 
-    def test_ADamagedListOfACa_TheHintOfDistributeHelps(self):
+    def test_a_damaged_list_of_a_ca_the_hint_of_distribute_helps(self):
         self.renew("listener")
         self.distribute()
         file = self.at / "demo/ca/identity/renewed.pem"
@@ -233,7 +233,7 @@ class RenewalList(Transcript):
         self.distribute()
         self.assertEqual(self.labels("demo/talker/renewed.pem"), [CERTIFICATE])
 
-    def test_AListThatCannotBeWritten_IsNoSuccess(self):
+    def test_a_list_that_cannot_be_written_is_no_success(self):
         for role in ("identity", "permissions"):
             (self.at / f"demo/ca/{role}/renewed.pem").mkdir()
         before = (self.at / "demo/talker/cert.pem").read_bytes()
@@ -244,7 +244,7 @@ class RenewalList(Transcript):
                          "--replace", exit=5)
         self.assertIn("error[would_overwrite]", done.stderr)
 
-    def test_AListWhoseEntriesHaveAllLeft_IsEmptied(self):
+    def test_a_list_whose_entries_have_all_left_is_emptied(self):
         self.renew()
         self.distribute()
         self.revoke_and_distribute(exit=0)
@@ -257,7 +257,7 @@ class RenewalList(Transcript):
         self.distribute()
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE])
 
-    def test_AFolderWithoutItsPermissionsCa_KeepsItsPermissions_AndIsNamed(self):
+    def test_a_folder_without_its_permissions_ca_keeps_its_permissions_and_is_named(self):
         self.renew("talker", "--permissions")
         self.distribute()
         before = self.listed("demo/listener/renewed.pem")
@@ -274,7 +274,7 @@ class RenewalList(Transcript):
         self.assertEqual(self.distribute()["result"]["without_permissions"], [])
         self.assertEqual(self.listed("demo/listener/renewed.pem"), self.listed("demo/talker/renewed.pem"))
 
-    def test_ADamagedListOfACa_StopsNoAgent(self):
+    def test_a_damaged_list_of_a_ca_stops_no_agent(self):
         (self.at / "demo/ca/permissions/renewed.pem").write_bytes(b"")
         words = ("agent", "demo/talker", "demo/listener", "--ca", "demo", "--permissions", "--once", "--now")
         events = checked_events(self.run_program(*words, "+300d", exit=(0, 1)).stdout)
@@ -282,7 +282,7 @@ class RenewalList(Transcript):
         self.assertEqual(["problem" in event for event in events], [True, False], "it is said once")
         self.assertEqual(self.labels("demo/ca/permissions/renewed.pem"), [PERMISSIONS] * 2)
 
-    def test_AListOfAFolderThatCannotBeWritten_KeepsNoRevocationFromIt(self):
+    def test_a_list_of_a_folder_that_cannot_be_written_keeps_no_revocation_from_it(self):
         self.renew("listener")
         list_ = self.at / "demo/listener/renewed.pem"
         list_.mkdir()
@@ -313,7 +313,7 @@ class RenewalList(Transcript):
         return [re.search(r"<subject_name>(.*?)</subject_name>", one)[1]
                 for one in self.listed("demo/ca/permissions/renewed.pem")]
 
-    def test_AFullListOfACa_LeavesOutFormerOnes_ThenThoseThatEndFirst_AndNamesThem(self):
+    def test_a_full_list_of_a_ca_leaves_out_former_ones_then_those_that_end_first_and_names_them(self):
         words = ("identity", "renew", "demo/listener", "--ca", "demo", "--permissions", "--days")
         for days, fifth, left in (("700", 0, [1, 2, 3, 4, 0, 6, 7]), ("701", 5, [0, 1, 2, 4, 5, 6, 7])):
             self.fill_list(fifth)
@@ -330,7 +330,7 @@ class RenewalList(Transcript):
         out = self.json("doctor", "demo/listener", *words, exit=(0, 1))
         return [(one["severity"], one["message"]) for one in out["diagnostics"] if one["id"] == "DOC115"]
 
-    def test_Doctor_SaysWhatIsWrongWithAList(self):
+    def test_doctor_says_what_is_wrong_with_a_list(self):
         self.renew("talker", "--permissions")
         self.distribute()
         self.assertEqual(self.about(), [])
@@ -357,14 +357,14 @@ class RenewalList(Transcript):
         ((severity, message),) = self.about("--now", "+800d")
         self.assertRegex(message, "2 of 2 entries have no effect: CN=talker: .*expired")
 
-    def test_KeystoreVerify_SaysWhatIsWrongWithAList(self):
+    def test_keystore_verify_says_what_is_wrong_with_a_list(self):
         self.run_program("keystore", "create", "ks", "--no-passphrase")
         self.run_program("keystore", "enclave", "ks", "/talker", "--allow-all")
         (self.at / "ks/enclaves/talker/renewed.pem").write_text("garbage")
         said = [one for one in self.json("keystore", "verify", "ks", exit=(0, 1))["diagnostics"] if one["id"] == "DOC115"]
         self.assertEqual([one["severity"] for one in said], ["warning"])
 
-    def test_OfAnotherCa_StaysWhereTheFolderTrustsIt_AndGoesWhereItDoesNot(self):
+    def test_of_another_ca_stays_where_the_folder_trusts_it_and_goes_where_it_does_not(self):
         self.run_program("init", "other", "--participant", "foreign")
         self.run_program("identity", "renew", "other/foreign", "--ca", "other", "--days", "700")
         foreign = (self.at / "other/ca/identity/renewed.pem").read_text()
@@ -377,13 +377,13 @@ class RenewalList(Transcript):
         self.assertEqual(self.labels("demo/talker/renewed.pem"), [CERTIFICATE])
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE] * 2)
 
-    def test_ADamagedListOfAFolder_IsMadeAnew(self):
+    def test_a_damaged_list_of_a_folder_is_made_anew(self):
         (self.at / "demo/listener/renewed.pem").write_text("garbage")
         self.renew()
         self.distribute()
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE])
 
-    def test_AMove_ListsWhatTheSuccessorIssuesAndSigns_AndATheftNothing(self):
+    def test_a_move_lists_what_the_successor_issues_and_signs_and_a_theft_nothing(self):
         for role, label in (("identity", CERTIFICATE), ("permissions", PERMISSIONS)):
             self.run_program("ca", "rotate", "demo", "--role", role, "--overlap", "1d")
             self.assertEqual(self.labels(f"demo/ca/{role}/renewed.pem"), [])
@@ -397,7 +397,7 @@ class RenewalList(Transcript):
         self.assertEqual((self.at / "demo/ca/identity/renewed.pem").read_bytes(), before)
         self.distribute()
 
-    def test_ARotationAtOnce_RemovesTheEntriesOfTheFormerCaFromEachFolder(self):
+    def test_a_rotation_at_once_removes_the_entries_of_the_former_ca_from_each_folder(self):
         self.renew("talker", "--permissions")
         self.distribute()
         for role, left in (("identity", [PERMISSIONS]), ("permissions", [])):
@@ -406,7 +406,7 @@ class RenewalList(Transcript):
                 self.assertEqual(self.labels(f"demo/{name}/renewed.pem"), left)
         self.assertEqual(self.about(), [])
 
-    def test_TheEndOfAnOverlap_RemovesTheEntriesOfTheFormerCaFromEachFolder(self):
+    def test_the_end_of_an_overlap_removes_the_entries_of_the_former_ca_from_each_folder(self):
         self.renew()
         self.distribute()
         self.run_program("ca", "rotate", "demo", "--role", "identity", "--overlap", "1d")
@@ -415,25 +415,25 @@ class RenewalList(Transcript):
         self.run_program("ca", "rotate", "demo", "--role", "identity", "--end")
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [])
 
-    def test_ARotationAtOnce_LeavesAListThatCannotBeRead(self):
+    def test_a_rotation_at_once_leaves_a_list_that_cannot_be_read(self):
         (self.at / "demo/listener/renewed.pem").write_text("garbage")
         self.run_program("ca", "rotate", "demo", "--role", "identity")
         self.assertEqual((self.at / "demo/listener/renewed.pem").read_text(), "garbage")
 
-    def test_Expiry_PassesOverTheList(self):
+    def test_expiry_passes_over_the_list(self):
         self.renew()
         self.distribute()
         entries = self.json("expiry", "demo")["result"]["entries"]
         self.assertFalse([one for one in entries if one["file"].endswith("renewed.pem")])
 
-    def test_TheAgent_PutsTheListIntoItsFolders(self):
+    def test_the_agent_puts_the_list_into_its_folders(self):
         out = self.run_program("agent", "demo/talker", "demo/listener", "--ca", "demo", "--permissions", "--once",
                                "--now", "+300d").stdout
         self.assertEqual([event["event"] for event in checked_events(out)], ["renewed"] * 2)
         for name in ("talker", "listener"):
             self.assertEqual(self.labels(f"demo/{name}/renewed.pem"), [CERTIFICATE] * 2 + [PERMISSIONS] * 2)
 
-    def test_TheAgent_WithAListThatItCannotWriteLater_SaysSoOnce(self):
+    def test_the_agent_with_a_list_that_it_cannot_write_later_says_so_once(self):
         words = ("agent", "demo/talker", "demo/listener", "--ca", "demo", "--once", "--now", "+300d")
         (self.at / "demo/talker/renewed.pem").mkdir()
         events = checked_events(self.run_program(*words, exit=4).stdout)
@@ -442,7 +442,7 @@ class RenewalList(Transcript):
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE] * 2)
 
     # Before, this folder had the entry up to ten minutes later.
-    def test_TheAgent_PutsItsOwnEntryIntoTheFolderThatItRenewed(self):
+    def test_the_agent_puts_its_own_entry_into_the_folder_that_it_renewed(self):
         begin = datetime.datetime.now(datetime.timezone.utc) - datetime.timedelta(hours=20)
         self.run_program("identity", "renew", "demo/talker", "--ca", "demo", "--days", "1", "--now", f"{begin:%FT%TZ}")
         self.run_program("permissions", "new", "--cert", "demo/talker/cert.pem", "--publish", "Square", "--sign", "--ca", "demo",
@@ -455,14 +455,14 @@ class RenewalList(Transcript):
         self.assertIn(certificate, (self.at / "demo/talker/renewed.pem").read_text())
         self.assertEqual(self.labels("demo/talker/renewed.pem"), [CERTIFICATE, PERMISSIONS])
 
-    def test_TheAgent_PutsTheListIntoAFolderWhoseRenewalFails(self):
+    def test_the_agent_puts_the_list_into_a_folder_whose_renewal_fails(self):
         self.renew("talker", "--permissions")
         (self.at / "demo/listener/key.pem").write_bytes((self.at / "demo/talker/key.pem").read_bytes())
         out = self.run_program("agent", "demo/listener", "--ca", "demo", "--once", "--now", "+300d", exit=1).stdout
         self.assertEqual([event["event"] for event in checked_events(out)], ["failed"])
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [CERTIFICATE, PERMISSIONS])
 
-    def test_TheAgent_ReportsOnceAListThatIsTooLongForFolders(self):
+    def test_the_agent_reports_once_a_list_that_is_too_long_for_folders(self):
         self.renew("talker", "--permissions")
         file = self.at / "demo/ca/permissions/renewed.pem"
         entry = PEM.search(file.read_text())[0]
@@ -474,7 +474,7 @@ class RenewalList(Transcript):
         self.assertIn("ddssec crl distribute --ca demo", events[1]["hint"])
         self.assertEqual(self.labels("demo/listener/renewed.pem"), [])
 
-    def test_TheAgent_PutsTheListIntoAFolderWhoseRenewalTheCaRefuses(self):
+    def test_the_agent_puts_the_list_into_a_folder_whose_renewal_the_ca_refuses(self):
         self.renew("talker", "--permissions")
         out = self.run_program("agent", "demo/listener", "--ca", "demo", "--once", "--days", "5", "--now", "+300d", exit=1).stdout
         self.assertEqual([(event["event"], event["code"]) for event in checked_events(out)], [("failed", "renewal_goes_back")])

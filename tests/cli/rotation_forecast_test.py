@@ -40,7 +40,7 @@ class Forecast(Transcript):
         return {frozenset(pair) for pair in itertools.permutations(NAMES, 2)
                 if self.json("check", *map(self.place, pair), *words, *NOW, exit=None)["exit"] != 0}
 
-    def test_Step_PartsWhomTheForecastNamed(self):
+    def test_step_parts_whom_the_forecast_named(self):
         """One participant alone moves, as in a fleet that moves bit by bit."""
         for role in ROLES:
             for words in (("--overlap", "30d"), (self.place("talker"), "--move"), ("--move",), ("--end",)):
@@ -50,35 +50,35 @@ class Forecast(Transcript):
                                  self.parted("ddssec"), f"{role} {words}")
                 self.assertEqual(set(told), self.parted("A=ddssec", "B=cyclonedds"), f"{role} {words}")
 
-    def test_MoveOfOne_PartsItFromStockPeersOnly(self):
+    def test_move_of_one_parts_it_from_stock_peers_only(self):
         self.rotate("identity", "--overlap", "30d")
         told = self.forecast("identity", self.place("talker"), "--move")
         self.assertEqual((told["judged"], told["parted"], told["unread"]), (3, 2, []))
         self.assertEqual(self.pairs(told), {frozenset(("talker", "listener")): True, frozenset(("talker", "radar")): True})
 
-    def test_EndOfOne_PartsItFromAllThatHaveNotMoved(self):
+    def test_end_of_one_parts_it_from_all_that_have_not_moved(self):
         self.rotate("identity", "--overlap", "30d")
         told = self.forecast("identity", self.place("talker"), "--end")
         self.assertEqual(self.pairs(told), {frozenset(("talker", "listener")): False,
                                             frozenset(("talker", "radar")): False})
 
-    def test_RotationAtOnceOfSome_PartsThemFromTheOthers(self):
+    def test_rotation_at_once_of_some_parts_them_from_the_others(self):
         told = self.forecast("permissions", self.place("talker"), self.place("radar"))
         self.assertEqual(self.pairs(told), {frozenset(("talker", "listener")): False,
                                             frozenset(("radar", "listener")): False})
 
-    def test_RevokedParticipant_IsNotJudged(self):
+    def test_revoked_participant_is_not_judged(self):
         self.run_program("identity", "revoke", self.place("radar"), "--ca", "demo", *NOW)
         told = self.forecast("identity", "--overlap", "30d")
         self.assertEqual((told["judged"], told["parted"]), (2, 0))
 
-    def test_FolderWithoutReadableFiles_IsNamed(self):
+    def test_folder_without_readable_files_is_named(self):
         self.rotate("identity", "--overlap", "30d")
         (self.at / "demo/radar/identity_ca.pem").write_text("nothing")
         told = self.forecast("identity", self.place("talker"), self.place("listener"), "--move")
         self.assertEqual((told["judged"], told["unread"]), (2, [self.place("radar")]))
 
-    def test_ParticipantOnOurLibrariesByPath_IsNoStockPeer(self):
+    def test_participant_on_our_libraries_by_path_is_no_stock_peer(self):
         libraries = self.at / "dropin"
         libraries.mkdir()
         for part in ("auth", "ac", "crypto"):
@@ -95,7 +95,7 @@ class Forecast(Transcript):
         from transcript import PROGRAM
         return (PROGRAM.parent.parent / f"dropin/libdds_security_{part}.so").read_bytes()
 
-    def test_Text_NamesThePairsAndWhatStockPluginsNeed(self):
+    def test_text_names_the_pairs_and_what_stock_plugins_need(self):
         self.rotate("identity", "--overlap", "30d")
         text = self.run_program("ca", "rotate", "demo", self.place("talker"), "--role", "identity", "--move", "--dry-run",
                                 *NOW).stdout
@@ -105,7 +105,7 @@ class Forecast(Transcript):
         text = self.run_program("ca", "rotate", "demo", "--role", "identity", "--move", "--dry-run", *NOW).stdout
         self.assertIn("no two of 3 folders would part by their CAs\n", text)
 
-    def test_StepThatIsMade_HasNoForecast(self):
+    def test_step_that_is_made_has_no_forecast(self):
         self.assertNotIn("forecast", self.rotate("identity", "--overlap", "30d")["result"])
 
 

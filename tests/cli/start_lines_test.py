@@ -37,7 +37,7 @@ class StartLines(Transcript):
         self.assertIn("ros2 run PACKAGE NODE --ros-args --enclave /talker", lines)
         return "\n".join(line for line in lines if line.startswith("export "))
 
-    def test_KeystoreEnclave_PrintsLinesWithWhichDoctorFindsNothing(self):
+    def test_keystore_enclave_prints_lines_with_which_doctor_finds_nothing(self):
         self.install()
         self.run_program(*KEYSTORE, "--domain", "7")
         printed = self.shell(f"ddssec keystore enclave 'my keystore' /talker --allow-all {' '.join(NOW)}")
@@ -49,26 +49,26 @@ class StartLines(Transcript):
             self.assertIn(needed, lines)
             self.shell(f"{lines}\nunset {needed}\n{doctor} {' '.join(NOW)}", exit=1)
 
-    def test_KeystoreEnclave_InDomainZero_LeavesTheDomainOut(self):
+    def test_keystore_enclave_in_domain_zero_leaves_the_domain_out(self):
         self.run_program(*KEYSTORE)
         printed = self.run_program("keystore", "enclave", "my keystore", "/talker", "--allow-all", *NOW).stdout
         self.assertNotIn("ROS_DOMAIN_ID", printed)
 
-    def test_Init_OfAKeystore_PrintsTheSameLines(self):
+    def test_init_of_a_keystore_prints_the_same_lines(self):
         prefix = self.install()
         printed = self.shell(f"ddssec init demo --layout sros2 --participant /talker {' '.join(NOW)}")
         self.assertIn(f"export LD_LIBRARY_PATH='{prefix}/lib/ddssec/dropin'${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}\n",
                       printed)
         self.shell(f"{self.commands(printed)}\nddssec doctor demo/enclaves/talker --ros {' '.join(NOW)}")
 
-    def test_KeystoreEnclave_WithoutPluginsBesideTheProgram_SaysWhatToWriteForTheirFolder(self):
+    def test_keystore_enclave_without_plugins_beside_the_program_says_what_to_write_for_their_folder(self):
         self.install(with_plugins=False)
         self.run_program(*KEYSTORE)
         printed = self.shell(f"ddssec keystore enclave 'my keystore' /talker --allow-all {' '.join(NOW)}")
         self.assertIn("DROPIN is the folder with ddssec's libdds_security_*.so:\n", printed)
         self.assertIn("export LD_LIBRARY_PATH=DROPIN${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}\n", printed)
 
-    def test_DoctorsRules_NameTheSameLines(self):
+    def test_doctors_rules_name_the_same_lines(self):
         for rule, line in (("DOC067", "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"),
                            ("DOC068", "export LD_LIBRARY_PATH=DROPIN${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"),
                            ("DOC060", "export ROS_SECURITY_ENABLE=true")):

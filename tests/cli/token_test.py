@@ -201,7 +201,7 @@ class Token(Transcript):
         shutil.rmtree(self.at / "ca/identity")
         self.json("ca", "create", "ca/identity", "--role", "identity", "--no-passphrase", *NOW)
 
-    def test_Agent_WrongPinOfThePermissionsCa_LeavesTheTokensOfParticipantsInUse(self):
+    def test_agent_wrong_pin_of_the_permissions_ca_leaves_the_tokens_of_participants_in_use(self):
         """Only the permissions of one are due; the other has a token with a PIN of its own."""
         self.make_permissions_ca()
         self.json("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
@@ -220,7 +220,7 @@ class Token(Transcript):
                          [("failed", "pkcs11_pin_wrong"), ("renewed", None)])
 
     @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
-    def test_Agent_WrongPinOfThePermissionsCa_IsTriedOnceAndCertificatesAreRenewed(self):
+    def test_agent_wrong_pin_of_the_permissions_ca_is_tried_once_and_certificates_are_renewed(self):
         self.make_permissions_ca()
         folders = [f"p{number}" for number in range(3)]
         self.json("governance", "new", "--sign", "--ca", "ca", "-o", "governance.xml", *NOW)
@@ -236,7 +236,7 @@ class Token(Transcript):
         self.assertEqual(len(re.findall(r"(?m)^\d+: C_Login$", log.read_text())), 1)
 
     @unittest.skipUnless(SPY.exists(), "no pkcs11-spy (opensc-pkcs11)")
-    def test_Agent_WrongPinForPermissionsOfTheHook_IsTriedOnceAndListsArrive(self):
+    def test_agent_wrong_pin_for_permissions_of_the_hook_is_tried_once_and_lists_arrive(self):
         self.put("robot")
         self.run_program("init", "demo")
         folder = self.at / "demo/talker"

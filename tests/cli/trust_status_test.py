@@ -60,7 +60,7 @@ class TrustStatus(Transcript):
         with running_participant(self.status, self.folder, answer(later)):
             self.assertIn("REFUSED at", self.run_program(*ASK, "--pid", self.pid, exit=1).stdout)
 
-    def test_RenewalList_IsExplainedAndItsEntriesHaveNoEnd(self):
+    def test_renewal_list_is_explained_and_its_entries_have_no_end(self):
         entries = document(self.folder, "renewal list", "renewed.pem", until=None)
         well = answer(participant(self.folder, certificate(self.folder), document(self.folder), entries))
         with running_participant(self.status, self.folder, well):

@@ -90,7 +90,7 @@ class Permissions(Trust):
         self.assertEqual(out["permissions_until"], "2027-11-21T00:00:00Z")
         self.json("can", "demo/a", "publish", "Any", *NOW)
 
-    def test_EndedPermissions_GivenAgain_NeedAStartOfTheParticipant(self):
+    def test_ended_permissions_given_again_need_a_start_of_the_participant(self):
         self.sign(grant(end="2025-06-01T00:00:00Z"))
         renew = ("identity", "renew", "demo/a", "--ca", "demo")
         for more in ((), ("--permissions", "--ended-permissions")):
@@ -339,7 +339,7 @@ class PermissionsRotation(Trust):
         self.assertEqual(told["file"], "demo/a/governance.p7s")
         self.assertEqual(self.told(self.rotate()), [("document_superseded", str(self.at / "demo/a/governance.p7s"))])
 
-    def test_Renew_OfPermissionsThatWerePutBack_DoesNotGiveThemAgain(self):
+    def test_renew_of_permissions_that_were_put_back_does_not_give_them_again(self):
         before = self.signed()
         for text in ("y", "z"):
             self.run_program("permissions", "new", "--cert", "demo/a", "--publish", text, "-o", "demo/a/permissions.xml",

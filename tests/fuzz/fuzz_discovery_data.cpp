@@ -5,6 +5,7 @@
 
 #include "rtps/discovery/endpoint_data.hpp"
 #include "rtps/discovery/participant_data.hpp"
+#include "wire/span_writer.hpp"
 
 namespace {
 

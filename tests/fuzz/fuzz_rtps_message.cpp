@@ -12,7 +12,6 @@
 #include "wire/heartbeat.hpp"
 #include "wire/heartbeat_frag.hpp"
 #include "wire/info_destination.hpp"
-#include "wire/info_reply.hpp"
 #include "wire/info_source.hpp"
 #include "wire/info_timestamp.hpp"
 #include "wire/message_reader.hpp"
@@ -60,10 +59,6 @@ void check(const SubmessageView& view, std::size_t message_size) {
       return check(view, read_info_source);
     case SubmessageId::info_destination:
       return check(view, read_info_destination);
-    case SubmessageId::info_reply:
-      return check(view, read_info_reply);
-    case SubmessageId::info_reply_ip4:
-      return static_cast<void>(read_info_reply_ip4(view));
     case SubmessageId::nack_frag:
       return check(view, read_nack_frag);
     case SubmessageId::heartbeat_frag:

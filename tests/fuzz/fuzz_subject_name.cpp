@@ -1,6 +1,5 @@
 // The text of a subject name is read or refused. Every name that is read equals itself, and its key
 // gives the same answer as matches().
-#include <algorithm>
 #include <cstdlib>
 #include <numeric>
 

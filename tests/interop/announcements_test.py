@@ -25,7 +25,7 @@ BUILD = pathlib.Path(sys.argv[1]).resolve()
 PATIENCE = 40.0  # seconds
 WANTED = 5       # samples
 LARGE = 100_000  # octets of a sample: metadata protection of fragments that are no announcements
-PAIRS = (("ours", "ours"), ("stock", "ours"), ("ours", "stock"))
+PAIRS = (("ddssec", "ddssec"), ("stock", "ddssec"), ("ddssec", "stock"))
 PARTITIONS = ("--partition", "p" * 1000, "--user-data", "600")  # longer names are refused
 
 
@@ -40,9 +40,9 @@ def cases():
         yield f"partitions/{pair_name}", publisher, subscriber, SROS2, PARTITIONS
         for octets in (1400, 20_000):
             yield f"user-data-{octets}/{pair_name}", publisher, subscriber, SROS2, user_data(octets)
-    yield "sign/ours>ours", "ours", "ours", Governance(discovery=S, read=False, write=False), user_data(20_000)
-    yield "origin/ours>ours", "ours", "ours", GOVERNANCES["everything-encrypt-oa"], user_data(20_000)
-    yield "samples/ours>ours", "ours", "ours", SROS2, (*user_data(3000), "--payload", str(LARGE))
+    yield "sign/ddssec>ddssec", "ddssec", "ddssec", Governance(discovery=S, read=False, write=False), user_data(20_000)
+    yield "origin/ddssec>ddssec", "ddssec", "ddssec", GOVERNANCES["everything-encrypt-oa"], user_data(20_000)
+    yield "samples/ddssec>ddssec", "ddssec", "ddssec", SROS2, (*user_data(3000), "--payload", str(LARGE))
 
 
 def events(folder):

@@ -89,7 +89,7 @@ def refused_by_permissions(world):
     refused = world.second_publisher("refused", Permissions(publish=("Elsewhere",), subscribe=("Elsewhere",)), NEW)
     world.until("the refusal", lambda: refused.ended)
     check(f"it ended with {refused.process.returncode}", refused.process.returncode == 3)
-    check("nobody says why", said(refused, "topic_not_allowed 1423" if world.kind != "ours-crypto" else TOPIC))
+    check("nobody says why", said(refused, "topic_not_allowed 1423" if world.kind != "ddssec-crypto" else TOPIC))
     world.go_on(subscriber, FIRST)
     check("it was heard", not samples(subscriber, SECOND))
 
@@ -144,12 +144,12 @@ def governance(world, is_extended):
 
 
 def cases():
-    for kind in ("ours-ac", "ours-crypto", "ours"):
+    for kind in ("ddssec-ac", "ddssec-crypto", "ddssec"):
         yield f"refused by permissions/{kind}", kind, refused_by_permissions
-    for kind in ("ours-ac", "ours"):
+    for kind in ("ddssec-ac", "ddssec"):
         yield f"permissions CAs/{kind}", kind, authorities
         yield f"further topic rule/{kind}", kind, lambda world: governance(world, True)
-    yield "no further topic rule/ours-ac", "ours-ac", lambda world: governance(world, False)
+    yield "no further topic rule/ddssec-ac", "ddssec-ac", lambda world: governance(world, False)
 
 
 if __name__ == "__main__":

@@ -164,7 +164,7 @@ def run(name, story, grace=None, distrusted=""):
         namespace, peers = pair.Namespace(), []
         try:
             for role, more, words in (("--subscribe", variables, subscribe), ("--publish", {}, publish)):
-                peers.append(pair.start(programs, namespace, "ours", [role, "--hold", *words],
+                peers.append(pair.start(programs, namespace, "ddssec", [role, "--hold", *words],
                                         os.path.join(folder, role.strip("-") + ".log"), more))
             listening = Listening(peers[0], events)
             listening.until("the first samples", lambda: listening.samples >= FURTHER)

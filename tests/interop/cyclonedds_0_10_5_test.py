@@ -41,7 +41,7 @@ class Programs(pair.Programs):
         program = super().command(kind.removesuffix(NEWER))
         if NATIVE or not kind.endswith(NEWER):
             return program
-        plugins = self.dropin if kind.startswith("ours") else STOCK_PLUGINS
+        plugins = self.dropin if kind.startswith("ddssec") else STOCK_PLUGINS
         return loader(plugins, *program)
 
     def environment(self, kind):
@@ -82,7 +82,7 @@ def check_versions():
 
 def cases():
     chosen = [case for case in scenarios.all_cases()
-              if case.chosen and {case.publisher, case.subscriber} <= {"ours", "stock"}]
+              if case.chosen and {case.publisher, case.subscriber} <= {"ddssec", "stock"}]
     for number, case in enumerate(chosen):
         publisher, subscriber = PLACES[number % len(PLACES)]
         yield replace(case, publisher=case.publisher + publisher,

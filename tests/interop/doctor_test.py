@@ -41,7 +41,7 @@ def of_ours():
 
 def verdict_of(table, version, name):
     """What the table says; nothing of a version that it lacks."""
-    if version == "ours":
+    if version == "ddssec":
         return of_ours()[name]
     return table.outcome(name, version) if version in table.columns else None
 
@@ -54,7 +54,7 @@ def alone(namespace, paths, products):
             verdict = verdict_of(table, version, name)
             if verdict is None:
                 continue
-            host = EMBEDDED if version == "ours" and name in EMBEDDED_ONLY else product
+            host = EMBEDDED if version == "ddssec" and name in EMBEDDED_ONLY else product
             up, output = forecast.comes_up(namespace, host, name, folder)
             if up != (verdict != "fail"):
                 print(f"{name}: doctor says {verdict} for {version}, but it came up: {up}\n{output}")
@@ -117,7 +117,7 @@ def main():
         namespace = Namespace()
         try:
             if only_ours:
-                products = {"ours": products["ours"]}
+                products = {"ddssec": products["ddssec"]}
                 wrong = alone(namespace, paths, products)
             else:
                 wrong = alone(namespace, paths, products) + together(namespace, pathlib.Path(where), products)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import scenarios
 EMBEDDED = "embedded"
-PAIRS = [(EMBEDDED, EMBEDDED), (EMBEDDED, "ours"), ("ours", EMBEDDED), (EMBEDDED, "stock"),
+PAIRS = [(EMBEDDED, EMBEDDED), (EMBEDDED, "ddssec"), ("ddssec", EMBEDDED), (EMBEDDED, "stock"),
          ("stock", EMBEDDED), (EMBEDDED, "fast"), ("fast", EMBEDDED)]
 
 
@@ -17,22 +17,22 @@ def _instead(case, pair):
     reason = case.reason
     if case.row.startswith("controlled-topic-unguarded"):
         # The embedded participant judges each endpoint itself.
-        allowed = frozenset({scenarios.REFUSED if "ours" in pair else scenarios.DATA})
-        reason = case.reason if "ours" in pair else ""
+        allowed = frozenset({scenarios.REFUSED if "ddssec" in pair else scenarios.DATA})
+        reason = case.reason if "ddssec" in pair else ""
     return replace(case, reason=reason, publisher=pair[0], subscriber=pair[1], table="embedded-" + case.table,
                    allowed=allowed, known=(), chosen=False)
 
 
 def _pairs_for(case):
     """Which pairs stand for a pair of ours."""
-    as_embedded = tuple(EMBEDDED if kind == "ours" else kind
+    as_embedded = tuple(EMBEDDED if kind == "ddssec" else kind
                         for kind in (case.publisher, case.subscriber))
     out = [as_embedded]
-    if (case.publisher, case.subscriber) == ("ours", "ours"):
+    if (case.publisher, case.subscriber) == ("ddssec", "ddssec"):
         # A fault of ours in Cyclone is Cyclone's table; a plain peer is never "ours".
         plain = [side.plain for side in case.sides]
         if not any(plain):
-            out += [(EMBEDDED, "ours"), ("ours", EMBEDDED)]
+            out += [(EMBEDDED, "ddssec"), ("ddssec", EMBEDDED)]
     return out
 
 
@@ -50,7 +50,7 @@ def _choose(cases):
               ("plain-publisher-allowed-controlled-topic", "stock>embedded"),
               ("plain-publisher-not-allowed", "fast>embedded"),
               ("unknown-ca-publisher-allowed-open", "stock>embedded"),
-              ("unknown-ca-publisher-allowed-open", "embedded>ours"),
+              ("unknown-ca-publisher-allowed-open", "embedded>ddssec"),
               ("plain-publisher-allowed-open-topic", "fast>embedded"),
               ("plain-subscriber-allowed-open-topic", "embedded>fast"),
               ("governance-differs-rtps-none-sign", "embedded>embedded"),
@@ -60,7 +60,7 @@ def _choose(cases):
               ("publisher-on-crl", "fast>embedded"),
               ("certificate-revoked-meanwhile", "fast>embedded"),
               ("both-everything-encrypt-oa", "embedded>embedded"),
-              ("both-sros2", "embedded>ours"), ("by-environment", "ours>embedded"),
+              ("both-sros2", "embedded>ddssec"), ("by-environment", "ddssec>embedded"),
               ("peer-has-aes-only", "embedded>stock"), ("peer-has-aes-only", "fast>embedded")}
     return [replace(case, chosen=(case.row, case.variant, case.pair) in wanted or
                     (case.row, case.pair) in always) for case in cases]

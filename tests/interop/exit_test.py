@@ -34,7 +34,7 @@ SIDE = Side(Governance(discovery=EO, liveliness=EO, rtps=EO, metadata=EO))
 
 def come_and_go(programs, namespace, words, log, exit_after):
     """The exit status of a process that calls exit() so many milliseconds after it made its entities."""
-    peer = pair.start(programs, namespace, "ours", ["--publish", "--hold", "--interval", "2", "--payload", "2000",
+    peer = pair.start(programs, namespace, "ddssec", ["--publish", "--hold", "--interval", "2", "--payload", "2000",
                                                     "--exit-after", str(exit_after), *words], log)
     try:
         peer.process.communicate(timeout=PATIENCE)
@@ -50,7 +50,7 @@ def in_one_namespace(folder, number, times):
     programs = pair.Programs(str(BUILD / "bin"), str(BUILD / "dropin"), logs)
     pki, keys, namespace = Pki(logs), Keys(), pair.Namespace()
     words = [SIDE.arguments(pki, keys, starts) for starts in (True, False)]
-    staying = pair.start(programs, namespace, "ours",
+    staying = pair.start(programs, namespace, "ddssec",
                          ["--subscribe", "--hold", "--lease", "2", "--timeout", "900", *words[number % 2]],
                          os.path.join(logs, "staying"), {"DDSSEC_EVENT_LOG": "/dev/null"})
     with concurrent.futures.ThreadPoolExecutor(max_workers=1) as pool:  # its output must not fill the pipe

@@ -19,7 +19,7 @@ SAMPLES = 20
 PATIENCE = 25  # seconds
 GOVERNANCES = {"sros2": SROS2, "everything": EVERYTHING, "messages": Governance(rtps=E, read=False, write=False),
                "messages-oa": Governance(rtps=EO, read=False, write=False), "samples": Governance(metadata=EO, data="ENCRYPT")}
-READERS = ("stock", "ours", "fast", "embedded")
+READERS = ("stock", "ddssec", "fast", "embedded")
 
 
 def attempt(case):

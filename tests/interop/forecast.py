@@ -100,7 +100,7 @@ def installed(build):
     return {
         version_of("cyclonedds", cyclone, r"libddsc\.so\.\S+"): Product("cyclonedds", [cyclone]),
         version_of("fastdds", fast, r"libfast(?:rtps|dds)\.so\.\S+"): Product("fastdds", [fast]),
-        "ours": Product("ours", [cyclone], {"LD_LIBRARY_PATH": str(build / "dropin")})}
+        "ddssec": Product("ddssec", [cyclone], {"LD_LIBRARY_PATH": str(build / "dropin")})}
 
 
 def version_of(name, program, library):

@@ -224,17 +224,17 @@ def attempt(case):
 
 
 def cases():
-    for kind in ("ours", "ours-auth"):
+    for kind in ("ddssec", "ddssec-auth"):
         for mode in ("request", "answered", "announced"):
             yield f"{mode}/{kind}", kind, mode
     # With a stock cryptography the two stay apart where one side finishes and the other's handshake fails at its last message:
     # 3 of 60 tries. Only our cryptography tells that keys do not come.
-    yield "flood/ours", "ours", "flood"
-    yield "nameless/ours-auth", "ours-auth", "nameless"
+    yield "flood/ddssec", "ddssec", "flood"
+    yield "nameless/ddssec-auth", "ddssec-auth", "nameless"
     for mode in ("nameless", "nameless-elsewhere", "fewer", "privileged", "parting", "parting-both", "early",
                  "removing", "crowding", "asking", "redirecting"):
         # With a stock cryptography the two stay apart.
-        yield f"{mode}/ours", "ours", mode
+        yield f"{mode}/ddssec", "ddssec", mode
 
 
 if __name__ == "__main__":

@@ -185,7 +185,7 @@ def announce(world):
     writer = world.insider("publish", "announce", ELSEWHERE)
     reader = world.insider("subscribe", "announce", ELSEWHERE)
     world.until("the insider's announcements", lambda: said(writer, "tampered") and said(reader, "tampered"))
-    if world.kind == "ours":
+    if world.kind == "ddssec":
         # One at the subscriber about the writer, one at the publisher about the reader.
         world.until("the refusals", lambda: len(world.events("match_not_permitted")) >= 2, 8)
         world.passes(1)
@@ -211,7 +211,7 @@ def decoy(world):
     world.until("the honest pair talking", lambda: len(samples(subscriber, HONEST)) >= 3)
     insider = world.insider("publish", "decoy", Permissions(partition="Open"), ["--partition", "Hidden", "--decoy", "Open"])
     world.until("the announcement that hides", lambda: said(insider, "tampered"))
-    if world.kind == "ours":
+    if world.kind == "ddssec":
         world.passes(3)
         check("the insider writes", not samples(subscriber, FORGED))
         one_event_names(world, "match_not_permitted", insider, 1)
@@ -243,15 +243,15 @@ def tokens(world, tamper):
     subscriber = begin(world)
     insider = world.insider("publish", tamper, Permissions())
     world.until("the false tokens", lambda: said(insider, "tampered"))
-    if world.kind == "ours":
+    if world.kind == "ddssec":
         one_event_names(world, "token_source_mismatch", insider, 2 if tamper == "participant" else 1)
-    if world.kind == "ours-crypto":
+    if world.kind == "ddssec-crypto":
         # A stock authentication does not tell the GUID: the two names that disagree, and the keys, are left.
         code = "keys_already_set" if tamper == "participant" else "token_source_mismatch"
         world.until("a refusal", lambda: world.events(code), 5)
         world.passes(0.5)
         check("not one event", len(world.events(code)) == 1)
-    if world.kind != "ours-ac":
+    if world.kind != "ddssec-ac":
         go_on(world, subscriber)
         check("the insider's samples came", not samples(subscriber, FORGED))
 
@@ -263,7 +263,7 @@ def token_requests(world):
     world.until("the requests", lambda: said(insider, "tampered"))
     subscriber = world.honest("subscribe", False)
     world.until("the honest pair talking", lambda: len(samples(subscriber, HONEST)) >= 3)
-    if world.kind == "ours-ac":  # the control: a stock cryptography gives the keys away
+    if world.kind == "ddssec-ac":  # the control: a stock cryptography gives the keys away
         return world.until("the keys of others", lambda: said(insider, "got key tokens for another"))
     one_event_each(world, "token_fragment_not_sent", insider)
     world.passes(3)
@@ -277,7 +277,7 @@ def without_data(world, tamper):
     subscriber = begin(world)
     insider = world.insider("publish", tamper, ELSEWHERE)
     world.until("the tokens without data", lambda: said(insider, "tampered"))
-    if world.kind == "ours":
+    if world.kind == "ddssec":
         one_event_names(world, "token_source_unreadable", insider, 2)
     go_on(world, subscriber)
 
@@ -304,7 +304,7 @@ def one_event_each(world, code, insider):
     world.passes(0.5)
     events = world.events(code)
     check(f"{len(events)} events {code}: {events}", len(events) <= 2)
-    if world.kind == "ours":
+    if world.kind == "ddssec":
         check(f"they name others: {events}", all(event["guid"].startswith(prefix_of(insider)) for event in events))
 
 
@@ -364,16 +364,16 @@ def source(world):
     subscriber = begin(world)
     insider = world.insider("publish", "source", Permissions())
     world.until("a false source", lambda: said(insider, "tampered"))
-    if world.kind != "ours-ac":
+    if world.kind != "ddssec-ac":
         # Without our authentication the plugins do not know that the name is another peer's.
-        code = "info_source_of_peer" if world.kind == "ours" else "info_source_mismatch"
+        code = "info_source_of_peer" if world.kind == "ddssec" else "info_source_mismatch"
         one_event_names(world, code, insider, 1)
         go_on(world, subscriber)
         check("the insider speaks as another", not samples(subscriber, FORGED))
 
 
 def cases():
-    for kind in ("ours", "ours-crypto", "ours-ac"):
+    for kind in ("ddssec", "ddssec-crypto", "ddssec-ac"):
         yield f"announce/{kind}", kind, EVERYTHING, announce
         yield f"honest/{kind}", kind, EVERYTHING, honest_announcement
         yield f"decoy/{kind}", kind, EVERYTHING, decoy
@@ -381,13 +381,13 @@ def cases():
         for tamper in ("participant", "endpoint"):
             yield f"tokens-{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: tokens(world, t)
         yield f"requests/{kind}", kind, EVERYTHING, token_requests
-        if kind != "ours-ac":
+        if kind != "ddssec-ac":
             for tamper in ("key-only", "key-hash", "fragment"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: without_data(world, t)
-        if kind == "ours":
+        if kind == "ddssec":
             for tamper in ("dispose", "speak-as"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: names(world, t)
-        if kind != "ours-ac":
+        if kind != "ddssec-ac":
             for tamper in ("type", "circle", "many"):
                 yield f"{tamper}/{kind}", kind, EVERYTHING, lambda world, t=tamper: type_information(world, t)
             # Where announcements are only signed, the core reads its own copy of them.

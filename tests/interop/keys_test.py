@@ -181,7 +181,7 @@ def forge(world, words):
 def cases():
     many = {"data": lambda writer, after: [data(writer, number) for number in range(after, after + 15)],
             "heartbeat": lambda writer, _: [heartbeat(writer)], "gap": lambda writer, _: [gap(writer)]}
-    for kind in ("ours", "ours-crypto"):
+    for kind in ("ddssec", "ddssec-crypto"):
         yield f"data-origin/{kind}", kind, SHARED_DISCOVERY, lambda world: forge(world, many["data"])
         for name in ("data", "heartbeat", "gap"):
             yield f"{name}/{kind}", kind, SHARED_KEYS, lambda world, n=name: forge(world, many[n])

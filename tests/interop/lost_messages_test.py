@@ -92,15 +92,15 @@ def attempt(case):
 
 def cases():
     """The first of two begins the handshake; the link loses or holds what the end of that number sends."""
-    both = ("ours", "ours")
+    both = ("ddssec", "ddssec")
     for name, governance in (("everything", EVERYTHING), ("sros2", SROS2)):
         for end in (1, 2):
             yield f"{name}/keys-from-{end}", both, governance, "lose keys", end
-    ours_begins, stock_begins = ("ours", "stock"), ("stock", "ours")
-    yield "ours-stock/keys-of-stock", ours_begins, SROS2, "lose keys", 2
-    yield "stock-ours/keys-of-stock", stock_begins, SROS2, "lose keys", 1
-    yield "stock-ours/request", stock_begins, SROS2, "hold +Req", 1
-    yield "stock-ours/reply", stock_begins, SROS2, "hold +Reply", 2
+    ours_begins, stock_begins = ("ddssec", "stock"), ("stock", "ddssec")
+    yield "ddssec-stock/keys-of-stock", ours_begins, SROS2, "lose keys", 2
+    yield "stock-ddssec/keys-of-stock", stock_begins, SROS2, "lose keys", 1
+    yield "stock-ddssec/request", stock_begins, SROS2, "hold +Req", 1
+    yield "stock-ddssec/reply", stock_begins, SROS2, "hold +Reply", 2
 
 
 if __name__ == "__main__":

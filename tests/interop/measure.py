@@ -132,7 +132,7 @@ def main():
     if products is None:
         print("NOT RUN: Debian 13's packages cannot be had; the reason is above")
         return 77
-    products.pop("ours", None)
+    products.pop("ddssec", None)
     table = forecast.Table(chosen.source)
     with tempfile.TemporaryDirectory(prefix="ddssec-measure-") as where:
         results = measure(products, pathlib.Path(where), chosen.folders or None)

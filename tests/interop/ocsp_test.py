@@ -20,7 +20,7 @@ from scenarios import SROS2  # noqa: E402
 TALKING = 5       # samples
 SILENCE = 4       # seconds in which nothing comes
 PATIENCE = 60     # seconds; a handshake that was refused is tried again
-OURS = ("ours", "embedded")
+OURS = ("ddssec", "embedded")
 
 
 def openssl(*words):
@@ -56,7 +56,7 @@ class Meeting(World):
     """A publisher and a subscriber with a policy; each may have a response."""
 
     def __init__(self, folder):
-        super().__init__(folder, "ours", SROS2)
+        super().__init__(folder, "ddssec", SROS2)
         self.responder = Responder(self)
 
     def response_of(self, role):
@@ -140,7 +140,7 @@ def cases():
         yield f"hard/good/{kind}", good, kind, kind, "hard"
         yield f"hard/absent/{kind}", absent, kind, kind, "hard"
         yield f"soft/revoked/{kind}", revoked, kind, kind, "soft"
-    yield "hard/good/ours with embedded", good, "ours", "embedded", "hard"
+    yield "hard/good/ddssec with embedded", good, "ddssec", "embedded", "hard"
     for ours in OURS:
         for stock in ("stock", "fast"):
             yield f"soft/good/{ours} to {stock}", good, ours, stock, "soft"

@@ -72,7 +72,7 @@ def story(world, what, publisher, two):
 
 def attempt(case):
     _, what, publisher, governance, two = case
-    with tempfile.TemporaryDirectory(prefix="ddssec-own-end-") as folder, World(folder, "ours", governance) as world:
+    with tempfile.TemporaryDirectory(prefix="ddssec-own-end-") as folder, World(folder, "ddssec", governance) as world:
         try:
             story(world, what, publisher, two)
             return None, ""
@@ -82,11 +82,11 @@ def attempt(case):
 
 def cases():
     for what in ENDS:
-        yield f"{what}/sros2/ours", what, "ours", SROS2, False
-    yield "certificate/everything/ours", "certificate", "ours", EVERYTHING, False
+        yield f"{what}/sros2/ddssec", what, "ddssec", SROS2, False
+    yield "certificate/everything/ddssec", "certificate", "ddssec", EVERYTHING, False
     yield "permissions/sros2/stock", "permissions", "stock", SROS2, False
     for what in ("permissions", "certificate", "both"):
-        yield f"{what} of two/sros2/ours", what, "ours", SROS2, True
+        yield f"{what} of two/sros2/ddssec", what, "ddssec", SROS2, True
 
 
 if __name__ == "__main__":

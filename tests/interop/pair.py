@@ -156,13 +156,13 @@ class Programs:
         environment["TZ"] = "UTC"  # Fast DDS reads the dates of permissions as local time
         if kind != "embedded":  # stock Cyclone DDS leaks
             environment.setdefault("ASAN_OPTIONS", "detect_leaks=0")
-        if kind.startswith("ours"):
+        if kind.startswith("ddssec"):
             environment["LD_LIBRARY_PATH"] = self.plugins(kind)
         return environment
 
     def plugins(self, kind):
         """The folder that stands before the stock plugins: all of ours, or just one of them."""
-        return self.dropin if kind == "ours" else os.path.join(self.logs, "dropin-" + kind)
+        return self.dropin if kind == "ddssec" else os.path.join(self.logs, "dropin-" + kind)
 
 
 @functools.cache
@@ -309,7 +309,7 @@ def _variables(side):
 
 
 def _gives_reason(case, peers):
-    """Whether a peer of ours says why, where it has to."""
+    """Whether a peer of ddssec says why, where it has to."""
     if not case.reason:
         return True
     for peer in peers:

@@ -90,16 +90,16 @@ def attempt(case):
 
 def cases():
     for name, governance in GOVERNANCES.items():
-        yield f"end/{name}/ours", they_end, "ours", governance, "ours"
-        yield f"process/{name}/ours", process_ends, "ours", governance, "ours"
+        yield f"end/{name}/ddssec", they_end, "ddssec", governance, "ddssec"
+        yield f"process/{name}/ddssec", process_ends, "ddssec", governance, "ddssec"
         yield f"end/{name}/embedded<stock", they_end, "embedded", governance, "stock"
-        for readers in ("ours", "stock"):
+        for readers in ("ddssec", "stock"):
             yield f"process/{name}/embedded<{readers}", process_ends, "embedded", governance, readers
     for name in ("sros2", "everything"):
-        yield f"ended/{name}/ours", they_have_ended, "ours", GOVERNANCES[name], "ours"
+        yield f"ended/{name}/ddssec", they_have_ended, "ddssec", GOVERNANCES[name], "ddssec"
     for kind in ("stock", "fast", "embedded"):
-        yield f"end/sros2/{kind}", they_end, kind, SROS2, "ours"
-        yield f"ended/sros2/{kind}", they_have_ended, kind, SROS2, "ours"
+        yield f"end/sros2/{kind}", they_end, kind, SROS2, "ddssec"
+        yield f"ended/sros2/{kind}", they_have_ended, kind, SROS2, "ddssec"
 
 
 if __name__ == "__main__":

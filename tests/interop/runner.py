@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """The interop matrix: pairs of DDS processes, each secured, each pair alone in a network namespace.
 
-  runner.py                      every pair with ours in it
+  runner.py                      every pair with ddssec in it
   runner.py --chosen             the part that the normal tests run
   runner.py --embedded           every pair with the embedded participant in it
   runner.py --stock              the pairs of two stock peers, to check the reference itself
-  runner.py --filter 'sros2.*ours>fast'
+  runner.py --filter 'sros2.*ddssec>fast'
 
 Exit status: 0 if every pair had a required outcome, 1 if not, 2 if it could not run.
 """
@@ -27,8 +27,8 @@ import scenarios  # noqa: E402
 from pair import Programs, run, those_that_meet  # noqa: E402
 from pki import Pki  # noqa: E402
 
-LIBRARIES = {"ours-auth": "libdds_security_auth.so", "ours-ac": "libdds_security_ac.so",
-             "ours-crypto": "libdds_security_crypto.so"}
+LIBRARIES = {"ddssec-auth": "libdds_security_auth.so", "ddssec-ac": "libdds_security_ac.so",
+             "ddssec-crypto": "libdds_security_crypto.so"}
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 
@@ -38,7 +38,7 @@ def parse():
     parser.add_argument("--build", default=os.path.join(ROOT, "build", "release"),
                         help="build folder with bin/ and dropin/ (default: build/release)")
     parser.add_argument("--chosen", action="store_true", help="only the chosen part")
-    parser.add_argument("--stock", action="store_true", help="two stock peers instead of ours")
+    parser.add_argument("--stock", action="store_true", help="two stock peers instead of ddssec")
     parser.add_argument("--embedded", action="store_true",
                         help="the embedded participant instead of our plugins in Cyclone DDS")
     parser.add_argument("--filter", default="", help="only cases whose 'name pair' matches this")
@@ -66,7 +66,7 @@ def prepare(options, folder, cases):
     for kind in sorted(kinds):
         if not os.access(programs.command(kind)[0], os.X_OK):
             sys.exit(f"runner.py: {programs.command(kind)[0]} is missing; build it first")
-        if not kind.startswith("ours"):
+        if not kind.startswith("ddssec"):
             continue
         for library in LIBRARIES.values():
             if not os.path.exists(os.path.join(programs.dropin, library)):
@@ -142,12 +142,12 @@ def table_lines(title, results):
 
 
 TITLES = {"governance": "Governance rows: valid documents, data must flow",
-          "mixed": "One plugin of ours beside two stock ones: data must flow",
+          "mixed": "One plugin of ddssec beside two stock ones: data must flow",
           "negative": "Negatives: what must be refused",
           "accepted": "Unusual but valid, with one control",
          "expiry": "The publisher's right ends while data flows: it must be cut off",
          "sizes": "Samples that end within a word",
-         "cipher": "ChaCha20-Poly1305: between ours, and refused towards who did not announce it"}
+         "cipher": "ChaCha20-Poly1305: between participants of ddssec, and refused towards who did not announce it"}
 
 
 TITLES |= {f"embedded-{table}": f"Embedded participant: {title}"
@@ -156,7 +156,7 @@ LETTERS = scenarios.LETTERS | {embedded_scenarios.EMBEDDED: "e"}
 
 
 LEGEND = """
-e our embedded participant, o ours in Cyclone DDS, c stock Cyclone DDS, f Fast DDS; publisher>subscriber
+e our embedded participant, o ddssec in Cyclone DDS, c stock Cyclone DDS, f Fast DDS; publisher>subscriber
 oA, oP, oC: only our authentication, access control (permissions) or cryptography
 *2 twice; ! not as required; ~ known shortcoming; - not run"""
 

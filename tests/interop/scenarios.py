@@ -11,11 +11,11 @@ NOTHING = frozenset({NONE, REFUSED})
 
 EXPIRY_SECONDS = 5  # from the making of a document to its end, in the rows about expiry
 
-MIXES = ("ours-auth", "ours-ac", "ours-crypto")  # one plugin of ours beside two stock ones
-LETTERS = {"ours": "o", "stock": "c", "fast": "f", "ours-auth": "oA", "ours-ac": "oP",
-           "ours-crypto": "oC"}
-OUR_PAIRS = [("ours", "ours"), ("ours", "stock"), ("stock", "ours"), ("ours", "fast"),
-             ("fast", "ours")]
+MIXES = ("ddssec-auth", "ddssec-ac", "ddssec-crypto")  # one plugin of ddssec beside two stock ones
+LETTERS = {"ddssec": "o", "stock": "c", "fast": "f", "ddssec-auth": "oA", "ddssec-ac": "oP",
+           "ddssec-crypto": "oC"}
+OUR_PAIRS = [("ddssec", "ddssec"), ("ddssec", "stock"), ("stock", "ddssec"), ("ddssec", "fast"),
+             ("fast", "ddssec")]
 STOCK_PAIRS = [("stock", "stock"), ("stock", "fast"), ("fast", "stock"), ("fast", "fast")]
 
 
@@ -35,7 +35,7 @@ class Case:
     chosen: bool = False
     known: tuple = ()   # (outcome, reason)
     expires: bool = False  # data must flow first and stop later
-    reason: str = ""       # a code that the log of a peer of ours must show
+    reason: str = ""       # a code that the log of a peer of ddssec must show
     payload: int = 0       # octets in each sample; 0: as the peers send them
 
     @property
@@ -48,7 +48,7 @@ class Case:
 
     @property
     def stock_only(self):
-        return not any(kind.startswith("ours") for kind in (self.publisher, self.subscriber))
+        return not any(kind.startswith("ddssec") for kind in (self.publisher, self.subscriber))
 
 
 # ---- positive: governance x keys x who starts -------------------------------------------------
@@ -106,7 +106,7 @@ def stock_outcome(publisher, subscriber, publisher_starts, governance):
 
 
 def _positive(row, side, keys, pair, publisher_starts, variant=""):
-    stock_only = "ours" not in "".join(pair)
+    stock_only = "ddssec" not in "".join(pair)
     wanted = stock_outcome(*pair, publisher_starts, side.governance) if stock_only else DATA
     start = "start-pub" if publisher_starts else "start-sub"
     return Case("governance", row, "/".join(filter(None, (keys, variant, start))), *pair,
@@ -141,37 +141,37 @@ def _choose_governance(cases):
         start = "start-sub" if turn % 2 else "start-pub"
         wanted.add((row, f"{keys[turn % 3]}/{start}", pairs[turn % 5]))
     for row in ("data-encrypt", "rtps-encrypt+data-encrypt"):
-        wanted.add((row, "ec/start-sub", "fast>ours"))
+        wanted.add((row, "ec/start-sub", "fast>ddssec"))
     for key in ("ec", "rsa"):
-        wanted.add(("sros2", f"{key}/start-pub", "fast>ours"))
-        wanted.add(("sros2", f"{key}/start-sub", "ours>fast"))
+        wanted.add(("sros2", f"{key}/start-pub", "fast>ddssec"))
+        wanted.add(("sros2", f"{key}/start-sub", "ddssec>fast"))
     for pair in pairs:
         wanted.add(("everything-encrypt-oa", "ec/aes128/start-pub", pair))
-    wanted.add(("everything-encrypt-oa", "ec/aes128/start-sub", "fast>ours"))
-    wanted.add(("sros2", "ec+rsa-permissions/start-pub", "ours>fast"))
+    wanted.add(("everything-encrypt-oa", "ec/aes128/start-sub", "fast>ddssec"))
+    wanted.add(("sros2", "ec+rsa-permissions/start-pub", "ddssec>fast"))
     return [replace(case, chosen=(case.row, case.variant, case.pair) in wanted) for case in cases]
 
 
-# ---- one plugin of ours beside two stock ones ---------------------------------------------------
+# ---- one plugin of ddssec beside two stock ones ---------------------------------------------------
 
 def mixed_cases():
-    chosen = {("ours-auth", "stock"), ("ours-auth", "fast"), ("ours-ac", "stock"),
-              ("fast", "ours-ac"), ("ours-crypto", "stock"), ("fast", "ours-crypto"),
-              ("ours", "ours-auth"), ("ours-ac", "ours"), ("ours", "ours-crypto")}
+    chosen = {("ddssec-auth", "stock"), ("ddssec-auth", "fast"), ("ddssec-ac", "stock"),
+              ("fast", "ddssec-ac"), ("ddssec-crypto", "stock"), ("fast", "ddssec-crypto"),
+              ("ddssec", "ddssec-auth"), ("ddssec-ac", "ddssec"), ("ddssec", "ddssec-crypto")}
     cases = []
     for row in ("sros2", "all-none", "everything-encrypt-oa", "data-encrypt"):
         for mix in MIXES:
-            for other in ("ours", "stock", "fast"):
+            for other in ("ddssec", "stock", "fast"):
                 for pair in ((mix, other), (other, mix)):
                     # Only our cryptography sends the token a Fast DDS writer waits for.
-                    if row == "data-encrypt" and pair[0] == "fast" and mix != "ours-crypto":
+                    if row == "data-encrypt" and pair[0] == "fast" and mix != "ddssec-crypto":
                         continue
                     case = replace(_positive(row, Side(GOVERNANCES[row]), "ec", pair,
                                              pair[0] != "fast"), table="mixed")
                     picked = row == "sros2" and pair in chosen
-                    picked |= row == "data-encrypt" and pair == ("fast", "ours-crypto")
+                    picked |= row == "data-encrypt" and pair == ("fast", "ddssec-crypto")
                     cases.append(replace(case, chosen=picked))
-    for pair, publisher_starts in ((("fast", "ours-auth"), True), (("ours-auth", "fast"), False)):
+    for pair, publisher_starts in ((("fast", "ddssec-auth"), True), (("ddssec-auth", "fast"), False)):
         cases.append(replace(_positive("sros2", Side(SROS2), "ec", pair, publisher_starts),
                              table="mixed", chosen=pair[0] == "fast"))
     return cases
@@ -179,7 +179,7 @@ def mixed_cases():
 
 # ---- negatives and their positive controls ------------------------------------------------------
 
-# How a row is judged when one peer is ours.
+# How a row is judged when one peer is of ddssec.
 MUST_DATA, MUST_NONE, NO_DATA, MUST_REFUSE, EITHER, MUST_CUT = (
     "data none no-data refuse either cut".split())
 # A host's shortcoming: Cyclone DDS asks no plugin about a participant that is not authenticated.
@@ -195,23 +195,23 @@ class Row:
     publisher: Side
     subscriber: Side
     stock: tuple
-    ours: str
+    ddssec: str
     faulty: int = 0     # 0: the publisher has the fault, 1: the subscriber
     quick: bool = True  # part of the chosen set
     known: tuple = ()
     keys: Keys = Keys()
-    pairs: tuple = ()   # only these pairs of ours; empty: all that make sense
+    pairs: tuple = ()   # only these pairs of ddssec; empty: all that make sense
     reason: str = ""    # as in Case
 
 
-def _pub(row_name, stock, ours, base=SROS2, quick=True, **fault):
+def _pub(row_name, stock, ddssec, base=SROS2, quick=True, **fault):
     good = Side(base)
-    return Row(row_name, replace(good, **fault), good, stock, ours, 0, quick)
+    return Row(row_name, replace(good, **fault), good, stock, ddssec, 0, quick)
 
 
-def _sub(row_name, stock, ours, base=SROS2, quick=True, **fault):
+def _sub(row_name, stock, ddssec, base=SROS2, quick=True, **fault):
     good = Side(base)
-    return Row(row_name, good, replace(good, **fault), stock, ours, 1, quick)
+    return Row(row_name, good, replace(good, **fault), stock, ddssec, 1, quick)
 
 
 ALL_NONE, ALL_DATA, ALL_REFUSED = (NONE,) * 4, (DATA,) * 4, (REFUSED,) * 4
@@ -285,7 +285,7 @@ def _negative_rows():
 def _plain_rows():
     guest = Side(plain=True)
     unseen = "none|half|matched"  # never data
-    for name, governance, stock_pub, stock_sub, ours in (
+    for name, governance, stock_pub, stock_sub, ddssec in (
             ("not-allowed", SROS2, ALL_NONE, ALL_NONE, NO_DATA),
             ("allowed-open-topic", GUESTS, (NONE, HALF, NONE, DATA), (NONE, NONE, HALF, DATA),
              EITHER),
@@ -294,15 +294,15 @@ def _plain_rows():
             ("allowed-encrypted-topic", GUESTS_ENCRYPTED, (NONE, unseen, NONE, unseen),
              (NONE, NONE, unseen, unseen), NO_DATA)):
         known = CORE_DECIDES if governance == GUESTS_CONTROLLED else ()
-        yield Row(f"plain-publisher-{name}", guest, Side(governance), stock_pub, ours,
+        yield Row(f"plain-publisher-{name}", guest, Side(governance), stock_pub, ddssec,
                   quick=name == "allowed-open-topic", known=known)
-        yield Row(f"plain-subscriber-{name}", Side(governance), guest, stock_sub, ours, 1,
+        yield Row(f"plain-subscriber-{name}", Side(governance), guest, stock_sub, ddssec, 1,
                   quick=name == "allowed-controlled-topic", known=known)
     # DDS-Security 1.2, clause 9.8.3.1: who fails to authenticate is treated like who cannot. Fast DDS 2.9 never
     # reads the attribute.
     yield replace(_pub("unknown-ca-publisher-allowed-open", (NONE, NONE, NONE, DATA), MUST_DATA, GUESTS,
                        quick=False, signed_by="other", trusts="other"),
-                  pairs=(("ours", "ours"), ("ours", "stock"), ("stock", "ours")))
+                  pairs=(("ddssec", "ddssec"), ("ddssec", "stock"), ("stock", "ddssec")))
 
 
 def _accepted_rows():
@@ -321,11 +321,11 @@ def _accepted_rows():
                data_uris=True)
     # What stock Cyclone DDS does not know (Fast DDS does).
     good, unknown = Side(SROS2), (DATA, REFUSED, REFUSED, REFUSED)
-    yield Row("ec-p384", good, good, unknown, MUST_DATA, pairs=(("ours", "ours"),),
+    yield Row("ec-p384", good, good, unknown, MUST_DATA, pairs=(("ddssec", "ddssec"),),
               keys=Keys("ec384", "ec384", "ec384"))
     below = replace(good, signed_by="intermediate")
     yield Row("certificate-under-intermediate-ca", below, below, unknown, MUST_DATA,
-              pairs=(("ours", "ours"), ("ours", "fast"), ("fast", "ours")))
+              pairs=(("ddssec", "ddssec"), ("ddssec", "fast"), ("fast", "ddssec")))
 
 
 def _expiry_rows():
@@ -336,7 +336,7 @@ def _expiry_rows():
     # The stock ones read their list once.
     good = Side(SROS2)
     yield Row("certificate-revoked-meanwhile", good, replace(good, crl="later"), ALL_DATA, MUST_CUT,
-              quick=False, pairs=(("ours", "ours"), ("stock", "ours"), ("fast", "ours")),
+              quick=False, pairs=(("ddssec", "ddssec"), ("stock", "ddssec"), ("fast", "ddssec")),
               reason="certificate_revoked")
 
 
@@ -350,42 +350,42 @@ def _alone(row, kind):
 
 def _allowed(row, pair):
     """The outcomes that are right for this row and pair."""
-    if "ours" not in pair:
+    if "ddssec" not in pair:
         return frozenset(row.stock[STOCK_ORDER.index(pair)].split("|"))
-    if row.ours == MUST_CUT:
+    if row.ddssec == MUST_CUT:
         return frozenset({CUT})
-    if row.ours == MUST_DATA:
+    if row.ddssec == MUST_DATA:
         return frozenset({DATA})
-    if row.ours == MUST_NONE:
+    if row.ddssec == MUST_NONE:
         return frozenset({NONE})
-    if row.ours == NO_DATA:  # a plain peer knows of no refusal and may believe in a match;
-        return frozenset({NONE, HALF, REFUSED})  # ours may refuse to serve such a topic at all
-    if row.ours == EITHER:
+    if row.ddssec == NO_DATA:  # a plain peer knows of no refusal and may believe in a match;
+        return frozenset({NONE, HALF, REFUSED})  # ddssec may refuse to serve such a topic at all
+    if row.ddssec == EITHER:
         return frozenset({DATA, HALF, NONE})
     # The faulty side must be refused at creation if it is ours; a stock one may come so far that
     # our side has to refuse it.
-    return frozenset({REFUSED}) if pair[row.faulty] == "ours" else NOTHING
+    return frozenset({REFUSED}) if pair[row.faulty] == "ddssec" else NOTHING
 
 
 def _meaningful(row, pair):
     sides = (row.publisher, row.subscriber)
-    if row.pairs and "ours" in pair:
+    if row.pairs and "ddssec" in pair:
         return pair in row.pairs
-    if any(side.plain and kind == "ours" for side, kind in zip(sides, pair)):
+    if any(side.plain and kind == "ddssec" for side, kind in zip(sides, pair)):
         return False  # a plain peer has no plugins
     faulty = pair[row.faulty]
     # A stock peer that refuses its own documents never meets ours.
-    return faulty == "ours" or "ours" not in pair or _alone(row, faulty) != REFUSED
+    return faulty == "ddssec" or "ddssec" not in pair or _alone(row, faulty) != REFUSED
 
 
 # What an attacker or a user would try first is in the chosen set with each of these pairs.
-ALWAYS = {("self-signed-permissions", ("stock", "ours")),
-          ("self-signed-permissions", ("fast", "ours")),
-          ("self-signed-permissions", ("ours", "stock")),
-          ("certificate-revoked-meanwhile", ("stock", "ours")),
-          ("identity-expires", ("stock", "ours")), ("permissions-expires", ("fast", "ours")),
-          ("plain-publisher-not-allowed", ("stock", "ours")),
-          ("plain-publisher-allowed-controlled-topic", ("stock", "ours"))}
+ALWAYS = {("self-signed-permissions", ("stock", "ddssec")),
+          ("self-signed-permissions", ("fast", "ddssec")),
+          ("self-signed-permissions", ("ddssec", "stock")),
+          ("certificate-revoked-meanwhile", ("stock", "ddssec")),
+          ("identity-expires", ("stock", "ddssec")), ("permissions-expires", ("fast", "ddssec")),
+          ("plain-publisher-not-allowed", ("stock", "ddssec")),
+          ("plain-publisher-allowed-controlled-topic", ("stock", "ddssec"))}
 
 
 def negative_cases():
@@ -401,7 +401,7 @@ def negative_cases():
                 chosen |= (row.name, pair) in ALWAYS
                 cases.append(Case(table, row.name, "", *pair, (row.publisher, row.subscriber),
                                   row.keys, starts, _allowed(row, pair), chosen, row.known,
-                                  table == "expiry", row.reason if "ours" in pair else ""))
+                                  table == "expiry", row.reason if "ddssec" in pair else ""))
     return cases
 
 
@@ -417,7 +417,7 @@ def cipher_cases():
         starts = pair[0] != "fast" or pair[1] == "fast"
         return Case("cipher", row, "", *pair, sides, Keys(), starts, outcomes, **more)
 
-    cases, both = [], ("ours", "ours")
+    cases, both = [], ("ddssec", "ddssec")
     for row in ("everything-encrypt-oa", "everything-sign-oa", "sros2", "data-encrypt",
                 "metadata-sign"):
         side = Side(GOVERNANCES[row], cipher=CHACHA)
@@ -428,14 +428,14 @@ def cipher_cases():
     process = Side(SROS2, process_cipher=CHACHA)
     cases.append(case("by-environment", both, (process, process), chosen=True))
     unmatched = frozenset({NONE, HALF})
-    cases.append(case("by-environment-peer-has-aes-only", ("ours", "stock"), (process, aes),
+    cases.append(case("by-environment-peer-has-aes-only", ("ddssec", "stock"), (process, aes),
                       unmatched, reason="cipher_not_understood_by_peer"))
-    for pair in (("ours", "stock"), ("stock", "ours"), ("ours", "fast"), ("fast", "ours"),
-                 ("ours", "ours-auth")):
-        sides = (chacha, aes) if pair[0] == "ours" else (aes, chacha)
+    for pair in (("ddssec", "stock"), ("stock", "ddssec"), ("ddssec", "fast"), ("fast", "ddssec"),
+                 ("ddssec", "ddssec-auth")):
+        sides = (chacha, aes) if pair[0] == "ddssec" else (aes, chacha)
         cases.append(case("peer-has-aes-only", pair, sides, unmatched,
-                          chosen=pair in (("ours", "stock"), ("fast", "ours"),
-                                          ("ours", "ours-auth")),
+                          chosen=pair in (("ddssec", "stock"), ("fast", "ddssec"),
+                                          ("ddssec", "ddssec-auth")),
                           reason="cipher_not_understood_by_peer"))
     return cases
 
@@ -447,7 +447,7 @@ def size_cases():
     submessage."""
     for row in ("data-encrypt", "sros2", "everything-encrypt-oa"):
         side = Side(GOVERNANCES[row])
-        for pair in (("fast", "ours"), ("ours", "fast"), ("stock", "ours")):
+        for pair in (("fast", "ddssec"), ("ddssec", "fast"), ("stock", "ddssec")):
             for size in (5, 6, 7, 17):
                 yield Case("sizes", row, f"{size} octets", *pair, (side, side), Keys(), pair[0] != "fast", frozenset({DATA}),
                            chosen=row == "sros2" and pair[0] == "fast" and size in (5, 7), payload=size)

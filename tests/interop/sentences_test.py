@@ -19,7 +19,7 @@ from scenarios import GOVERNANCES
 TIMEOUT = 5  # seconds until two that cannot meet are believed not to
 GOVERNANCE = GOVERNANCES["sros2"]
 GOOD = Side(governance=GOVERNANCE)
-STOCK, OURS = "stock", "ours"
+STOCK, OURS = "stock", "ddssec"
 BOTH = (STOCK, OURS)
 
 

@@ -103,8 +103,8 @@ class Product:
     roudi: list
 
 
-INSTALLED = Product("ours", pair.Programs, ["iox-roudi"])
-NEWER = Product("ours" + newer.NEWER, newer.Programs,
+INSTALLED = Product("ddssec", pair.Programs, ["iox-roudi"])
+NEWER = Product("ddssec" + newer.NEWER, newer.Programs,
                 INSTALLED.roudi if newer.NATIVE else
                 newer.loader(newer.STOCK_PLUGINS, newer.ROOT / "root/usr/bin/iox-roudi"))
 

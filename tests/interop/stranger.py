@@ -160,7 +160,7 @@ def privileged(announcement):
     return flagged.replace(prefix, prefix[:4] + bytes(octet ^ 0x55 for octet in prefix[4:]))
 
 
-def farewell(prefix):
+def dispose_announcement(prefix):
     """The participant says in the clear that it is gone."""
     end = struct.pack("<HH", SENTINEL, 0)
     body = (struct.pack("<HH", 0, 16) + bytes.fromhex("000100c7") + SPDP_WRITER + struct.pack("<iI", 0, 77)
@@ -172,7 +172,7 @@ def part(network, of, to):
     invented = nameless(privileged(network.announcements[of]))
     network.send(to, invented)
     time.sleep(0.02)
-    network.send(to, farewell(invented[8:20]))
+    network.send(to, dispose_announcement(invented[8:20]))
     for _ in range(10):
         time.sleep(0.01)
         network.send(to, nameless(network.announcements[of]))

@@ -72,7 +72,7 @@ class Table(unittest.TestCase):
         mixed = {frozenset((case.publisher, case.subscriber)) for case in CHOSEN
                  if case.table == "mixed"}
         for mix in scenarios.MIXES:
-            for other in ("ours", "stock", "fast"):
+            for other in ("ddssec", "stock", "fast"):
                 self.assertIn(frozenset((mix, other)), mixed)
 
     def test_valid_documents_with_ours_must_give_data(self):
@@ -81,7 +81,7 @@ class Table(unittest.TestCase):
                 self.assertEqual(case.allowed, {scenarios.DATA}, case.name)
 
     def test_a_fault_of_ours_is_refused_when_the_participant_is_created(self):
-        case = next(case for case in CASES if case.pair == "ours>stock"
+        case = next(case for case in CASES if case.pair == "ddssec>stock"
                     and case.row == "self-signed-permissions")
         self.assertEqual(case.allowed, {scenarios.REFUSED})
 

@@ -31,7 +31,7 @@ class BothDomains(Permissions):
 
 def meet(name, domains, tags, refused):
     """The two have these domain ids and tags."""
-    with tempfile.TemporaryDirectory(prefix="ddssec-domains-") as folder, World(folder, "ours", EVERYTHING) as world:
+    with tempfile.TemporaryDirectory(prefix="ddssec-domains-") as folder, World(folder, "ddssec", EVERYTHING) as world:
         world.side = Side(EVERYTHING, BothDomains())
         stranger = None
         if refused:

@@ -197,7 +197,7 @@ def run(story, publisher, side, companion, prepare=lambda pki, keys: None, publi
         subscribe += ["--companion", companion.companion(pki, keys, 5 if story is leaves else NEVER)]
         namespace, peers = pair.Namespace(), []
         try:
-            for kind, role, words in (("ours", "--subscribe", subscribe), (publisher, "--publish", publish)):
+            for kind, role, words in (("ddssec", "--subscribe", subscribe), (publisher, "--publish", publish)):
                 peers.append(pair.start(programs, namespace, kind, [role, "--hold", *words],
                                         os.path.join(programs.logs, role.strip("-"))))
             watched = Watched(peers[1], peers[0])
@@ -217,26 +217,26 @@ def run_to_the_end(side, what):
     """A companion whose certificate or permissions end while it talks."""
     soon, later = VALID
     try:
-        run(ends, "ours", side, replace(side, **{what: soon}))
+        run(ends, "ddssec", side, replace(side, **{what: soon}))
     except TooLate:
-        run(ends, "ours", side, replace(side, **{what: later}))
+        run(ends, "ddssec", side, replace(side, **{what: later}))
 
 
 def cases():
     everything = Side(GOVERNANCES["everything-encrypt-oa"])
     # Fast DDS 2.9.1 ends by a fault of its own now and then when two come at once.
-    for publisher in ("ours", "stock", "embedded"):
+    for publisher in ("ddssec", "stock", "embedded"):
         yield f"leaves/everything-encrypt-oa/{publisher}", lambda p=publisher: run(leaves, p, everything, everything)
     sros2 = Side(GOVERNANCES["sros2"])
-    yield "leaves/sros2/ours", lambda: run(leaves, "ours", sros2, sros2)
+    yield "leaves/sros2/ddssec", lambda: run(leaves, "ddssec", sros2, sros2)
     for name in ("rtps-encrypt", "rtps-sign", "everything-encrypt-oa"):
         side = Side(GOVERNANCES[name])
-        yield f"memory/{name}", lambda s=side: run(stays_small, "ours", s, s, publish_words=FAST)
+        yield f"memory/{name}", lambda s=side: run(stays_small, "ddssec", s, s, publish_words=FAST)
     listed = replace(everything, crl="stranger")
     yield "distrusted by one", lambda: run(is_distrusted, "embedded", listed, everything, revocation_lists)
     if LONG in sys.argv[2:]:
         patiently = ["--timeout", str(OF_BOTH + 60)]
-        for publisher, times in (("ours", 1), ("stock", 0)):  # a stock publisher would keep its session
+        for publisher, times in (("ddssec", 1), ("stock", 0)):  # a stock publisher would keep its session
             yield f"{LONG}answers one alone/{publisher}", lambda p=publisher, t=times: run(
                 lambda watched: answers_one_alone(watched, t), p, everything, everything,
                 publish_words=patiently, subscribe_words=patiently, publishers_list=COMPANION)

@@ -77,7 +77,7 @@ class Agent:
 
 
 def run(build, at):
-    story = Story(build, at, "ours", "ours", True, (), (SECONDS, 3600))
+    story = Story(build, at, "ddssec", "ddssec", True, (), (SECONDS, 3600))
     publisher, subscriber = story.documents
     secret = MountedSecret(subscriber.folder, pathlib.Path(at, "original"))
     secret.start()

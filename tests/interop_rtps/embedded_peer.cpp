@@ -88,12 +88,10 @@ Status create(DomainParticipant& participant, const peer_options& options, Embed
   DDSSEC_ASSIGN_OR_RETURN(const auto shape, participant.create_topic<Shape>(options.topic));
   auto& topic = *shape;
   if (options.publish) {
-    DDSSEC_ASSIGN_OR_RETURN(const auto created_publisher, participant.create_publisher(group));
-    auto& publisher = *created_publisher;
+    auto& publisher = participant.create_publisher(group);
     DDSSEC_ASSIGN_OR_RETURN(out.writer, publisher.create_datawriter<Shape>(topic, qos_of(options)));
   } else {
-    DDSSEC_ASSIGN_OR_RETURN(const auto created_subscriber, participant.create_subscriber(group));
-    auto& subscriber = *created_subscriber;
+    auto& subscriber = participant.create_subscriber(group);
     DDSSEC_ASSIGN_OR_RETURN(out.reader,
                             subscriber.create_datareader<Shape>(topic, qos_of(options)));
   }

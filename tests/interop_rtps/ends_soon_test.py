@@ -139,7 +139,7 @@ def each_once(story):
 
 
 def cases():
-    for kind in ("embedded", "ours"):
+    for kind in ("embedded", "ddssec"):
         for what in NAMES:
             yield f"{what}/{kind}", kind, what
 

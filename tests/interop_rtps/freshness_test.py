@@ -16,7 +16,7 @@ from scenarios import GOVERNANCES
 
 LIMIT = 60  # seconds
 ROWS = ("data-encrypt", "metadata-encrypt", "rtps-encrypt", "rtps-encrypt+data-encrypt", "everything-encrypt-oa")
-OURS = [("embedded", "ours"), ("ours", "embedded"), ("embedded", "embedded")]
+OURS = [("embedded", "ddssec"), ("ddssec", "embedded"), ("embedded", "embedded")]
 
 RECORDED = 40  # samples
 # At a first line of input it stops and says "recorded N"; from a second one on, until its input ends, it sends that again.

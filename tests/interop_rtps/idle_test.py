@@ -39,7 +39,7 @@ def idle(row):
 
 def cases():
     for row in GOVERNANCES:
-        for pair in PAIRS + [("embedded", "ours"), ("ours", "embedded")]:
+        for pair in PAIRS + [("embedded", "ddssec"), ("ddssec", "embedded")]:
             yield idle(row), pair, True
 
 

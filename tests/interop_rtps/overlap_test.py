@@ -99,7 +99,7 @@ def rotated(story):
 
 
 def cases():
-    for kinds in itertools.product(("ours", "embedded"), repeat=2):
+    for kinds in itertools.product(("ddssec", "embedded"), repeat=2):
         yield "/".join(kinds), kinds
 
 

@@ -17,7 +17,7 @@ from stranger import Network, clear_discovery, parameters, submessages
 LIMIT = 60  # seconds
 ANNOUNCEMENT_REFRESH = 4  # seconds until announcements are read again (rtps/participant/announcement_refresh.hpp)
 ROWS = ("all-none", "discovery-encrypt-topic-off", "data-encrypt")
-OTHERS = ("embedded", "stock", "ours", "fast")
+OTHERS = ("embedded", "stock", "ddssec", "fast")
 
 
 def announced(message, writer):
@@ -106,7 +106,7 @@ def cases():
 
 
 def is_chosen(scenario, pair, secured):
-    return not scenario.__name__.startswith("discovery") and "ours" not in pair
+    return not scenario.__name__.startswith("discovery") and "ddssec" not in pair
 
 
 if __name__ == "__main__":

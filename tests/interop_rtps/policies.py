@@ -36,7 +36,7 @@ def scenarios(worlds, wanted, space):
 
 def table():
     """Returns a line for each case: which products try it with each other, and why others do not."""
-    lines = ["| policy | case | ours to ours | to Cyclone DDS | from Cyclone DDS | to Fast DDS | from Fast DDS | |",
+    lines = ["| policy | case | ddssec to ddssec | to Cyclone DDS | from Cyclone DDS | to Fast DDS | from Fast DDS | |",
              "|---|---|---|---|---|---|---|---|"]
     rows = [(policy, name, ["yes" if w in writers and r in readers else "" for w, r in PAIRS], because)
             for policy, name, _, writers, readers, because in CASES]

@@ -74,17 +74,16 @@ class Embedded final : public policy_peer::Stack {
       : participant_(participant), more_(more) {}
 
   bool writer(const std::string& id, const std::string& topic, const Policies& p) override {
-    const auto group = participant_.create_publisher(group_of(p));
-    const auto made = (*group)->template create_datawriter<Shape>(topic_of(topic, p), qos_of(p));
+    auto& group = participant_.create_publisher(group_of(p));
+    const auto made = group.template create_datawriter<Shape>(topic_of(topic, p), qos_of(p));
     if (made) writers_[id] = *made;
     return made.has_value();
   }
   bool reader(const std::string& id, const std::string& topic, const Policies& p) override {
-    const auto group = participant_.create_subscriber(group_of(p));
+    auto& group = participant_.create_subscriber(group_of(p));
     const auto made =
-        p.has("filter")
-            ? (*group)->template create_datareader<Shape>(filtered(id, topic, p), qos_of(p))
-            : (*group)->template create_datareader<Shape>(topic_of(topic, p), qos_of(p));
+        p.has("filter") ? group.template create_datareader<Shape>(filtered(id, topic, p), qos_of(p))
+                        : group.template create_datareader<Shape>(topic_of(topic, p), qos_of(p));
     if (made) readers_[id] = *made;
     return made.has_value();
   }

@@ -194,17 +194,17 @@ def not_renewed(story, ended, process):
 
 
 def cases():
-    for publisher, subscriber in (("embedded", "embedded"), ("ours", "ours"), ("ours", "embedded"),
-                                  ("embedded", "ours")):
+    for publisher, subscriber in (("embedded", "embedded"), ("ddssec", "ddssec"), ("ddssec", "embedded"),
+                                  ("embedded", "ddssec")):
         yield f"renewed/{publisher}/{subscriber}", publisher, subscriber, True, "both"
     # Documents of the stock side do not end: it does not read them again.
     yield "renewed/embedded/stock", "embedded", "stock", True, "both"
     yield "renewed/stock/embedded", "stock", "embedded", True, "both"
     yield "renewed/best_effort/embedded/embedded", "embedded", "embedded", False, "both"
     yield "ends/embedded/embedded", "embedded", "embedded", True, "none"
-    yield "ends/ours/ours", "ours", "ours", True, "none"
-    yield "measure/ours/stock", "ours", "stock", True, "measure"
-    yield "measure/stock/ours", "stock", "ours", True, "measure"
+    yield "ends/ddssec/ddssec", "ddssec", "ddssec", True, "none"
+    yield "measure/ddssec/stock", "ddssec", "stock", True, "measure"
+    yield "measure/stock/ddssec", "stock", "ddssec", True, "measure"
 
 
 def lasting(case):

@@ -69,7 +69,7 @@ def taken_away(story, narrowed, embedded):
 
 
 def cases():
-    for publisher, subscriber in (("ours", "ours"), ("ours", "embedded"), ("embedded", "ours"), ("embedded", "embedded")):
+    for publisher, subscriber in (("ddssec", "ddssec"), ("ddssec", "embedded"), ("embedded", "ddssec"), ("embedded", "embedded")):
         for narrowed, who in enumerate(("publisher", "subscriber")):
             yield f"{who}/{publisher}/{subscriber}", publisher, subscriber, narrowed
 

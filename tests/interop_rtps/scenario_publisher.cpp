@@ -23,7 +23,7 @@ int publish(DomainParticipant& participant, char** argv, int argc) {
   qos.deadline = Duration::from(std::chrono::milliseconds(300));
   if (argc > 5)
     qos.liveliness.lease_duration = Duration::from(std::chrono::milliseconds(std::atoi(argv[5])));
-  auto* publisher = *participant.create_publisher();
+  auto* publisher = &participant.create_publisher();
   auto* writer = *publisher->create_datawriter<shapes::ShapeType>(*topic, qos);
   std::atomic<int> wanted = qos.ownership_strength;
   std::thread listening([&wanted] {

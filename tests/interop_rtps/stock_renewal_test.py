@@ -24,7 +24,7 @@ RESTART = 30.0  # seconds until a pair that was started again must talk
 # The first certificate and permissions, and whether the next ones come in time.
 SITUATIONS = {"certificate renewed": (ENDS, LONG, True), "permissions renewed": (LONG, ENDS, True),
               "permissions not renewed": (LONG, ENDS, False)}
-PLUGINS = {"stock": "stock plugins", "ours": "ddssec's plugins"}
+PLUGINS = {"stock": "stock plugins", "ddssec": "ddssec's plugins"}
 
 
 def talks_after_restart(build, story, kind):
@@ -88,8 +88,8 @@ def main():
         last = found[kind, "permissions not renewed"][0]
         check(f"{kind}: ended permissions still count at {last:.1f} s", last < WATCHED - STOPPED)
     for situation in ("certificate renewed", "permissions renewed"):
-        last = found["ours", situation][0]
-        check(f"ours, {situation}: nothing since {last:.1f} s", last >= WATCHED - STOPPED)
+        last = found["ddssec", situation][0]
+        check(f"ddssec, {situation}: nothing since {last:.1f} s", last >= WATCHED - STOPPED)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Names of the C++ API at the last release must exist, or [Unreleased] of CHANGELOG.md must name them: users must learn
-what to rename. tests/lint/api_names.txt has the names of that release; a name is that of a namespace's or type's public
+"""Names of the C++ API at the last release must exist, or docs/cpp-names.md or [Unreleased] of CHANGELOG.md must name
+them: users must learn what to rename. tests/lint/api_names.txt has the names of that release; a name is that of a namespace's or type's public
 function, member, type or constant in the first list of cmake/public_headers.cmake, such as `rtps::QosPreset::name`.
-The other way round, what a line of [Unreleased] that begins with "C++:" says of a rename is true: of "`a` is `b`", b is a
-word in one of these headers, or a header.
+The other way round, each new name in the table of docs/cpp-names.md is a word in one of these headers, or a header.
 
 Usage: api_names.py ROOT [--write]     --write makes the list anew, from the present headers: only at a release.
 """
@@ -13,6 +12,7 @@ import re
 import sys
 
 LIST = "tests/lint/api_names.txt"
+TABLE = "docs/cpp-names.md"
 HEAD = "# The names of the C++ API in ddssec {}; tests/lint/api_names.py makes and reads them."
 HEADERS = re.compile(r"set\(DDSSEC_PUBLIC_HEADERS\n(.*?)\)\n", re.S)
 SCOPE = re.compile(r"\b(namespace|class|struct|union|enum(?: class)?)\s+(?:\[\[\w+\]\]\s*)?(?:alignas\(\w+\)\s*)?([\w:]+)")
@@ -138,17 +138,21 @@ def unreleased(root):
     return re.search(r"^## \[Unreleased\]\n(.*?)(?=^## |\Z)", (root / "CHANGELOG.md").read_text(encoding="utf-8"), re.M | re.S)[1]
 
 
-def unreleased_words(root):
-    """The words in backticks in [Unreleased]."""
-    return {word for span in re.findall(r"`([^`]+)`", unreleased(root)) for word in re.findall(r"\w+", span)}
+def renames(root):
+    """The cells with the former and the new names in the table of renames."""
+    rows = [line.split("|") for line in (root / TABLE).read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    return [(former, new) for _, former, new, *_ in rows]
+
+
+def known_words(root):
+    """The words in backticks in [Unreleased], and the former names of the table."""
+    texts = [unreleased(root), *(former for former, _ in renames(root))]
+    return {word for text in texts for span in re.findall(r"`([^`]+)`", text) for word in re.findall(r"\w+", span)}
 
 
 def new_names(root):
-    """The names in backticks after "is" or "are" in the lines of [Unreleased] about C++. After "and", a name that "is", "of" or
-    "in" follows is that of the next rename."""
-    for item in re.findall(r"^- C\+\+:(.*?)(?=^- |^#|\Z)", unreleased(root), re.M | re.S):
-        for names in re.findall(r"` (?:is|are)((?:,? (?:and )?`[^`]+`(?! (?:is|are|of|in)\b))+)", " ".join(item.split())):
-            yield from re.findall(r"`([^`]+)`", names)
+    for _, new in renames(root):
+        yield from re.findall(r"`([^`]+)`", new)
 
 
 def false_renames(root):
@@ -157,7 +161,7 @@ def false_renames(root):
              for word in re.findall(r"\w+", plain((root / header).read_text(encoding="utf-8")))}
     for name in new_names(root):
         if name.rpartition("::")[2] not in words and not (root / name).is_file():
-            yield f"[Unreleased] of CHANGELOG.md has the new name {name}, and no public header has it"
+            yield f"{TABLE} has the new name {name}, and no public header has it"
 
 
 def faults(root, version):
@@ -165,12 +169,12 @@ def faults(root, version):
     if head != HEAD.format(version):
         yield f"{LIST} is not that of {version}: at a release, make it with tests/lint/api_names.py . --write"
         return
-    present, words = api(root), unreleased_words(root)
+    present, words = api(root), known_words(root)
     gone = set(released) - present
     for name in sorted(gone):
         is_of_another = name.rpartition("::")[0] in gone  # which is looked at by itself
         if not is_of_another and name.rpartition("::")[2] not in words:
-            yield f"{name} was in {version} and is gone, and [Unreleased] of CHANGELOG.md does not name it"
+            yield f"{name} was in {version} and is gone, and {TABLE} does not name it"
     yield from false_renames(root)
     if not present:
         yield "no name was found in the public headers: this test looks at nothing"
@@ -182,7 +186,7 @@ def main():
     if "--write" in sys.argv[2:]:
         (root / LIST).write_text("\n".join([HEAD.format(version), *sorted(api(root))]) + "\n", encoding="utf-8")
     found = list(faults(root, version))
-    print("\n".join(found) if found else f"the names of {version} exist, or CHANGELOG.md says what became of them")
+    print("\n".join(found) if found else f"the names of {version} exist, or {TABLE} says what became of them")
     return 1 if found else 0
 
 

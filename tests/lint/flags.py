@@ -13,7 +13,7 @@ import sys
 
 FOLDERS = ("base", "wire", "pki", "governance", "plugins", "rtps", "secured", "cli")
 EXCEPTIONS = "tests/lint/flags_exceptions.txt"
-MAX_EXCEPTIONS = 103  # lower it with each name that goes
+MAX_EXCEPTIONS = 102  # lower it with each name that goes
 MEMBER = re.compile(r"^\s+(?:mutable |const )*bool (\w+(?:\s*=\s*\w+)?(?:, \w+(?:\s*=\s*\w+)?)*);")
 CONDITION = re.compile(r"(is|are|was|were|has|have|had|can|may|must|does|do|did)_")
 CONDITIONS = "tests/lint/conditions_exceptions.txt"

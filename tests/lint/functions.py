@@ -12,7 +12,7 @@ MAX_LINES, MAX_PARAMETERS = 60, 5
 FOLDERS = ("base", "idl", "pki", "governance", "plugins", "rtps", "secured", "cli", "programs", "examples", "wire")
 PRESCRIBED = re.compile(r"plugins/cyclonedds/\w+_adapter\.cpp")
 # More than 5 parameters: the list may not grow.
-KNOWN = {"add_flag", "denied", "check_payload", "make_room", "read", "continue_sample", "open", "receiver_macs",
+KNOWN = {"add_flag", "denied_error", "check_payload", "make_room", "read", "continue_sample", "open", "receiver_macs",
          "check_not_exposed_by_shared_memory", "add_meetings", "add_peer", "put_extended", "next_crl"}
 CONTROL = re.compile(r"\b(if|for|while|switch|catch|else|do|return|namespace|class|struct|union|enum|requires|try|extern)\b")
 

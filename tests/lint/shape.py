@@ -26,6 +26,7 @@ RULES = [
     (re.compile(r"\bk(Most|Longest|Largest|Greatest|Highest|Deepest|Newest|"
                 r"Least|Fewest|Smallest|Shortest|Lowest|Oldest)([A-Z]|\b)"),
      "a bound is called kMax or kMin", lambda name: True),
+    (re.compile(r"[Ff]arewell"), "the term is dispose announcement", lambda name: True),
     (re.compile(r"\bthrow\b"), "we throw nothing", lambda name: True),
     (re.compile(r"\bstd::j?thread\s*[({]|\bpthread_create\b|\bstd::async\b"),
      "a thread that takes the host's signals: use start_background_thread",
@@ -102,12 +103,20 @@ def unclear_names(root):
                if re.match(r"(By|Of|For|That)(?![a-z])", name)])
 
 
+def unclear_python_names(root):
+    """A line for each test in Python whose name is no sentence in small letters."""
+    data = root / "tests" / "data"
+    return [f"{file.relative_to(root).as_posix()}: {name}: write the name as a sentence: test_a_key_that_does_not_fit_is_refused"
+            for file in sorted((root / "tests").rglob("*.py")) if data not in file.parents
+            for name in re.findall(r"^ +def (test_\w*[A-Z]\w*)\(", file.read_text(encoding="utf-8"), re.M)]
+
+
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
     files = [p for folder in SOURCES for p in sorted((root / folder).rglob("*"))
              if p.suffix in (".cpp", ".hpp", ".c", ".h")]
     tests, found = test_faults(root)
-    found += unclear_names(root)
+    found += unclear_names(root) + unclear_python_names(root)
     for file in files:
         name = file.relative_to(root).as_posix()
         lines = lines_of(file)

@@ -9,7 +9,7 @@ import sys
 
 FOLDERS = ("base", "wire", "pki", "governance", "plugins", "rtps", "secured", "cli", "programs")
 EXCEPTIONS = "tests/lint/type_names_exceptions.txt"
-MAX_EXCEPTIONS = 36  # lower it with each line that goes
+MAX_EXCEPTIONS = 35  # lower it with each line that goes
 TYPE = re.compile(r"^(?:template ?<.*>\s)?(?:enum class|enum|class|struct)\s+(?:\[\[\w+\]\]\s*)?(?:alignas\(\w+\)\s*)?"
                   r"([A-Z]\w+)\b(?!\s*;)[^;{]*(?:\{|$)|^using ([A-Z]\w+) =", re.M)
 

@@ -1,6 +1,7 @@
 #include "tests/sim/ambush.hpp"
 
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps::sim {
 namespace {
@@ -10,20 +11,6 @@ constexpr std::size_t kPrefixAt = 8;
 bool is_by(BytesView datagram, const GuidPrefix& whose) {
   return datagram.size() >= kHeaderSize &&
          std::ranges::equal(datagram.subspan(kPrefixAt, GuidPrefix::size), whose.view());
-}
-
-// Returns what a participant announces of itself in a datagram.
-std::optional<ParticipantData> announced_in(BytesView datagram) {
-  auto reader = MessageReader::open(datagram);
-  while (reader) {
-    const auto view = reader->next();
-    if (!view || !*view) break;
-    if ((*view)->id != SubmessageId::data) continue;
-    const auto data = read_data(**view);
-    if (!data || data->writer != kSpdpWriter || data->kind != PayloadKind::data) continue;
-    if (auto out = read_participant_data(data->payload)) return std::move(*out);
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -72,7 +59,7 @@ Bytes Ambush::endpoints_of(const GuidPrefix& victim) {
 Bytes Ambush::addresses_of(const GuidPrefix& victim) {
   for (const auto& datagram : recorded_) {
     if (!is_by(datagram.octets, victim)) continue;
-    auto data = announced_in(datagram.octets);
+    auto data = testing::announced_in(datagram.octets);
     if (!data) continue;
     data->metatraffic_unicast.assign(1, Locator::udp_v4({192, 0, 2, dice_.octet()}, 7400));
     data->default_unicast = data->metatraffic_unicast;

@@ -60,7 +60,7 @@ std::span<const Forger::Kind> Forger::kinds() {
   static constexpr std::array kKinds = {Kind{&Forger::stranger, 800},
                                         Kind{&Forger::false_address, 40},
                                         Kind{&Forger::false_announcement, 40},
-                                        Kind{&Forger::farewell, 5},
+                                        Kind{&Forger::dispose_announcement, 5},
                                         Kind{&Forger::endpoint, 200},
                                         Kind{&Forger::endpoint_end, 20},
                                         Kind{&Forger::sample, 20},
@@ -219,7 +219,7 @@ Bytes Forger::false_announcement() {
   });
 }
 
-Bytes Forger::farewell() {
+Bytes Forger::dispose_announcement() {
   Bytes buffer(64);
   SpanWriter out(buffer);
   out.write_bytes(Bytes{0, 3, 0, 0});

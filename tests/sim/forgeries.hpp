@@ -5,6 +5,7 @@
 #include "tests/sim/invariants.hpp"
 #include "tests/sim/mangle.hpp"
 #include "tests/sim/network.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps::sim {
 
@@ -46,11 +47,11 @@ class Forger {
   std::vector<Forgery> burst_of(const Kind& kind, std::size_t nodes);
 
   ParticipantData member_in_a_new_name();
-  Bytes stranger();            ///< an announcement in a new name, like that of a member
-  Bytes false_address();       ///< a recorded announcement with other addresses
-  Bytes false_announcement();  ///< a recorded announcement with other contents
-  Bytes farewell();            ///< the end of a participant
-  Bytes endpoint();            ///< a clear announcement of an endpoint
+  Bytes stranger();              ///< an announcement in a new name, like that of a member
+  Bytes false_address();         ///< a recorded announcement with other addresses
+  Bytes false_announcement();    ///< a recorded announcement with other contents
+  Bytes dispose_announcement();  ///< the end of a participant
+  Bytes endpoint();              ///< a clear announcement of an endpoint
   Bytes endpoint_end();
   Bytes sample() { return sample_of(endpoint_guid(true)); }  ///< clear DATA of a user's writer
   Bytes sample_of(const Guid& writer);

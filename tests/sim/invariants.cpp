@@ -1,7 +1,5 @@
 #include "tests/sim/invariants.hpp"
 
-#include <cstring>
-
 namespace ddssec::rtps::sim {
 namespace {
 

@@ -1,5 +1,7 @@
 #include "tests/sim/meter.hpp"
 
+#include <algorithm>
+
 #include "tests/support/counted_memory.hpp"
 
 namespace {

@@ -3,7 +3,6 @@
 // call at each branch (see CMakeLists.txt).
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 namespace ddssec::rtps::sim {

@@ -90,7 +90,7 @@ FAULTS = [
      "if (core_.now < handshake.next_tick() || !may_tick(peer)) return;",
      "if (core_.now < handshake.next_tick() || !may_tick(peer) || (FAULT && handshake.is_overdue())) return;"),
     ("the limit on handshakes with strangers", "rtps/security/handshakes_time.cpp",
-     "if (!handshake.started() && !may_start()) {", "if (!FAULT && !handshake.started() && !may_start()) {"),
+     "if (!handshake.is_started() && !may_start()) {", "if (!FAULT && !handshake.is_started() && !may_start()) {"),
     ("the binding of a GUID to its certificate", "plugins/authentication/judged_peer.cpp",
      "if (is_bound_to(", "if (FAULT || is_bound_to("),
     ("that only news is a sign of life", "rtps/participant/message_receiver.hpp",

@@ -1,5 +1,7 @@
 #include "tests/sim/node.hpp"
 
+#include "wire/span_writer.hpp"
+
 namespace ddssec::rtps::sim {
 namespace {
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <string>
 #include <string_view>
 #include <sys/socket.h>
 #include <sys/stat.h>

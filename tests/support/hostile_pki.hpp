@@ -48,13 +48,12 @@ inline DIST_POINT* distribution_point(PointName form, const X509_NAME* issuer) {
 inline std::string with_distribution_points(const pki::Credential& who, PointName form, int count,
                                             int entries) {
   const pki::X509Ptr x509(X509_dup(impl_of(who.certificate).x509.get()));
-  const std::unique_ptr<X509_NAME, pki::Deleter<X509_NAME_free>> issuer(X509_NAME_new());
+  const std::unique_ptr<X509_NAME, Deleter<X509_NAME_free>> issuer(X509_NAME_new());
   for (int i = 0; i < entries; ++i)
     X509_NAME_add_entry_by_NID(issuer.get(), NID_organizationalUnitName, MBSTRING_ASC,
                                reinterpret_cast<const unsigned char*>("123456789"), 9, -1, 0);
   X509_set_issuer_name(x509.get(), issuer.get());
-  const std::unique_ptr<STACK_OF(DIST_POINT), pki::Deleter<free_points>> points(
-      CRL_DIST_POINTS_new());
+  const std::unique_ptr<STACK_OF(DIST_POINT), Deleter<free_points>> points(CRL_DIST_POINTS_new());
   for (int i = 0; i < count; ++i)
     sk_DIST_POINT_push(points.get(), distribution_point(form, issuer.get()));
   const pki::BioPtr bio(BIO_new(BIO_s_mem()));
@@ -65,7 +64,7 @@ inline std::string with_distribution_points(const pki::Credential& who, PointNam
   return std::string(as_text(pki::bio_octets(bio)));
 }
 
-using Pkcs7Ptr = std::unique_ptr<PKCS7, pki::Deleter<PKCS7_free>>;
+using Pkcs7Ptr = std::unique_ptr<PKCS7, Deleter<PKCS7_free>>;
 
 /// Returns `text` signed by `who` as PKCS#7, detached, with signed attributes.
 inline Pkcs7Ptr pkcs7_of(const pki::Credential& who, std::string_view text, int flags) {

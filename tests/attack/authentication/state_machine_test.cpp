@@ -1,10 +1,9 @@
 // T30 and T31 (docs/attacks.md): messages are lost, duplicated, late, reordered or forged, and
 // participants restart, among many peers. Honest participants must all authenticate in bounded
 // time, and no other participant may.
-#include <deque>
-#include <random>
 #include <set>
 
+#include "tests/attack/disorderly_wire.hpp"
 #include "tests/unit/authentication/authentication_fixture.hpp"
 
 namespace ddssec::authentication {
@@ -84,7 +83,7 @@ class Node {
 // A network that loses, duplicates and reorders datagrams.
 class Network {
  public:
-  explicit Network(std::uint32_t seed) : dice_(seed) {}
+  explicit Network(std::uint32_t seed) : wire_(seed) {}
 
   void add(Node& node) {
     for (auto* other : nodes_) {
@@ -96,9 +95,9 @@ class Network {
   void send(Node& from, Node& to, Token token) {
     const auto fate = roll(100);
     if (fate < 25) return;
-    wire_.push_back({&from, &to, token});
-    if (fate < 45) wire_.push_back({&from, &to, token});
-    if (fate < 60) wire_.push_back({&from, &to, forge(std::move(token))});
+    wire_.put(from, to, token);
+    if (fate < 45) wire_.put(from, to, token);
+    if (fate < 60) wire_.put(from, to, forge(std::move(token)));
   }
   // All nodes send what is due. Everything on the network arrives in any order.
   void round() {
@@ -106,14 +105,9 @@ class Network {
       for (auto* to : nodes_)
         if (from != to)
           for (auto& token : from->due(to->guid())) send(*from, *to, std::move(token));
-    for (auto deliveries = wire_.size() * 3 / 4; deliveries > 0 && !wire_.empty(); --deliveries) {
-      const auto index = roll(static_cast<std::uint32_t>(wire_.size()));
-      std::swap(wire_[index], wire_.back());
-      const auto datagram = std::move(wire_.back());
-      wire_.pop_back();
-      for (auto& answer : datagram.to->take(datagram.from->guid(), datagram.token))
-        send(*datagram.to, *datagram.from, std::move(answer));
-    }
+    wire_.deliver_most([this](Node& from, Node& to, const Token& token) {
+      for (auto& answer : to.take(from.guid(), token)) send(to, from, std::move(answer));
+    });
     for (auto* node : nodes_) node->plugin().clock.advance(1s);
   }
   bool all_done() const {
@@ -129,15 +123,10 @@ class Network {
           EXPECT_EQ(a->secret(b->guid())->secret, b->secret(a->guid())->secret);
         }
   }
-  std::uint32_t roll(std::uint32_t sides) { return static_cast<std::uint32_t>(dice_() % sides); }
+  std::uint32_t roll(std::uint32_t sides) { return wire_.roll(sides); }
   void clear() { wire_.clear(); }
 
  private:
-  struct Datagram {
-    Node* from;
-    Node* to;
-    Token token;
-  };
   Token forge(Token token) {
     auto& property =
         token.binary_properties[roll(static_cast<std::uint32_t>(token.binary_properties.size()))];
@@ -148,9 +137,8 @@ class Network {
     return token;
   }
 
-  std::mt19937 dice_;
   std::vector<Node*> nodes_;
-  std::deque<Datagram> wire_;
+  attack::DisorderlyWire<Node, Token> wire_;
 };
 
 std::vector<std::unique_ptr<Node>> make_nodes(int count) {

@@ -4,12 +4,12 @@
 // auth_requests that an attacker forged.
 #include <algorithm>
 #include <map>
-#include <random>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "plugins/cyclonedds/token_translation.hpp"
+#include "tests/attack/disorderly_wire.hpp"
 #include "tests/support/cyclone_driver.hpp"
 
 namespace ddssec::driver {
@@ -175,7 +175,7 @@ TEST_P(HostForgedAuthRequest, ForgedRequests_LockNoPeerOut) {
 // A network that loses, duplicates and reorders datagrams.
 class Network {
  public:
-  explicit Network(std::uint32_t seed) : dice_(seed) {}
+  explicit Network(std::uint32_t seed) : wire_(seed) {}
 
   void add(Node& node) {
     for (auto* other : nodes_) {
@@ -198,16 +198,12 @@ class Network {
       for (auto* to : nodes_)
         if (from != to)
           for (auto& message : from->due(*to)) send(*from, *to, message);
-    for (auto deliveries = wire_.size() * 3 / 4; deliveries > 0; --deliveries) {
-      std::swap(wire_[roll(static_cast<std::uint32_t>(wire_.size()))], wire_.back());
-      const auto datagram = std::move(wire_.back());
-      wire_.pop_back();
-      for (auto& answer : datagram.to->take(*datagram.from, datagram.message))
-        send(*datagram.to, *datagram.from, answer);
-    }
+    wire_.deliver_most([this](Node& from, Node& to, const Message& message) {
+      for (auto& answer : to.take(from, message)) send(to, from, answer);
+    });
   }
   // Runs until all nodes have authenticated one another, for at most 60 rounds.
-  void settle() {
+  void expect_all_authenticate() {
     for (int rounds = 0; rounds < 60 && !all_done(); ++rounds) round();
     ASSERT_TRUE(all_done());
     for (auto* a : nodes_)
@@ -216,20 +212,14 @@ class Network {
           EXPECT_EQ(a->secret(*b), b->secret(*a));
         }
   }
-  std::uint32_t roll(std::uint32_t sides) { return dice_() % sides; }
+  std::uint32_t roll(std::uint32_t sides) { return wire_.roll(sides); }
 
  private:
-  struct Datagram {
-    Node* from;
-    Node* to;
-    Message message;
-  };
-
   void send(Node& from, Node& to, const Message& message) {
     const auto fate = roll(100);
     if (fate < 30) return;  // the message is lost
-    wire_.push_back({&from, &to, message});
-    if (fate < 60) wire_.push_back({&from, &to, message});
+    wire_.put(from, to, message);
+    if (fate < 60) wire_.put(from, to, message);
   }
   bool all_done() const {
     for (auto* a : nodes_)
@@ -238,9 +228,8 @@ class Network {
     return true;
   }
 
-  std::mt19937 dice_;
   std::vector<Node*> nodes_;
-  std::vector<Datagram> wire_;
+  attack::DisorderlyWire<Node, Message> wire_;
 };
 
 using Nodes = std::vector<std::unique_ptr<Node>>;
@@ -259,7 +248,9 @@ class HostBadNetwork : public testing::TestWithParam<std::tuple<int, int>> {
 INSTANTIATE_TEST_SUITE_P(T30, HostBadNetwork,
                          testing::Combine(testing::Values(2, 3, 5, 8), testing::Range(0, 3)));
 
-TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) { network.settle(); }
+TEST_P(HostBadNetwork, LossAndReordering_AllPairsAuthenticate) {
+  network.expect_all_authenticate();
+}
 
 // The node whose lease ended takes part again unchanged, and its former messages still arrive.
 TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
@@ -267,7 +258,7 @@ TEST_P(HostBadNetwork, ALeaseThatEndsInBetween_DoesNotKeepItOut) {
   network.lose(*nodes[0]);
   if (nodes.size() > 2) network.round();
   network.add(*nodes[0]);
-  network.settle();
+  network.expect_all_authenticate();
 }
 
 // The node comes back in a new process with the same certificate and GUID. Old handshakes and
@@ -278,7 +269,7 @@ TEST_P(HostBadNetwork, ARestartedSide_AuthenticatesAgain) {
   network.lose(*before);
   nodes[0] = std::make_unique<Node>(std::uint8_t{0});
   network.add(*nodes[0]);
-  network.settle();
+  network.expect_all_authenticate();
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 // How many octets a participant sends to others for those that a stranger sends to it (T60 in
 // docs/attacks.md).
+#include "rtps/discovery/serialized.hpp"
 #include "rtps/security/peer_handshake.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/info_source.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -89,6 +91,64 @@ TEST(Amplification, OneAnnouncementWithoutSecurity_IsBelowThree) {
     static_cast<void>(node->create_writer(square(default_writer_qos()), node.listener, 1s));
     Reflection reflection(node);
     reflection.send(announcement(Reflection::data_of(name_of(1), vendor)));
+    reflection.run(12'000);
+    expect_below_three(reflection);
+  }
+}
+
+// Returns one datagram: a participant with the victim's addresses, and its best-effort reader.
+Bytes participant_and_reader(const GuidPrefix& name, VendorId vendor) {
+  auto participant = Reflection::data_of(name, vendor);
+  participant.identity_token = participant.permissions_token = {};
+  participant.lease_duration = kDurationInfinite;
+  EndpointData reader;
+  reader.guid = {name, {{0, 0, 1, 0x07}}};
+  reader.topic_name = "Square";
+  reader.type_name = "ShapeType";
+  reader.qos = default_reader_qos();
+  reader.unicast = participant.default_unicast;
+  Bytes first(4096), second(4096);
+  SpanWriter of_participant(first), of_reader(second);
+  write_payload(of_participant, participant);
+  write_payload(of_reader, reader);
+  return forged(name,
+                Data{kSpdpReader, kSpdpWriter, {1}, {}, PayloadKind::data, of_participant.view()},
+                Data{kSubscriptionsReader,
+                     kSubscriptionsWriter,
+                     {1},
+                     {},
+                     PayloadKind::data,
+                     of_reader.view()});
+}
+
+// Messages to all readers go to the announced addresses, too. Without a limit, the victim got every
+// sample, at each of its addresses.
+TEST(Amplification, SamplesForAnAnnouncedReader_AreBelowThree) {
+  for (const auto& vendor : kVendors) {
+    Node node(2);
+    const auto writer =
+        node->create_writer(square(default_writer_qos()), node.listener, 1s).value();
+    Reflection reflection(node);
+    reflection.send(participant_and_reader(name_of(1), vendor));
+    ASSERT_EQ(node.listener.matched, 1);
+    for (int i = 0; i < 1000; ++i) {
+      Change change;
+      change.payload = payload(1000);
+      node->local_endpoints().writer(writer)->write(std::move(change), reflection.now());
+      reflection.run(1);
+    }
+    expect_below_three(reflection);
+  }
+}
+
+TEST(Amplification, AssertionsOfLiveliness_AreBelowThree) {
+  for (const auto& vendor : kVendors) {
+    Node node(2);
+    auto qos = default_writer_qos();
+    qos.liveliness.lease_duration = {{1, 0}};
+    static_cast<void>(node->create_writer(square(qos), node.listener, 1s));
+    Reflection reflection(node);
+    reflection.send(participant_and_reader(name_of(1), vendor));
     reflection.run(12'000);
     expect_below_three(reflection);
   }

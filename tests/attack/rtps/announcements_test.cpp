@@ -2,6 +2,7 @@
 #include <random>
 
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

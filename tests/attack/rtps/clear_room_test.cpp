@@ -3,6 +3,7 @@
 #include "rtps/discovery/serialized.hpp"
 #include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

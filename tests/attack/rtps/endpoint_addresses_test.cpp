@@ -184,19 +184,6 @@ TEST_F(InsiderAddresses, ParticipantThatSendsFromAnother_IsSentToThere) {
   EXPECT_EQ(mallory.listener.changes.size(), 50u);
 }
 
-// Returns what a datagram announces about its participant in the clear.
-std::optional<ParticipantData> announced_in(BytesView datagram) {
-  auto reader = MessageReader::open(datagram);
-  while (reader) {
-    const auto view = reader->next();
-    if (!view || !*view) break;
-    const auto data = (*view)->id == SubmessageId::data ? read_data(**view) : Result<Data>{};
-    if (!data || data->writer != kSpdpWriter) continue;
-    if (auto out = read_participant_data(data->payload)) return std::move(*out);
-  }
-  return std::nullopt;
-}
-
 bool contains(BytesView datagram, std::string_view text) {
   return !std::ranges::search(datagram, as_bytes(text)).empty();
 }

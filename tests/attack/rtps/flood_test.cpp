@@ -2,8 +2,10 @@
 // work is limited before it is done, and an honest peer joins within two seconds of simulated time,
 // even if the flood is in its own name.
 #include <malloc.h>
+#include <random>
 
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "tests/unit/rtps_security/deaf_pair.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -126,7 +128,12 @@ TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
   Pair pair({});
   pair.world.nodes = {&pair.a};
   std::uint32_t sent = 0;
+  std::size_t refused = 0;
   const auto in_use = [] { return static_cast<std::ptrdiff_t>(::mallinfo2().uordblks); };
+  const auto lists = [&] {
+    const auto& core = core_of(pair.a);
+    return std::array{pair.a->remote_participants().size(), core.peers.size(), core.dormant.size()};
+  };
   const auto flood = [&](int messages) {
     for (int i = 0; i < messages; ++i, ++sent) {
       const auto from = fake_prefix(sent % 700);
@@ -134,12 +141,18 @@ TEST(Flood, TenThousandFailingHandshakes_LeaveNothingBehind) {
       pair.a->receive(handshake_message(from, pair.a->prefix(), bogus_request(sent)),
                       pair.world.now);
       if (sent % 50 == 0) pair.world.run(1);
-      pair.a.events.all.clear();
+      refused += std::exchange(pair.a.events.all, {}).size();
     }
   };
   flood(5'000);
+  EXPECT_GT(refused, 100u) << "so many handshakes were tried";
   const auto before = in_use();
+  const auto lists_before = lists();
+  refused = 0;
   flood(5'000);
+  EXPECT_GT(refused, 100u);
+  EXPECT_EQ(lists(), lists_before);
+  // A sanitizer's allocator does not count here.
   EXPECT_LT(in_use() - before, 512 << 10);
 }
 

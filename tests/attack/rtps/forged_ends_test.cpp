@@ -20,17 +20,12 @@ struct ForgedEnds : ::testing::TestWithParam<ProtectionKind> {
     };
   }
   void hear(BytesView datagram) {
-    auto reader = MessageReader::open(datagram);
-    while (reader) {
-      const auto view = reader->next();
-      if (!view || !*view) return;
-      if ((*view)->id != SubmessageId::data) continue;
-      const auto data = read_data(**view);
-      if (!data || data->writer != pair.writer.entity || data->payload.empty()) continue;
-      payload = to_bytes(data->payload);
-      qos = data->inline_qos;
-      number = data->sequence_number;
-    }
+    each_data(datagram, [&](const Data& data) {
+      if (data.writer != pair.writer.entity || data.payload.empty()) return;
+      payload = to_bytes(data.payload);
+      qos = data.inline_qos;
+      number = data.sequence_number;
+    });
   }
   void forge(const StatusInfo& status, PayloadKind kind) {
     auto changed = qos;

@@ -2,6 +2,7 @@
 // stranger says there in a peer's name that the peer has left, or that its lease is very short.
 #include "tests/attack/rtps/participant_access.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -1,5 +1,7 @@
 // Handshake messages in fragments, as Cyclone DDS sends them, between forged ones in the peer's
 // name.
+#include <random>
+
 #include "tests/unit/rtps_security/attacker.hpp"
 
 namespace ddssec::rtps {

@@ -5,6 +5,7 @@
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/nack_frag.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

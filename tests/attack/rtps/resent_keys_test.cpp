@@ -2,6 +2,7 @@
 // The keys are the same, so what was recorded before must not become new (T41 in docs/attacks.md).
 #include "tests/attack/rtps/forged_announcements.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -1,6 +1,7 @@
 // Attacks on participants that know each other: replays, keys on the wrong channel, claims to be
 // another writer, messages that are cut or have false lengths, and what everyone can read.
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/info_source.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

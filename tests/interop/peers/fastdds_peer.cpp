@@ -14,7 +14,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "interop/peers/fastdds_shape.hpp"
 #include "interop/peers/peer.h"

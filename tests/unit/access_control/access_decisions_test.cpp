@@ -146,7 +146,7 @@ TEST_F(Decisions, AMatch_IsJudgedWhetherOrNotTheHostAskedBefore) {
                  unknown_permissions_handle);
 }
 
-TEST_F(Decisions, AMatch_IsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThatMeetThem) {
+TEST_F(Decisions, AMatch_IsJudgedByOurPartitionsUnlessThePeerAnnouncedOthersThatOverlapThem) {
   auto allowed = publish_rule(true, {"closed"});
   allowed.publish[0].partitions = {{{"p", 0}}};
   const auto peer = peer_with({allowed});

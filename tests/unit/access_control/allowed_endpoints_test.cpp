@@ -15,7 +15,7 @@ TEST(AllowedEndpoints, ManyEndpoints_TheNewestStayAndWildcardsMeetNames) {
   const auto meets = [&](const Partitions& ours) {
     const auto all = announced.of_topic(Action::publish, "t");
     return std::ranges::count_if(
-        all, [&](const auto& one) { return one->partitions.meet(PartitionNames(ours)); });
+        all, [&](const auto& one) { return one->partitions.overlap(PartitionNames(ours)); });
   };
   const Partitions a = {"a"}, star = {"a*"}, other = {"b", ""};
   announced.note(Action::publish, {.topic_name = "t", .partitions = a});
@@ -26,7 +26,7 @@ TEST(AllowedEndpoints, ManyEndpoints_TheNewestStayAndWildcardsMeetNames) {
   EXPECT_EQ(meets({}), 0);
   announced.note(Action::publish, {.topic_name = "t", .partitions = star});
   EXPECT_EQ(meets(star), 2);
-  EXPECT_EQ(meets(Partitions{"?"}), 1);  // two expressions do not meet unless they are equal
+  EXPECT_EQ(meets(Partitions{"?"}), 1);  // two expressions do not overlap unless they are equal
   announced.note(Action::publish, {.topic_name = "t"});
   EXPECT_EQ(meets(other), 1);
   EXPECT_TRUE(announced.of_topic(Action::subscribe, "t").empty());

@@ -103,6 +103,27 @@ TEST(ParticipantData, MalformedList_IsRefused) {
   EXPECT_CODE(participant_guid_in(Bytes{0, 1, 0, 0}), participant_guid_missing);
 }
 
+TEST(ParticipantData, LengthThatIsNoMultipleOfFour_IsRefused) {
+  for (const std::uint8_t length : {1, 2, 3, 5, 6}) {
+    Bytes data = {0, 0x62, 0, length};
+    data.resize(data.size() + length, 'a');
+    const auto rest = participant_data(candidate(7));
+    data.insert(data.end(), rest.begin(), rest.end());
+    EXPECT_CODE(participant_guid_in(data), participant_data_malformed);
+  }
+}
+
+TEST(ParticipantData, PadAndVendorParameters_AreSkipped) {
+  Bytes data = {0, 0, 0, 4, 9, 9, 9, 9, 0x80, 0x07, 0, 4, 1, 2, 3, 4};
+  const auto rest = participant_data(candidate(7));
+  data.insert(data.end(), rest.begin(), rest.end());
+  EXPECT_EQ(participant_guid_in(data), candidate(7));
+  // A PAD may also be the last parameter of a list without sentinel.
+  data.resize(data.size() - 4);
+  data.insert(data.end(), {0, 0, 0, 0});
+  EXPECT_EQ(participant_guid_in(data), candidate(7));
+}
+
 TEST(ParticipantData, EveryTruncation_IsRefusedOrHarmless) {
   const Bytes whole = participant_data(candidate(7));
   for (std::size_t size = 0; size < whole.size(); ++size) {

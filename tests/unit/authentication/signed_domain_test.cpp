@@ -22,11 +22,12 @@ Bytes data_in_domain(const Participant& participant, std::optional<std::uint32_t
     // The tag takes the place of the fixture's empty tag, which is the last parameter.
     constexpr std::size_t kEmptyTag = 12, kSentinel = 4;
     rest.resize(rest.size() - kEmptyTag - kSentinel);
+    Bytes text = to_bytes(as_bytes(tag));
+    text.resize(tag.size() / 4 * 4 + 4);  // a NUL, and up to three octets of padding
     writer.write(std::uint16_t{0x4014});
-    writer.write(static_cast<std::uint16_t>(4 + tag.size() + 1));
+    writer.write(static_cast<std::uint16_t>(4 + text.size()));
     writer.write(static_cast<std::uint32_t>(tag.size() + 1));
-    writer.write_bytes(as_bytes(tag));
-    writer.write(std::uint8_t{0});
+    writer.write_bytes(text);
   }
   auto out = writer.take();
   out.insert(out.end(), rest.begin(), rest.end());

@@ -24,6 +24,11 @@ TEST(Code, NumberThatNoRowHas_IsInternal) {
   EXPECT_EQ(info(Code{999'999'999}).code, Code::internal);
 }
 
+// The table has the text itself, so that docs/codes.md shows it.
+TEST(Code, HintThatIsLeftOut_IsThatOfSeveralRows) {
+  EXPECT_GT(std::ranges::count(all_codes(), kNoHint, &CodeInfo::hint), 5);
+}
+
 TEST(Code, Rows_AreSortedByNumber) {
   EXPECT_TRUE(std::ranges::is_sorted(all_codes(), {}, &CodeInfo::code));
 }

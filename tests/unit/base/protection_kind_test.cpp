@@ -1,7 +1,5 @@
 #include "base/protection_kind.hpp"
 
-#include <string>
-
 #include <gtest/gtest.h>
 
 namespace ddssec {

@@ -37,6 +37,22 @@ TEST(RateLimitedSink, SameEvent_PassesOncePerInterval) {
 
 // Programs do not print a returned event. The caller may report the same error in an event of its
 // own.
+TEST(RateLimitedSink, ANextSinkThatThrows_LosesTheEventAndNothingElse) {
+  struct Throwing final : EventSink {
+    void raise(const Event&) override {
+      ++calls;
+      throw std::bad_alloc();
+    }
+    int calls = 0;
+  } next;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(next, clock, 10s);
+  sink.raise(event("x"));
+  clock.advance(11s);
+  sink.raise(event("x"));
+  EXPECT_EQ(next.calls, 2);
+}
+
 TEST(RateLimitedSink, AReturnedEvent_DoesNotSuppressTheSameOneThatIsNot) {
   test::RecordedEvents recorder;
   ManualClock clock(kStart);

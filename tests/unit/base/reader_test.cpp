@@ -41,6 +41,39 @@ TEST(Cursor, EveryTruncation_FailsAndMovesNothing) {
   }
 }
 
+// The first octet is read, so that each read below skips three octets of padding first.
+TEST(Cursor, TruncationAfterPadding_MovesNothing) {
+  Writer writer;
+  writer.write<std::uint8_t>(7);
+  writer.write_string("hello");
+  const auto octets = writer.take();
+  const auto expect_unmoved = [&](std::size_t size, const auto& read) {
+    Reader reader(BytesView(octets).first(size));
+    ASSERT_TRUE(reader.read<std::uint8_t>());
+    const auto result = read(reader);
+    ASSERT_FALSE(result) << size;
+    EXPECT_EQ(result.error().code(), Code::truncated) << size;
+    EXPECT_EQ(reader.position(), 1u) << size;
+  };
+  for (std::size_t size = 1; size < octets.size(); ++size) {
+    expect_unmoved(size, [](Reader& r) { return r.read_string(); });
+    expect_unmoved(size, [](Reader& r) { return r.read_octet_sequence(); });
+  }
+  for (std::size_t size = 1; size < 8; ++size) {
+    expect_unmoved(size, [](Reader& r) { return r.read_aligned<std::uint32_t>(); });
+    expect_unmoved(size, [](Reader& r) { return r.read_count(1); });
+    expect_unmoved(size, [](Reader& r) { return r.align(8); });
+  }
+}
+
+TEST(Cursor, CountBeyondTheDataAfterPadding_MovesNothing) {
+  const Bytes octets = {7, 0, 0, 0, 0, 0, 0, 9, 1};
+  Reader reader(octets);
+  ASSERT_TRUE(reader.read<std::uint8_t>());
+  EXPECT_EQ(reader.read_count(1).error().code(), Code::length_out_of_range);
+  EXPECT_EQ(reader.position(), 1u);
+}
+
 TEST(Cursor, CountBeyondTheData_IsRefused) {
   for (std::uint32_t lie : {3u, 0x80000000u, 0xffffffffu}) {
     Writer writer;

@@ -113,6 +113,7 @@ TEST_F(AnnouncedEndpointsTest, EndedInAFormThatAHostMayRefuse_StayCounted) {
       {inline_qos({{0x71, disposed}, {0x70, short_hash}}), name_only(1)},
       {inline_qos({{0x71, disposed}, {0x70, key_hash}, {0x70, key_hash}}), name_only(1)},
       {inline_qos({{0x71, disposed}, {0x1d, disposed}}), name_only(1)},
+      {inline_qos({{0x00, disposed}, {0x71, disposed}}), name_only(1)},  // PID_PAD
   };
   ASSERT_EQ(announce(1), Code{});
   for (const auto& [qos, payload] : unusual) {

@@ -1,8 +1,6 @@
 // Derived keys, computed a second time from the text of the standard.
 #include "plugins/cryptography/derivation.hpp"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
 
 #include "base/hash.hpp"

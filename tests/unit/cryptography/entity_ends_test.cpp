@@ -1,5 +1,4 @@
 // The entities that are unregistered together with their participant.
-#include <ctime>
 
 #include <gtest/gtest.h>
 

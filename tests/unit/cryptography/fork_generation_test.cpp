@@ -110,7 +110,7 @@ struct Speaker {
     return out;
   }
   // Expects that all messages can be opened, and that no key meets an IV a second time.
-  void judge(BytesView speech) {
+  void expect_new_ivs(BytesView speech) {
     std::size_t count = 0;
     for (; !speech.empty(); ++count) {
       const auto size = static_cast<std::size_t>(speech[0] | speech[1] << 8);
@@ -134,21 +134,21 @@ struct Speaker {
 
 TEST(ForkedSender, ParentAndChild_NeverUseOneIvTwice) {
   Speaker speaker;
-  speaker.judge(speaker.speech());
+  speaker.expect_new_ivs(speaker.speech());
   Bytes of_parent;
   const auto of_child =
       from_child([&] { return speaker.speech(); }, [&] { of_parent = speaker.speech(); });
-  speaker.judge(of_parent);
-  speaker.judge(of_child);
-  speaker.judge(speaker.speech());
+  speaker.expect_new_ivs(of_parent);
+  speaker.expect_new_ivs(of_child);
+  speaker.expect_new_ivs(speaker.speech());
 }
 
 TEST(ForkedSender, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
   Speaker speaker;
-  speaker.judge(speaker.speech());
+  speaker.expect_new_ivs(speaker.speech());
   for (int child = 0; child < 2; ++child)
-    speaker.judge(from_child([&] { return speaker.speech(); }));
-  speaker.judge(from_child([&] { return from_child([&] { return speaker.speech(); }); }));
+    speaker.expect_new_ivs(from_child([&] { return speaker.speech(); }));
+  speaker.expect_new_ivs(from_child([&] { return from_child([&] { return speaker.speech(); }); }));
   // This child sends messages before its own child does.
   const auto both = from_child([&] {
     auto said = speaker.speech();
@@ -157,8 +157,8 @@ TEST(ForkedSender, TwoChildrenAndAGrandchild_NeverUseOneIvTwice) {
     return said;
   });
   const auto half = both.size() / 2;
-  speaker.judge(BytesView(both).first(half));
-  speaker.judge(BytesView(both).subspan(half));
+  speaker.expect_new_ivs(BytesView(both).first(half));
+  speaker.expect_new_ivs(BytesView(both).subspan(half));
 }
 
 // The first session of the key begins with its first message, which both processes may send.
@@ -167,8 +167,8 @@ TEST(ForkedSender, KeyWithoutMessagesBefore_BeginsElsewhereInTheChild) {
   Bytes of_parent;
   const auto of_child =
       from_child([&] { return speaker.speech(); }, [&] { of_parent = speaker.speech(); });
-  speaker.judge(of_parent);
-  speaker.judge(of_child);
+  speaker.expect_new_ivs(of_parent);
+  speaker.expect_new_ivs(of_child);
 }
 
 TEST(ForkedSender, AChild_KnowsWhatItsParentSaidFromThePeersWords) {

@@ -7,12 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "base/writer.hpp"
-#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/token_ledger.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/token_message.hpp"
 #include "tests/unit/cryptography/trusting_host.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::cryptography::trusting_host {
 namespace {
@@ -108,8 +108,8 @@ Bytes acknowledgement(std::uint32_t next, bool little) {
   out.write(std::uint8_t{0x06});
   out.write(static_cast<std::uint8_t>(little ? 1 : 0));
   out.write(std::uint16_t{24});
-  out.write_bytes(cryptography::kVolatileReader.view());
-  out.write_bytes(cryptography::kVolatileWriter.view());
+  out.write_bytes(rtps::kVolatileMessageReader.view());
+  out.write_bytes(rtps::kVolatileMessageWriter.view());
   out.write(std::int32_t{0});
   out.write(next);
   out.write(std::uint32_t{0});

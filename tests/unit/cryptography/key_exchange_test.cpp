@@ -1,5 +1,4 @@
 // Key tokens: which are accepted, and which are refused with which code.
-#include <ctime>
 
 #include <gtest/gtest.h>
 

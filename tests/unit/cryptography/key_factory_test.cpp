@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "base/writer.hpp"
-#include "plugins/cryptography/key_owner.hpp"
 #include "plugins/cryptography/token_ledger.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/token_message.hpp"

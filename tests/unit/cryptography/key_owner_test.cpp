@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "plugins/cryptography/entities.hpp"
 #include "plugins/cryptography/key_material.hpp"
 #include "plugins/cryptography/token_ledger.hpp"
 #include "tests/unit/cryptography/insider.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
+#include "wire/submessage_layout.hpp"
 
 namespace ddssec::cryptography {
 namespace {
@@ -119,6 +121,47 @@ struct KeyOwnerTest : ::testing::Test {
   TwoSides two;
   WriterToReader exchange = two.volatile_endpoints();
 };
+
+// One local reader, matched with a writer whose keys have not come.
+struct UnknownOwner {
+  Registry registry{1};
+  RemoteParticipantCrypto peer{registry};
+  LocalParticipantCrypto own;
+  LocalEndpointCrypto reader{EntityKind::local_reader, own};
+  RemoteEndpointCrypto writer{EntityKind::remote_writer, reader, peer};
+
+  Code speak(const Bytes& plain) {
+    const ReadGuard guard;
+    return code_of(check_speaker(writer, plain));
+  }
+};
+
+TEST(CheckSpeaker, UnknownOwner_MaySpeakForItsKindOfEndpointOnly) {
+  for (const auto id : {submessage_id::kData, submessage_id::kDataFrag, submessage_id::kGap,
+                        submessage_id::kHeartbeat, submessage_id::kHeartbeatFrag,
+                        submessage_id::kAckNack, submessage_id::kNackFrag}) {
+    const auto at = rtps::layout_of(SubmessageId{id})->sender_at();
+    UnknownOwner sender;
+    EXPECT_EQ(sender.speak(naming(id, at, kSquare)), Code{}) << int{id};
+    EXPECT_EQ(sender.speak(naming(id, at, kSecureLiveliness)), Code::submessage_not_of_sender);
+    sender.reader.is_builtin = true;
+    EXPECT_EQ(sender.speak(naming(id, at, kSecureLiveliness)), Code{}) << int{id};
+    EXPECT_EQ(sender.speak(naming(id, at, kSquare)), Code::submessage_not_of_sender);
+  }
+}
+
+TEST(CheckSpeaker, CutSubmessage_IsRefused) {
+  for (const auto id : {submessage_id::kData, submessage_id::kHeartbeat, submessage_id::kAckNack}) {
+    const auto layout = *rtps::layout_of(SubmessageId{id});
+    UnknownOwner sender;
+    auto plain = naming(id, layout.sender_at(), kSquare);
+    plain[2] = plain[3] = 0;  // the host reads on after the group
+    for (std::size_t size = 4; size < layout.min_size; ++size)
+      EXPECT_EQ(sender.speak(to_bytes(BytesView(plain).first(size))), Code::secure_group_malformed)
+          << int{id} << " " << size;
+    EXPECT_EQ(sender.speak(to_bytes(BytesView(plain).first(layout.min_size))), Code{});
+  }
+}
 
 TEST_F(KeyOwnerTest, EndpointsKey_SpeaksForItsEndpointOnly) {
   for (const auto kind : {ProtectionKind::sign, ProtectionKind::encrypt,

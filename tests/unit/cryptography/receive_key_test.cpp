@@ -1,8 +1,6 @@
 // The session keys of a sender, as its receiver finds them.
 #include "plugins/cryptography/receive_key.hpp"
 
-#include <ctime>
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/cryptography/two_sides.hpp"

@@ -203,7 +203,9 @@ TEST_P(LaterPayloads, SentBeforeTheReaderCame_AreNotNew) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Hosts, LaterPayloads, ::testing::Bool());
+INSTANTIATE_TEST_SUITE_P(Hosts, LaterPayloads, ::testing::Bool(), [](const auto& run) {
+  return std::string(run.param ? "HostThatChecksSources" : "OtherHost");
+});
 
 // The process of the receiver has just started, so it remembers nothing.
 TEST_F(LostAndFound, WhatWasSentToOthersBefore_IsNotNew) {

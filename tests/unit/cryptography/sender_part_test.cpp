@@ -407,13 +407,21 @@ struct BusyGate final : spi::MatchGate {
   mutable std::vector<Peer> asked;
 };
 
-TEST(TrustingHost, WhileAGateJudges_NoOtherCallWaits) {
-  TwoSides two(ProtectionKind::none, {}, kTrustingHost);
-  auto& factory = two.b.factory();
-  const auto gate = std::make_shared<BusyGate>();
-  auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
-  attributes.gate = gate;
-  const auto reader = factory.register_local_datareader(two.b.participant, {}, attributes).value();
+// A reader whose matches a busy gate judges.
+struct BusyTrustingHost : ::testing::Test {
+  DatareaderCryptoHandle reader_with(std::shared_ptr<const spi::MatchGate> judge) {
+    auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
+    attributes.gate = std::move(judge);
+    return factory.register_local_datareader(two.b.participant, {}, attributes).value();
+  }
+
+  TwoSides two{ProtectionKind::none, {}, kTrustingHost};
+  spi::CryptoKeyFactory& factory = two.b.factory();
+  const std::shared_ptr<BusyGate> gate = std::make_shared<BusyGate>();
+  const DatareaderCryptoHandle reader = reader_with(gate);
+};
+
+TEST_F(BusyTrustingHost, WhileAGateJudges_NoOtherCallWaits) {
   gate->use = [&] {
     return factory.register_local_datareader(two.b.participant, {}, {}).has_value();
   };
@@ -422,13 +430,7 @@ TEST(TrustingHost, WhileAGateJudges_NoOtherCallWaits) {
   EXPECT_EQ(gate->asked.size(), 1u);
 }
 
-TEST(TrustingHost, PeerJudgedAnewMeanwhile_IsAskedAboutAgain) {
-  TwoSides two(ProtectionKind::none, {}, kTrustingHost);
-  auto& factory = two.b.factory();
-  const auto gate = std::make_shared<BusyGate>();
-  auto attributes = endpoint_attributes(ProtectionKind::encrypt, ProtectionKind::none);
-  attributes.gate = gate;
-  const auto reader = factory.register_local_datareader(two.b.participant, {}, attributes).value();
+TEST_F(BusyTrustingHost, PeerJudgedAnewMeanwhile_IsAskedAboutAgain) {
   gate->use = [&] {
     return factory.register_matched_remote_participant(two.b.participant, {7}, {6}, shared_secret())
         .has_value();

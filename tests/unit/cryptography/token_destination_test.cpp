@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "plugins/cryptography/key_owner.hpp"
 #include "tests/support/code_of.hpp"
 #include "tests/unit/cryptography/data_message.hpp"
 #include "tests/unit/cryptography/token_message.hpp"
 #include "tests/unit/cryptography/two_sides.hpp"
+#include "wire/entity_ids.hpp"
 
 namespace ddssec::cryptography::testing {
 namespace {
@@ -28,8 +28,8 @@ Code check(const DataMessage& message, const std::optional<GuidPrefix>& receiver
 
 Bytes nack_frag(std::uint32_t number, bool little = true) {
   Bytes out = {submessage_id::kNackFrag, static_cast<std::uint8_t>(little ? 1 : 0), 0, 0};
-  append(out, cryptography::kVolatileReader.view());
-  append(out, cryptography::kVolatileWriter.view());
+  append(out, rtps::kVolatileMessageReader.view());
+  append(out, rtps::kVolatileMessageWriter.view());
   append(out, 0, 4, little);
   append(out, number, 4, little);
   for (const std::uint32_t word : {1u, 1u, 0x80000000u, 1u}) append(out, word, 4, little);

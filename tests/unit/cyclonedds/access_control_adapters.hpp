@@ -1,8 +1,6 @@
 // An access control adapter over a mocked plugin.
 #pragma once
 
-#include <stdexcept>
-
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "tests/unit/cyclonedds/support.hpp"

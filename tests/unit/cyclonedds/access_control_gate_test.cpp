@@ -1,8 +1,6 @@
 // Questions of cryptography to access control about a match.
 #include "plugins/cyclonedds/access_control_gate.hpp"
 
-#include <stdexcept>
-
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "tests/support/code_of.hpp"

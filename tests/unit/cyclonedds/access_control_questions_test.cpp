@@ -1,5 +1,4 @@
 // Questions of the other two libraries in the process to access control.
-#include <stdexcept>
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/access_control_gate.hpp"

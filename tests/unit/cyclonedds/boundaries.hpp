@@ -1,8 +1,6 @@
 // A host whose events a test sees.
 #pragma once
 
-#include <stdexcept>
-
 #include "tests/unit/cyclonedds/support.hpp"
 
 namespace ddssec::cyclonedds::boundaries {

@@ -1,7 +1,6 @@
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <stdexcept>
 
 #include "tests/unit/cyclonedds/cryptography_adapters.hpp"

@@ -1,9 +1,6 @@
 // A cryptography adapter over a mocked plugin.
 #pragma once
 
-#include <cstdlib>
-#include <stdexcept>
-
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 

@@ -8,6 +8,7 @@
 
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "plugins/cyclonedds/authentication_adapter.hpp"
+#include "tests/unit/cyclonedds/revocation_listeners.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
 static std::atomic<DDS_Security_IdentityHandle> cut_off_in_cryptography{0};
@@ -56,18 +57,11 @@ TEST(CutOffIdentity, OwnIdentityEnded_IsNotToldToTheHost) {
 TEST(CutOffIdentity, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
-  harness.adapter.farewells().add_local(kOwn, {{1}});
-  harness.adapter.farewells().add_local({6}, {{2}});
+  harness.adapter.dispose_announcements().add_local(kOwn, {{1}});
+  harness.adapter.dispose_announcements().add_local({6}, {{2}});
   ON_CALL(*harness.plugin, poll).WillByDefault([](auto) { return std::vector{kOwn}; });
   static std::atomic<DDS_Security_IdentityHandle> revoked{0};
-  const dds_security_authentication_listener listener{
-      [](const dds_security_authentication*,
-         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
-        revoked = handle;
-        return 1;
-      },
-      nullptr};
-  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  ASSERT_EQ(c->set_listener(c, &kNotesRevokedIdentity<revoked>, nullptr), 1);
   EXPECT_TRUE(soon([] { return revoked == kOwn.value; }));
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }
@@ -76,8 +70,8 @@ TEST(CutOffIdentity, OwnIdentityEndedBesideOthersInTheDomain_IsToldToTheHost) {
 TEST(CutOffIdentity, OwnIdentityEndedAfterTheOthersWereCutOff_IsNotToldToTheHost) {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   auto* c = static_cast<dds_security_authentication*>(&harness.adapter);
-  harness.adapter.farewells().add_local(kOwn, {{1}});
-  harness.adapter.farewells().add_local({6}, {{2}});
+  harness.adapter.dispose_announcements().add_local(kOwn, {{1}});
+  harness.adapter.dispose_announcements().add_local({6}, {{2}});
   harness.adapter.remotes().note(kOwn, {{{0x81}}, kEntityIdParticipant}, kRemote);
   ended_in_access_control = 6;
   ON_CALL(*harness.plugin, poll).WillByDefault([](auto) { return std::vector{kOwn, kRemote}; });
@@ -139,13 +133,7 @@ TEST_F(CutOffPermissions, OwnEnd_IsNotRevokedThroughTheListenerButThatOfPeersIs)
   });
   static std::atomic<DDS_Security_PermissionsHandle> revoked{0};
   cut_off_in_cryptography = 0;
-  const dds_security_access_control_listener listener{
-      [](const dds_security_access_control*,
-         const DDS_Security_PermissionsHandle handle) -> DDS_Security_boolean {
-        revoked = handle;
-        return 1;
-      }};
-  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  ASSERT_EQ(c->set_listener(c, &kNotesRevokedPermissions<revoked>, nullptr), 1);
   EXPECT_TRUE(soon([] { return revoked != 0; }));
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
   EXPECT_EQ(revoked, 41);
@@ -165,13 +153,7 @@ TEST_F(CutOffPermissions, OwnEndBesideOthersInTheDomain_IsRevoked) {
     return std::vector<spi::PermissionsHandle>{{8}};
   });
   static std::atomic<DDS_Security_PermissionsHandle> revoked{0};
-  const dds_security_access_control_listener listener{
-      [](const dds_security_access_control*,
-         const DDS_Security_PermissionsHandle handle) -> DDS_Security_boolean {
-        revoked = handle;
-        return 1;
-      }};
-  ASSERT_EQ(c->set_listener(c, &listener, nullptr), 1);
+  ASSERT_EQ(c->set_listener(c, &kNotesRevokedPermissions<revoked>, nullptr), 1);
   EXPECT_TRUE(soon([] { return revoked == 8; }));
   EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1);
 }

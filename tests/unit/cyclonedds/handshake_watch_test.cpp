@@ -34,8 +34,8 @@ struct HandshakeWatchTest : testing::Test {
 };
 
 TEST_F(HandshakeWatchTest, RefusedPeer_IsGivenUpSoon) {
-  watch.note_met({local, remote}, guid_of(1));
-  watch.refused(remote);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_refused(remote);
   EXPECT_TRUE(after(2400ms).empty());
   const auto stuck = after(200ms);
   ASSERT_EQ(stuck.size(), 1u);
@@ -49,20 +49,20 @@ TEST_F(HandshakeWatchTest, RefusedPeer_IsGivenUpSoon) {
 
 // The host asks about the refused announcement once a second.
 TEST_F(HandshakeWatchTest, AskingAgainAboutARefusedAnnouncement_DoesNotProlongTheWait) {
-  watch.not_admitted({local, remote}, guid_of(1));
+  watch.note_not_admitted({local, remote}, guid_of(1));
   EXPECT_TRUE(after(1s).empty());
-  watch.not_admitted({local, remote}, guid_of(1));
+  watch.note_not_admitted({local, remote}, guid_of(1));
   EXPECT_TRUE(after(1s).empty());
-  watch.not_admitted({local, remote}, guid_of(1));
+  watch.note_not_admitted({local, remote}, guid_of(1));
   const auto stuck = after(600ms);
   ASSERT_EQ(stuck.size(), 1u);
   EXPECT_TRUE(stuck[0].was_disturbed);
 }
 
 TEST_F(HandshakeWatchTest, PeerWithoutARefusal_IsGivenUpAfterTwentySeconds) {
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   EXPECT_TRUE(after(19s).empty());
-  watch.progressed({local, remote}, handshake);  // the wait begins here
+  watch.note_progress({local, remote}, handshake);  // the wait begins here
   EXPECT_TRUE(after(19900ms).empty());
   const auto stuck = after(200ms);
   ASSERT_EQ(stuck.size(), 1u);
@@ -70,13 +70,13 @@ TEST_F(HandshakeWatchTest, PeerWithoutARefusal_IsGivenUpAfterTwentySeconds) {
 }
 
 TEST_F(HandshakeWatchTest, Progress_StartsTheWaitAnew) {
-  watch.note_met({local, remote}, guid_of(1));
-  watch.refused(remote);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_refused(remote);
   EXPECT_TRUE(after(2s).empty());
-  watch.progressed({local, remote}, handshake);
+  watch.note_progress({local, remote}, handshake);
   // The peer may have answered, and would not notice that we begin again, so the longer wait
   // applies.
-  watch.refused(handshake);
+  watch.note_refused(handshake);
   EXPECT_TRUE(after(19900ms).empty());
   EXPECT_EQ(after(200ms).size(), 1u);
 }
@@ -86,9 +86,9 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
   ask.has_keys = [](auto) { return false; };
   HandshakeWatch::Duration heard{};
   ask.last_heard = [&](auto) { return heard; };
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
-  watch.finished(handshake);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
+  watch.note_finished(handshake);
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(after(10s).empty());
     heard = clock.monotonic();
@@ -101,12 +101,12 @@ TEST_F(HandshakeWatchTest, APeerThatHasTheSecret_IsWaitedForWhileItIsHeard) {
 TEST_F(HandshakeWatchTest, NoHandshake_LivesAsLongAsTheTimerOfTheCore) {
   ask.has_keys = [](auto) { return false; };
   ask.last_heard = [&](auto) { return clock.monotonic(); };
-  watch.note_met({local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
   for (int i = 0; i < 7; ++i) {
-    watch.progressed({local, remote}, handshake);
+    watch.note_progress({local, remote}, handshake);
     EXPECT_TRUE(after(10s).empty());
   }
-  watch.finished(handshake);
+  watch.note_finished(handshake);
   EXPECT_TRUE(after(9900ms).empty());
   EXPECT_EQ(after(200ms).size(), 1u);
 }
@@ -116,9 +116,9 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWas
   bool sent = false;
   ask.has_keys = [&](auto) { return sent; };
   const auto meet = [&] {
-    watch.note_met({local, remote}, guid_of(1));
-    watch.progressed({local, remote}, handshake);
-    watch.finished(handshake);
+    watch.note_discovered({local, remote}, guid_of(1));
+    watch.note_progress({local, remote}, handshake);
+    watch.note_finished(handshake);
     watch.note_session_kept(handshake);
   };
   meet();
@@ -128,17 +128,17 @@ TEST_F(HandshakeWatchTest, APeerThatKeepsItsSession_IsWaitedForUnlessAMessageWas
   sent = false;
   watch.forget(remote);
   meet();
-  watch.refused(handshake);
+  watch.note_refused(handshake);
   EXPECT_TRUE(after(19900ms).empty());
   EXPECT_EQ(after(200ms).size(), 1u);
 }
 
 TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
-  watch.refused(handshake);
-  watch.finished(handshake);
-  watch.refused(handshake);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
+  watch.note_refused(handshake);
+  watch.note_finished(handshake);
+  watch.note_refused(handshake);
   EXPECT_TRUE(after(300s).empty());
 }
 
@@ -146,15 +146,15 @@ TEST_F(HandshakeWatchTest, AnAuthenticatedPeer_IsNeverGivenUp) {
 TEST_F(HandshakeWatchTest, APeerWithoutKeys_DidNotFinishItsHalf) {
   bool sent = false;
   ask.has_keys = [&](spi::IdentityHandle asked) { return asked == remote && sent; };
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
-  watch.refused(handshake);
-  watch.finished(handshake);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
+  watch.note_refused(handshake);
+  watch.note_finished(handshake);
   EXPECT_TRUE(after(19900ms).empty());  // after the long wait only
   EXPECT_EQ(after(200ms).size(), 1u);
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, second);
-  watch.finished(second);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, second);
+  watch.note_finished(second);
   EXPECT_TRUE(after(30s).empty());
   sent = true;
   EXPECT_TRUE(after(1s).empty());
@@ -169,9 +169,9 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
   ask.has_keys = [](auto) { return true; };
   ask.is_matched = [&](spi::IdentityHandle asked) { return asked == remote && matched; };
   const auto meet = [&] {
-    watch.note_met({local, remote}, guid_of(1));
-    watch.progressed({local, remote}, handshake);
-    watch.finished(handshake);
+    watch.note_discovered({local, remote}, guid_of(1));
+    watch.note_progress({local, remote}, handshake);
+    watch.note_finished(handshake);
   };
   meet();
   EXPECT_TRUE(after(19900ms).empty());
@@ -191,9 +191,9 @@ TEST_F(HandshakeWatchTest, APeerThatLacksEndpoints_IsGivenUpAgainAndAgain) {
 TEST_F(HandshakeWatchTest, APeerWhoseEndpointsAreMatched_IsSettled) {
   bool matched = false;
   ask.is_matched = [&](auto) { return matched; };
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
-  watch.finished(handshake);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
+  watch.note_finished(handshake);
   EXPECT_TRUE(after(10s).empty());
   matched = true;
   EXPECT_TRUE(after(1s).empty());
@@ -209,9 +209,9 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
   bool matched = true, sent_keys = true;
   ask.has_keys = [&](auto) { return sent_keys; };
   ask.is_matched = [&](auto) { return matched; };
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
-  watch.finished(handshake);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
+  watch.note_finished(handshake);
   EXPECT_TRUE(after(300s).empty());
   sent_keys = false;
   EXPECT_TRUE(after(300s).empty()) << "they came";
@@ -233,7 +233,7 @@ TEST_F(HandshakeWatchTest, APeerThatLosesAnEndpointAfterwards_IsGivenUp) {
 TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
   for (const auto wait : {20s, 40s, 80s}) {
     EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
-    watch.note_met({local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
     EXPECT_EQ(after(wait + 1s).size(), 1u);
   }
   EXPECT_TRUE(watch.was_unanswered(guid_of(1)));
@@ -246,9 +246,9 @@ TEST_F(HandshakeWatchTest, APeerThatWasWaitedForAsLongAsPossible_IsUnanswered) {
 TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
   ask.is_matched = [](auto) { return false; };
   for (int i = 0; i < 5; ++i) {
-    watch.note_met({local, remote}, guid_of(1));
-    watch.progressed({local, remote}, handshake);
-    watch.finished(handshake);
+    watch.note_discovered({local, remote}, guid_of(1));
+    watch.note_progress({local, remote}, handshake);
+    watch.note_finished(handshake);
     EXPECT_EQ(after(81s).size(), 1u);
   }
   EXPECT_FALSE(watch.was_unanswered(guid_of(1)));
@@ -256,22 +256,22 @@ TEST_F(HandshakeWatchTest, APeerThatOnlyLacksEndpoints_IsNotUnanswered) {
 
 // The host removes a remote participant for all local participants at once.
 struct SharedPeerTest : HandshakeWatchTest {
-  // The peer authenticates the first local participant, and the second one meets it.
+  // The peer authenticates the first local participant, and the second one discovers it.
   void meet() {
-    watch.note_met({local, remote}, guid_of(1));
-    watch.progressed({local, remote}, handshake);
-    watch.finished(handshake);
-    watch.note_met({second_local, remote}, guid_of(1));
+    watch.note_discovered({local, remote}, guid_of(1));
+    watch.note_progress({local, remote}, handshake);
+    watch.note_finished(handshake);
+    watch.note_discovered({second_local, remote}, guid_of(1));
   }
 };
 
 TEST_F(SharedPeerTest, WaitForIt_IsLongerThanForAnother) {
   meet();
-  watch.progressed({second_local, remote}, second);
-  watch.refused(second);
-  watch.note_met({{3}, remote}, guid_of(1));  // a third participant meets it
+  watch.note_progress({second_local, remote}, second);
+  watch.note_refused(second);
+  watch.note_discovered({{3}, remote}, guid_of(1));  // a third participant discovers it
   EXPECT_TRUE(after(79s).empty());
-  watch.finished(second);
+  watch.note_finished(second);
   const auto stuck = after(2s);
   ASSERT_EQ(stuck.size(), 1u) << "the third one gets nothing";
   EXPECT_TRUE(stuck[0].is_shared);
@@ -302,8 +302,8 @@ TEST_F(SharedPeerTest, PeerThatResetsAnUnusedSession_IsFollowedSeldom) {
   EXPECT_TRUE(after(1min).empty());
   EXPECT_TRUE(watch.follows_unused_reset(guid_of(1)));
   EXPECT_FALSE(watch.follows_unused_reset(guid_of(1)));
-  watch.progressed({second_local, remote}, second);
-  watch.finished(second);
+  watch.note_progress({second_local, remote}, second);
+  watch.note_finished(second);
   EXPECT_TRUE(after(1s).empty());
   EXPECT_TRUE(watch.follows_unused_reset(guid_of(1))) << "all had a session meanwhile";
 }
@@ -323,21 +323,22 @@ TEST_F(SharedPeerTest, PeerThatKeepsItsSession_IsNotGivenUpForAnother) {
   watch.note_session_kept(handshake);
   EXPECT_TRUE(after(24h).empty());
   ask.has_keys_for = [&](auto, auto asked) { return asked == local; };
-  watch.progressed({second_local, remote}, second);
-  watch.finished(second);
+  watch.note_progress({second_local, remote}, second);
+  watch.note_finished(second);
   EXPECT_TRUE(after(24h).empty()) << "its keys for the second do not come";
 }
 
 // Otherwise the core's timer would end the handshake after 100 s, and damage memory.
 TEST_F(SharedPeerTest, PeerWhileTheCoresTimerRuns_IsGivenUpEachTime) {
   for (int i = 0; i < 3; ++i) {
-    watch.note_met({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
-    watch.progressed({local, remote}, handshake);
-    watch.finished(handshake);
+    watch.note_discovered({local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
+    watch.note_progress({local, remote}, handshake);
+    watch.note_finished(handshake);
     watch.note_session_kept(handshake);
-    watch.not_admitted({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
+    watch.note_not_admitted({second_local, remote}, guid_of(1),
+                            HandshakeWatch::CoreTimerState::runs);
     EXPECT_TRUE(after(40s).empty());
-    watch.note_met({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
+    watch.note_discovered({second_local, remote}, guid_of(1), HandshakeWatch::CoreTimerState::runs);
     EXPECT_TRUE(after(39900ms).empty()) << "the timer began when it was first asked";
     const auto stuck = after(200ms);
     ASSERT_EQ(stuck.size(), 1u);
@@ -350,8 +351,8 @@ TEST_F(SharedPeerTest, FinishedWithBoth_IsForgiven) {
   meet();
   ASSERT_EQ(after(80s).size(), 1u);
   meet();
-  watch.progressed({second_local, remote}, second);
-  watch.finished(second);
+  watch.note_progress({second_local, remote}, second);
+  watch.note_finished(second);
   EXPECT_TRUE(after(1000s).empty());
   meet();
   EXPECT_EQ(after(81s).size(), 1u);
@@ -360,8 +361,8 @@ TEST_F(SharedPeerTest, FinishedWithBoth_IsForgiven) {
 TEST_F(SharedPeerTest, KeysToOneOnly_AreNotEnough) {
   ask.has_keys_for = [&](auto, auto asked) { return asked == local; };
   meet();
-  watch.progressed({second_local, remote}, second);
-  watch.finished(second);
+  watch.note_progress({second_local, remote}, second);
+  watch.note_finished(second);
   EXPECT_TRUE(after(79s).empty());
   const auto stuck = after(2s);
   ASSERT_EQ(stuck.size(), 1u);
@@ -371,37 +372,37 @@ TEST_F(SharedPeerTest, KeysToOneOnly_AreNotEnough) {
 // A peer finishes one handshake at the last moment, and then lacks endpoints.
 TEST_F(SharedPeerTest, MissingEndpoints_GiveItUpInTimeAllTheSame) {
   ask.is_matched = [](auto) { return false; };
-  watch.note_met({local, remote}, guid_of(1));
-  watch.note_met({second_local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_discovered({second_local, remote}, guid_of(1));
   for (int i = 0; i < 5; ++i) {
-    watch.progressed({local, remote}, handshake);
+    watch.note_progress({local, remote}, handshake);
     EXPECT_TRUE(after(15s).empty());
   }
-  watch.finished(handshake);
+  watch.note_finished(handshake);
   EXPECT_EQ(after(5100ms).size(), 1u);
 }
 
 // For example, the revocation list of the second participant is out of date. The host asks once a
 // second.
 TEST_F(SharedPeerTest, PeerThatASecondParticipantDoesNotAdmit_IsAskedAboutUntilItDoes) {
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
-  watch.finished(handshake);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
+  watch.note_finished(handshake);
   for (int i = 0; i < 1000; ++i) {
-    watch.not_admitted({second_local, remote}, guid_of(1));
+    watch.note_not_admitted({second_local, remote}, guid_of(1));
     ASSERT_TRUE(after(1s).empty()) << "the session of the first one stays";
   }
-  watch.note_met({second_local, remote}, guid_of(1));
+  watch.note_discovered({second_local, remote}, guid_of(1));
   EXPECT_TRUE(after(79s).empty()) << "counted from here";
   EXPECT_EQ(after(2s).size(), 1u);
 }
 
 // A request that came immediately made the host wait for another one.
 TEST_F(SharedPeerTest, PeerThatTheHostDoesNotAskAboutAgain_IsGivenUpOnce) {
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
-  watch.finished(handshake);
-  watch.not_admitted({second_local, remote}, guid_of(1));
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
+  watch.note_finished(handshake);
+  watch.note_not_admitted({second_local, remote}, guid_of(1));
   EXPECT_TRUE(after(79s).empty());
   EXPECT_EQ(after(2s).size(), 1u);
 }
@@ -415,8 +416,8 @@ TEST_F(SharedPeerTest, EndedParticipant_DoesNotGiveItUp) {
 TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   std::vector<std::chrono::nanoseconds> waits;
   for (int i = 0; i < 8; ++i) {
-    watch.note_met({local, remote}, guid_of(1));
-    watch.refused(remote);
+    watch.note_discovered({local, remote}, guid_of(1));
+    watch.note_refused(remote);
     const auto stuck = after(81s);
     ASSERT_EQ(stuck.size(), 1u);
     EXPECT_EQ(stuck[0].is_first, i == 0);
@@ -425,46 +426,46 @@ TEST_F(HandshakeWatchTest, TheWait_DoublesUpToEightySeconds) {
   EXPECT_EQ(waits,
             (std::vector<std::chrono::nanoseconds>{2500ms, 5s, 10s, 20s, 40s, 80s, 80s, 80s}));
   // Another peer has a count of its own, and the count of this peer is forgotten after a while.
-  watch.note_met({local, other}, guid_of(2));
-  watch.refused(other);
+  watch.note_discovered({local, other}, guid_of(2));
+  watch.note_refused(other);
   EXPECT_EQ(after(3s).size(), 1u);
   EXPECT_TRUE(after(HandshakeWatch::kForgetAfter).empty());
-  watch.note_met({local, remote}, guid_of(1));
-  watch.refused(remote);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_refused(remote);
   const auto again = after(3s);
   ASSERT_EQ(again.size(), 1u);
   EXPECT_TRUE(again[0].is_first);
 }
 
 TEST_F(HandshakeWatchTest, WhatTheHostReturns_IsForgotten) {
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, handshake);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, handshake);
   watch.forget(remote);
-  watch.refused(handshake);
-  watch.finished(handshake);
+  watch.note_refused(handshake);
+  watch.note_finished(handshake);
   EXPECT_TRUE(after(300s).empty());
-  watch.note_met({local, remote}, guid_of(1));
-  watch.progressed({local, remote}, second);
+  watch.note_discovered({local, remote}, guid_of(1));
+  watch.note_progress({local, remote}, second);
   watch.forget(second);
-  watch.finished(second);  // the handshake is not of this peer any more
+  watch.note_finished(second);  // the handshake is not of this peer any more
   EXPECT_EQ(after(21s).size(), 1u);
 }
 
 TEST_F(HandshakeWatchTest, ManyInventedPeers_OnlyTheLatestAreRemembered) {
   const auto give_up = [&](std::uint32_t number) {
-    watch.note_met({local, {number}}, guid_of(number));
-    watch.refused(spi::IdentityHandle{number});
+    watch.note_discovered({local, {number}}, guid_of(number));
+    watch.note_refused(spi::IdentityHandle{number});
     clock.advance(2500ms);
     return watch.give_up();
   };
   EXPECT_TRUE(give_up(1).at(0).is_first);
-  watch.note_met({local, {1}}, guid_of(1));
-  watch.refused(spi::IdentityHandle{1});
+  watch.note_discovered({local, {1}}, guid_of(1));
+  watch.note_refused(spi::IdentityHandle{1});
   EXPECT_TRUE(give_up(2).at(0).is_first);
   EXPECT_FALSE(after(5s).at(0).is_first);
   for (std::uint32_t number = 10; number < 10 + HandshakeWatch::kMaxPeers; ++number) {
-    watch.note_met({local, {number}}, guid_of(number));
-    watch.refused(spi::IdentityHandle{number});
+    watch.note_discovered({local, {number}}, guid_of(number));
+    watch.note_refused(spi::IdentityHandle{number});
   }
   clock.advance(2500ms);
   EXPECT_EQ(watch.give_up().size(), HandshakeWatch::kMaxPeers);
@@ -472,10 +473,10 @@ TEST_F(HandshakeWatchTest, ManyInventedPeers_OnlyTheLatestAreRemembered) {
 }
 
 TEST_F(HandshakeWatchTest, UnknownPeers_AreIgnored) {
-  watch.refused(remote);
-  watch.refused(handshake);
-  watch.finished(handshake);
-  watch.progressed({local, remote}, handshake);
+  watch.note_refused(remote);
+  watch.note_refused(handshake);
+  watch.note_finished(handshake);
+  watch.note_progress({local, remote}, handshake);
   watch.forget(remote);
   EXPECT_TRUE(after(300s).empty());
 }

@@ -1,8 +1,6 @@
 // What a plugin context reports: each refusal once. No exception gets through to the host.
 #include "plugins/cyclonedds/host.hpp"
 
-#include <stdexcept>
-
 #include "plugins/cyclonedds/c_boundary.hpp"
 #include "tests/unit/cyclonedds/boundaries.hpp"
 #include "tests/unit/cyclonedds/support.hpp"

@@ -1,7 +1,5 @@
 // Key tokens that pass between the host and the plugin.
 #include <algorithm>
-#include <cstdlib>
-#include <stdexcept>
 #include <utility>
 
 #include "tests/unit/cyclonedds/cryptography_adapters.hpp"

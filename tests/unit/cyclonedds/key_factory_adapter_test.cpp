@@ -1,7 +1,6 @@
 // Participants and endpoints that the host registers and unregisters.
 #include <cstdlib>
 #include <fstream>
-#include <stdexcept>
 #include <utility>
 
 #include "plugins/cyclonedds/value_translation.hpp"

@@ -1,9 +1,7 @@
 // Two participants live a whole life through the C ABI: ours, stock, and every mix of both.
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <malloc.h>
-#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -37,7 +35,7 @@ Paths mix(int stock) {
           (stock & 2) ? kStock + "ac.so" : kOurs + "access_control.so",
           (stock & 4) ? kStock + "crypto.so" : kOurs + "cryptography.so"};
 }
-constexpr int kAllOurs = 0;
+constexpr int kAllDdssec = 0;
 constexpr int kAllStock = 7;
 
 std::string mix_name(int stock) {
@@ -136,8 +134,8 @@ TEST_P(Life, StockOnTheOtherSide_TalksBothWays) {
 }
 
 TEST_P(Life, OursOnTheOtherSide_TalksBothWays) {
-  live(GetParam(), kAllOurs, "origin");
-  live(kAllOurs, GetParam(), "sign");
+  live(GetParam(), kAllDdssec, "origin");
+  live(kAllDdssec, GetParam(), "sign");
 }
 
 INSTANTIATE_TEST_SUITE_P(Mixes, Life, testing::Range(0, 8),
@@ -145,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(Mixes, Life, testing::Range(0, 8),
 
 TEST(OurLife, EveryGovernance_TalksBothWays) {
   for (const auto* governance : {"none", "sign", "encrypt", "origin", "origin_sign"})
-    live(kAllOurs, kAllOurs, governance);
+    live(kAllDdssec, kAllDdssec, governance);
 }
 
 // Two local participants of one domain, and a remote one that talks to both. Cyclone's core has one
@@ -179,7 +177,7 @@ struct TwoLocals {
     local.reset();
   }
 
-  Domain domain, far{mix(kAllOurs)};
+  Domain domain, far{mix(kAllDdssec)};
   std::unique_ptr<Participant> first, second;
   Participant remote;
   std::unique_ptr<Link> of_first, of_second;
@@ -232,13 +230,13 @@ TEST_P(OneOfTwoLeaves, OtherLocal_GoesOn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Mixes, TwoLocalsLife, testing::Values(kAllOurs, 1, 4, kAllStock),
+INSTANTIATE_TEST_SUITE_P(Mixes, TwoLocalsLife, testing::Values(kAllDdssec, 1, 4, kAllStock),
                          [](const auto& info) { return mix_name(info.param); });
-INSTANTIATE_TEST_SUITE_P(Mixes, OneOfTwoLeaves, testing::Values(kAllOurs, 1, 4),
+INSTANTIATE_TEST_SUITE_P(Mixes, OneOfTwoLeaves, testing::Values(kAllDdssec, 1, 4),
                          [](const auto& info) { return mix_name(info.param); });
 
 TEST(OurLife, TheRemote_IsReturnedOnceForAllAndIsThenUnknownToAll) {
-  TwoLocals two(kAllOurs, "encrypt");
+  TwoLocals two(kAllDdssec, "encrypt");
   auto& auth = two.domain.authentication();
   const auto identity = two.of_first->a_of_b.identity;
   TwoLocals::leave(two.of_first, two.first);
@@ -257,13 +255,13 @@ TEST(OurLife, TheRemote_IsReturnedOnceForAllAndIsThenUnknownToAll) {
 }
 
 TEST(OurLife, EndOfOneDomain_LeavesTheOtherWorking) {
-  Domain first(mix(kAllOurs));
+  Domain first(mix(kAllDdssec));
   Participant a(first, kPki, "a", "encrypt");
   {
-    Domain second(mix(kAllOurs));
+    Domain second(mix(kAllDdssec));
     const Participant b(second, kPki, "b", "encrypt");
   }
-  Domain third(mix(kAllOurs));
+  Domain third(mix(kAllDdssec));
   Participant b(third, kPki, "b", "encrypt");
   const Link link(a, b, "Square");
   send_payload(link, 8);
@@ -272,9 +270,9 @@ TEST(OurLife, EndOfOneDomain_LeavesTheOtherWorking) {
 // Cyclone unloads the plugins with the last secured participant. (Under the address sanitizer
 // mallinfo2 counts nothing, and the leak check takes its place.)
 TEST(OurLife, OneAfterAnother_TakesNoMoreMemory) {
-  live(kAllOurs, kAllOurs, "encrypt");
+  live(kAllDdssec, kAllDdssec, "encrypt");
   const auto before = mallinfo2().uordblks;
-  for (int i = 0; i < 5; ++i) live(kAllOurs, kAllOurs, "encrypt");
+  for (int i = 0; i < 5; ++i) live(kAllDdssec, kAllDdssec, "encrypt");
   EXPECT_LT(mallinfo2().uordblks, before + 100'000) << "it was 240,000 a life";
 }
 
@@ -283,7 +281,7 @@ TEST(OurLife, AListener_MayStayUntilTheEnd) {
       [](auto*, auto) -> DDS_Security_boolean { return 1; }, nullptr};
   static const dds_security_access_control_listener permissions{
       [](auto*, auto) -> DDS_Security_boolean { return 1; }};
-  Domain domain(mix(kAllOurs));
+  Domain domain(mix(kAllDdssec));
   auto& auth = domain.authentication();
   auto& access = domain.access_control();
   EXPECT_EQ(auth.set_listener(&auth, &identities, nullptr), 1);
@@ -294,7 +292,7 @@ TEST(OurLife, AListener_MayStayUntilTheEnd) {
 }
 
 TEST(OurLife, ForeignReceiver_IsToldToTryTheNextParticipant) {
-  Domain sending(mix(kAllOurs)), receiving(mix(kAllOurs));
+  Domain sending(mix(kAllDdssec)), receiving(mix(kAllDdssec));
   const CryptoLink link(sending.cryptography(), receiving.cryptography(), keys_of(4, 0, 0), 2);
   constexpr std::uint8_t kPrefix[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   const auto plain = message(kPrefix, 64);
@@ -312,7 +310,7 @@ TEST(OurLife, ForeignReceiver_IsToldToTryTheNextParticipant) {
 }
 
 TEST(OurLife, AnIdentityThatIsNotThere_IsExplained) {
-  Domain domain(mix(kAllOurs));
+  Domain domain(mix(kAllDdssec));
   int code = 0;
   testing::internal::CaptureStderr();
   try {

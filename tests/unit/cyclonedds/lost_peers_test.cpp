@@ -10,6 +10,7 @@
 
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
+#include "tests/unit/cyclonedds/revocation_listeners.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
 // The peer whose keys never came.
@@ -90,7 +91,7 @@ struct SessionResetTest : testing::Test {
     EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 0, &qos, &guid, nullptr),
               DDS_SECURITY_VALIDATION_OK);
     revoked = 0;
-    EXPECT_EQ(c->set_listener(c, &listener, nullptr), 1);
+    EXPECT_EQ(c->set_listener(c, &kNotesRevokedIdentity<revoked>, nullptr), 1);
   }
   void TearDown() override { EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1); }
 
@@ -123,13 +124,6 @@ struct SessionResetTest : testing::Test {
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
   dds_security_authentication* c = &harness.adapter;
   MockAuthentication& plugin = *harness.plugin;
-  const dds_security_authentication_listener listener{
-      [](const dds_security_authentication*,
-         const DDS_Security_IdentityHandle handle) -> DDS_Security_boolean {
-        revoked = handle;
-        return 1;
-      },
-      nullptr};
 };
 
 TEST_F(SessionResetTest, DroppedPeerMetAgain_GetsIt) {
@@ -161,7 +155,7 @@ TEST_F(SessionResetTest, ReceivedReset_MakesTheHostBeginAnew) {
   EXPECT_GE(questions, before + 2);
   EXPECT_EQ(revoked, 0);
   const auto message = spi::write_reset(kRemote, spi::derive_reset_token(*secret(), kRemote));
-  EXPECT_TRUE(resets.received(*spi::read_reset(message)));
+  EXPECT_TRUE(resets.note_reset(*spi::read_reset(message)));
   for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(revoked, remote);
   EXPECT_EQ(std::ranges::count(harness.events, Code::session_reset_by_peer,
@@ -178,7 +172,7 @@ struct EndedByPeer : SessionResetTest {
     auto& resets = SessionResets::of_process();
     resets.expect({{70}, {1}}, {remote}, spi::derive_reset_token(*secret(), kRemote));
     const auto message = spi::write_reset(kRemote, spi::derive_reset_token(*secret(), kRemote));
-    EXPECT_TRUE(resets.received(*spi::read_reset(message)));
+    EXPECT_TRUE(resets.note_reset(*spi::read_reset(message)));
     for (int i = 0; i < 1000 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);
     EXPECT_EQ(revoked, remote);
     resets.forget({70});

@@ -33,8 +33,8 @@ spi::SharedSecret secret_of(std::uint8_t session, std::size_t addresses = 1) {
 struct LostSessionsTest : testing::Test {
   LostSessionsTest() { sessions.add_local(local, kOwn); }
 
-  std::vector<LostSessions::DueReset> due(bool meets = true) {
-    return sessions.due([&](auto, const auto&) { return meets; });
+  std::vector<LostSessions::DueReset> due(bool discovers = true) {
+    return sessions.due([&](auto, const auto&) { return discovers; });
   }
 
   void lose(const Guid& guid) {
@@ -83,7 +83,7 @@ TEST_F(LostSessionsTest, AParticipantThatEnds_PresentsThemAll) {
   EXPECT_TRUE(sessions.remove_local(local).empty());
 }
 
-// A host that believes a forged announcement of the peer does not meet the peer.
+// A host that believes a forged announcement of the peer does not discover the peer.
 TEST_F(LostSessionsTest, PeerNotMet_GetsThemSeldom) {
   lose(remote(1));
   std::vector<std::chrono::nanoseconds> sent;
@@ -91,7 +91,7 @@ TEST_F(LostSessionsTest, PeerNotMet_GetsThemSeldom) {
     const auto all = due(false);
     ASSERT_LE(all.size(), 1u);
     if (all.empty()) continue;
-    EXPECT_FALSE(all[0].is_meeting);
+    EXPECT_FALSE(all[0].discovers);
     EXPECT_EQ(all[0].remote, remote(1));
     EXPECT_EQ(all[0].own, kOwn);
     sent.push_back(waited);
@@ -129,14 +129,14 @@ TEST_F(LostSessionsTest, PeerThatIsCutOff_IsPresentedAfterTwoSeconds) {
   EXPECT_EQ(due(false).size(), 1u);
 }
 
-TEST_F(LostSessionsTest, UnmetPeers_AreBoundedAtOnce) {
-  constexpr std::uint16_t kLost = 3 * LostSessions::kMaxUnmet;
+TEST_F(LostSessionsTest, UndiscoveredPeers_AreBoundedAtOnce) {
+  constexpr std::uint16_t kLost = 3 * LostSessions::kMaxUndiscovered;
   for (std::uint16_t number = 0; number < kLost; ++number) lose(remote(number));
-  clock.advance(LostSessions::kFirstUnmet);
+  clock.advance(LostSessions::kFirstUndiscovered);
   std::set<Guid> told;
   for (unsigned second = 0; second < 3; ++second, clock.advance(1s)) {
     const auto all = due(false);
-    EXPECT_EQ(all.size(), LostSessions::kMaxUnmet);
+    EXPECT_EQ(all.size(), LostSessions::kMaxUndiscovered);
     for (const auto& one : all) told.insert(one.remote);
   }
   EXPECT_EQ(told.size(), kLost);

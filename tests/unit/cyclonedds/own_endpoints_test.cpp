@@ -44,35 +44,35 @@ struct OwnEndpointsTest : testing::Test {
 TEST_F(OwnEndpointsTest, EndpointsWithoutARenewal_AreNotJudged) {
   lost = "Square";
   EXPECT_CALL(plugin, check_own_endpoint).Times(0);
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
 }
 
 TEST_F(OwnEndpointsTest, RightsThatStay_AreJudgedOnceForEachRenewal) {
   renewals = 1;
   EXPECT_CALL(plugin, check_own_endpoint(kUs, true, _)).Times(1);
   EXPECT_CALL(plugin, check_own_endpoint(kUs, false, _)).Times(1);
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
   EXPECT_EQ(endpoints.losses(kUs), 0u);
 }
 
 TEST_F(OwnEndpointsTest, ALostRight_IsToldOnce) {
   renewals = 1;
   lost = "Square";
-  const auto told = endpoints.judge(kUs, plugin);
+  const auto told = endpoints.poll(kUs, plugin);
   ASSERT_TRUE(told);
   EXPECT_EQ(told->code(), Code::own_rights_lost);
   EXPECT_EQ(told->details().document, "permissions.p7s");
   EXPECT_EQ(told->details().expected, "Square");
   EXPECT_EQ(endpoints.losses(kUs), 1u);
   renewals = 2;  // a right that was lost before does not count again
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
   lost.clear();
   renewals = 3;
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
   lost = "Square";
   renewals = 4;
-  EXPECT_TRUE(endpoints.judge(kUs, plugin));
+  EXPECT_TRUE(endpoints.poll(kUs, plugin));
   EXPECT_EQ(endpoints.losses(kUs), 2u);
 }
 
@@ -81,7 +81,7 @@ TEST_F(OwnEndpointsTest, SeveralLostRights_AreOneLossAndAreCounted) {
   endpoints.add(&plugin, kOther, true, {.topic_name = "Square"});
   renewals = 1;
   lost = "Square";
-  const auto told = endpoints.judge(kUs, plugin);
+  const auto told = endpoints.poll(kUs, plugin);
   ASSERT_TRUE(told);
   EXPECT_NE(told->details().note.find("1 more endpoints"), std::string::npos);
   EXPECT_EQ(endpoints.losses(kUs), 1u);
@@ -92,10 +92,10 @@ TEST_F(OwnEndpointsTest, AnEndpointThatIsGone_LosesNothing) {
   renewals = 1;
   lost = "Square";
   endpoints.remove(&writer);
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
   endpoints.add(&writer, kUs, true, {.topic_name = "Square"});
   endpoints.forget(kUs);
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
 }
 
 // A participant without valid permissions is cut off altogether.
@@ -103,7 +103,7 @@ TEST_F(OwnEndpointsTest, PermissionsThatEnded_AreNoLostRight) {
   renewals = 1;
   lost = "Circle";
   code_for_readers = Code::grant_expired;
-  EXPECT_FALSE(endpoints.judge(kUs, plugin));
+  EXPECT_FALSE(endpoints.poll(kUs, plugin));
 }
 
 TEST_F(OwnEndpointsTest, PartitionsAndTags_AreJudged) {
@@ -117,7 +117,7 @@ TEST_F(OwnEndpointsTest, PartitionsAndTags_AreJudged) {
     EXPECT_EQ(asked.data_tags.size(), 1u);
     return Status();
   });
-  EXPECT_FALSE(endpoints.judge(kOther, plugin));
+  EXPECT_FALSE(endpoints.poll(kOther, plugin));
 }
 
 using access_control_adapters::AccessControlAdapterTest;

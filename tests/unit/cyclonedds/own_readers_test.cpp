@@ -182,7 +182,7 @@ TEST_F(OwnReadersTest, ReadersOfOtherParticipants_DoNotEnd) {
 TEST_F(OwnReadersTest, EndedReaders_AreNotAnnouncedAgain) {
   said(announcement({}));
   said(announcement({.reader = kOther}));
-  own.ended(kReader);
+  own.note_ended(kReader);
   said(announcement({}));  // the host announces it to each participant that joins later
   EXPECT_EQ(own.announced(), std::vector{kOther});
 }
@@ -200,7 +200,7 @@ TEST_F(OwnReadersTest, OneHundredThousandDeleted_TakeABitEachAndStayEnded) {
   const auto before = ::mallinfo2().uordblks;
   for (std::uint32_t key = 1; key <= kDeleted; ++key) {
     said(announcement({.reader = reader_with_key(key)}));
-    own.ended(reader_with_key(key));
+    own.note_ended(reader_with_key(key));
   }
   EXPECT_LT(::mallinfo2().uordblks, before + kDeleted);
   for (std::uint32_t key = 1; key <= kDeleted; ++key)
@@ -215,14 +215,14 @@ TEST_F(OwnReadersTest, LargestKeyDeleted_OthersStayAnnounced) {
   const auto last = reader_with_key(0xffffff);
   said(announcement({}));
   said(announcement({.reader = last}));
-  own.ended(last);
+  own.note_ended(last);
   said(announcement({.reader = last}));
   EXPECT_EQ(own.announced(), std::vector{kReader});
 }
 
 TEST_F(OwnReadersTest, ForgottenParticipant_ForgetsThem) {
   said(announcement({}));
-  own.ended(kReader);
+  own.note_ended(kReader);
   said(announcement({.reader = kOther}));
   own.forget(kOwn);
   EXPECT_TRUE(own.announced().empty());

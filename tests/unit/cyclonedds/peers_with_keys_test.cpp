@@ -10,19 +10,19 @@ constexpr auto kAll = PeersWithKeys::kSecureEndpoints;
 
 TEST(PeersWithKeys, PeersWhoseKeysCame_AreContained) {
   PeersWithKeys peers;
-  EXPECT_FALSE(peers.contains({7}));
-  peers.note_met({70}, {7}, kLocal, kAll);
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
+  peers.note_discovered({70}, {7}, kLocal, kAll);
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_keys_sent({71}, kLocal);  // another peer, which no participant met
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_keys_sent({70}, kLocal);
-  peers.note_met({70}, {7}, kLocal, kAll);  // a second local participant meets it
-  EXPECT_TRUE(peers.contains({7}));
-  EXPECT_FALSE(peers.contains({70}));
+  peers.note_discovered({70}, {7}, kLocal, kAll);  // a second local participant meets it
+  EXPECT_TRUE(peers.has_sent_keys({7}));
+  EXPECT_FALSE(peers.has_sent_keys({70}));
   peers.note_left({71});
-  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_TRUE(peers.has_sent_keys({7}));
   peers.note_left({70});
-  EXPECT_FALSE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_left({70});
 }
 
@@ -30,37 +30,37 @@ TEST(PeersWithKeys, EachLocalParticipant_IsSentThemApart) {
   PeersWithKeys peers;
   peers.add_local(kLocal, {21});
   peers.add_local(kSecond, {22});
-  EXPECT_FALSE(peers.has_sent_keys({7}, {21}));
-  peers.note_met({70}, {7}, kLocal, kAll);
-  peers.note_met({70}, {7}, kSecond, kAll);
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {21}));
+  peers.note_discovered({70}, {7}, kLocal, kAll);
+  peers.note_discovered({70}, {7}, kSecond, kAll);
   peers.note_keys_sent({70}, kLocal);
-  EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
-  EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
-  EXPECT_FALSE(peers.has_sent_keys({7}, {23}));
+  EXPECT_TRUE(peers.has_sent_keys(spi::IdentityHandle{7}, {21}));
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {22}));
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {23}));
   peers.note_keys_sent({70}, kSecond);
-  EXPECT_TRUE(peers.has_sent_keys({7}, {22}));
+  EXPECT_TRUE(peers.has_sent_keys(spi::IdentityHandle{7}, {22}));
   peers.note_left(kSecond);
-  EXPECT_FALSE(peers.has_sent_keys({7}, {22}));
-  EXPECT_TRUE(peers.has_sent_keys({7}, {21}));
-  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_FALSE(peers.has_sent_keys(spi::IdentityHandle{7}, {22}));
+  EXPECT_TRUE(peers.has_sent_keys(spi::IdentityHandle{7}, {21}));
+  EXPECT_TRUE(peers.has_sent_keys({7}));
 }
 
 TEST(PeersWithKeys, ALaterPeerOfTheSameIdentity_StartsWithout) {
   PeersWithKeys peers;
-  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_discovered({70}, {7}, kLocal, kAll);
   peers.note_keys_sent({70}, kLocal);
-  peers.note_met({71}, {7}, kLocal, kAll);
-  EXPECT_FALSE(peers.contains({7}));
+  peers.note_discovered({71}, {7}, kLocal, kAll);
+  EXPECT_FALSE(peers.has_sent_keys({7}));
   peers.note_left({70});
   peers.note_keys_sent({71}, kLocal);
-  EXPECT_TRUE(peers.contains({7}));
+  EXPECT_TRUE(peers.has_sent_keys({7}));
 }
 
 TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
   using namespace std::chrono_literals;
   PeersWithKeys peers;
   EXPECT_FALSE(peers.awaits_keys());
-  peers.note_met({70}, {7}, kLocal, kAll);
+  peers.note_discovered({70}, {7}, kLocal, kAll);
   peers.note_matched(700, {70}, 1);
   EXPECT_TRUE(peers.awaits_keys());
   EXPECT_EQ(peers.last_heard({7}), 0s);
@@ -74,11 +74,24 @@ TEST(PeersWithKeys, PeersWithoutKeys_AreHeardByTheirEndpoints) {
   peers.note_keys_sent({70}, kLocal);
   peers.note_keys_sent({70}, kLocal);
   EXPECT_FALSE(peers.awaits_keys());
-  peers.note_met({71}, {8}, kLocal, kAll);
+  peers.note_discovered({71}, {8}, kLocal, kAll);
   peers.note_left({71});
   EXPECT_FALSE(peers.awaits_keys());
   peers.note_left({70});
   EXPECT_EQ(peers.last_heard({7}), 0s);
+}
+
+TEST(PeersWithKeys, WhileNoKeysAreAwaited_NothingIsRecordedAsHeard) {
+  using namespace std::chrono_literals;
+  PeersWithKeys peers;
+  peers.note_discovered({70}, {7}, kLocal, kAll);
+  peers.note_matched(700, {70}, 1);
+  peers.note_keys_sent({70}, kLocal);
+  peers.note_heard(700, 5s);
+  EXPECT_EQ(peers.last_heard({7}), 0s);
+  peers.note_discovered({71}, {8}, kLocal, kAll);
+  peers.note_heard(700, 6s);
+  EXPECT_EQ(peers.last_heard({7}), 6s) << "the keys of another peer are awaited";
 }
 
 TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
@@ -87,7 +100,7 @@ TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   peers.add_builtin(12, kLocal);
   peers.add_builtin(21, kSecond);
   EXPECT_TRUE(peers.is_matched({7}));  // no participant met it
-  peers.note_met({70}, {7}, kLocal, kAll | 0x3f);
+  peers.note_discovered({70}, {7}, kLocal, kAll | 0x3f);
   EXPECT_FALSE(peers.is_matched({7}));
   peers.note_matched(700, {70}, 11);
   peers.note_matched(701, {70}, 99);  // an application's endpoint
@@ -95,7 +108,7 @@ TEST(PeersWithKeys, AllBuiltinEndpointsMatched_CountsAsMatched) {
   EXPECT_FALSE(peers.is_matched({7}));
   peers.note_matched(703, {70}, 12);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.note_met({70}, {7}, kSecond, kAll);
+  peers.note_discovered({70}, {7}, kSecond, kAll);
   EXPECT_FALSE(peers.is_matched({7}));
   peers.forget(21);  // the second participant is gone
   EXPECT_TRUE(peers.is_matched({7}));
@@ -106,7 +119,7 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
   peers.add_builtin(11, kLocal);
   peers.add_builtin(12, kLocal);
   for (const std::int64_t peer : {70, 80}) {
-    peers.note_met({peer}, {peer / 10}, kLocal, kAll);
+    peers.note_discovered({peer}, {peer / 10}, kLocal, kAll);
     peers.note_matched(10 * peer, {peer}, 11);
     peers.note_matched(10 * peer + 1, {peer}, 12);
   }
@@ -128,9 +141,9 @@ TEST(PeersWithKeys, OneBuiltinEndpointGone_CountsAsUnmatched) {
 TEST(PeersWithKeys, FewerBuiltinEndpointsThanOurs_AreEnough) {
   PeersWithKeys peers;
   peers.add_builtin(11, kLocal);
-  peers.note_met({70}, {7}, kLocal, kAll & ~0x00010000u);
+  peers.note_discovered({70}, {7}, kLocal, kAll & ~0x00010000u);
   EXPECT_TRUE(peers.is_matched({7}));
-  peers.note_met({71}, {8}, kLocal, 0);  // its endpoints are not known
+  peers.note_discovered({71}, {8}, kLocal, 0);  // its endpoints are not known
   EXPECT_TRUE(peers.is_matched({8}));
 }
 

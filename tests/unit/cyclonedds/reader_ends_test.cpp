@@ -87,30 +87,30 @@ TEST_F(ReaderEndsTest, EndedReader_IsSaidOnceAfterTwoLooks) {
   announce(reader(1));
   announce(reader(2));
   world->alive = {reader(1)};
-  EXPECT_TRUE(ends.check(host));
+  EXPECT_TRUE(ends.poll(host));
   EXPECT_TRUE(carried().empty());
-  EXPECT_FALSE(ends.check(host));
+  EXPECT_FALSE(ends.poll(host));
   EXPECT_EQ(carried(), std::vector{reader(2)});
-  EXPECT_FALSE(ends.check(host));
+  EXPECT_FALSE(ends.poll(host));
   EXPECT_EQ(carried().size(), 1u);
 }
 
 TEST_F(ReaderEndsTest, ReaderThatIsThereAgain_IsNotSaid) {
   announce(reader(1));
-  EXPECT_TRUE(ends.check(host));
+  EXPECT_TRUE(ends.poll(host));
   world->alive = {reader(1)};
-  EXPECT_FALSE(ends.check(host));
+  EXPECT_FALSE(ends.poll(host));
   world->alive.clear();
-  EXPECT_TRUE(ends.check(host)) << "counts anew";
+  EXPECT_TRUE(ends.poll(host)) << "counts anew";
   EXPECT_TRUE(carried().empty());
 }
 
 TEST_F(ReaderEndsTest, HostThatRefuses_IsTriedAgain) {
   announce(reader(1));
   world->refuses = true;
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(ends.check(host));
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(ends.poll(host));
   world->refuses = false;
-  EXPECT_FALSE(ends.check(host));
+  EXPECT_FALSE(ends.poll(host));
   EXPECT_EQ(carried(), std::vector{reader(1)});
 }
 
@@ -118,8 +118,8 @@ TEST_F(ReaderEndsTest, GoneParticipant_IsNotSaid) {
   announce(reader(1));
   announce(reader(2));
   world->has_participant = false;
-  EXPECT_TRUE(ends.check(host));
-  EXPECT_FALSE(ends.check(host));
+  EXPECT_TRUE(ends.poll(host));
+  EXPECT_FALSE(ends.poll(host));
   EXPECT_TRUE(ends.readers().announced().empty());
   EXPECT_TRUE(carried().empty());
 }

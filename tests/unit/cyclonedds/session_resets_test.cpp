@@ -16,7 +16,7 @@ spi::ResetToken token_of(std::uint8_t session) {
 Bytes message_of(std::uint8_t session) { return spi::write_reset(kPeer, token_of(session)); }
 
 bool receive(SessionResets& resets, const Bytes& message) {
-  return resets.received(*spi::read_reset(message));
+  return resets.note_reset(*spi::read_reset(message));
 }
 
 SessionReset take(SessionResets& resets, spi::IdentityHandle peer) {
@@ -65,7 +65,7 @@ TEST(SessionResets, SessionsWithAndWithoutKeys_AreToldApart) {
   PeersWithKeys peers;
   for (const std::uint8_t local : {1, 2}) {
     resets.expect({{70}, {local}}, {7}, token_of(local));
-    peers.note_met({70}, {7}, {local}, 0);
+    peers.note_discovered({70}, {7}, {local}, 0);
   }
   const auto reset = [&](std::uint8_t local) {
     EXPECT_TRUE(receive(resets, message_of(local)));

@@ -1,7 +1,6 @@
 // Calls in which the host has messages encoded and decoded.
 #include <algorithm>
 #include <cstdlib>
-#include <stdexcept>
 
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "tests/unit/cyclonedds/cryptography_adapters.hpp"

@@ -1,8 +1,6 @@
 // Local endpoints that the core would open to unauthorized participants.
 #include "plugins/cyclonedds/unguarded_endpoints.hpp"
 
-#include <stdexcept>
-
 #include "plugins/cyclonedds/access_control_adapter.hpp"
 #include "tests/unit/cyclonedds/access_control_adapters.hpp"
 #include "tests/unit/cyclonedds/support.hpp"

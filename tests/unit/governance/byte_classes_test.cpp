@@ -1,6 +1,5 @@
 #include "governance/byte_classes.hpp"
 
-#include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>

@@ -1,8 +1,6 @@
 // What the tests of governance/ share: documents as text, and files.
 #pragma once
 
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 

@@ -1,6 +1,5 @@
 // Findings of lint about what only some products refuse or read differently in a permissions
 // document.
-#include <algorithm>
 #include <optional>
 
 #include "governance/lint.hpp"

@@ -1,7 +1,6 @@
 // Sets of expressions: the first and all that match a name.
 #include "governance/pattern_set.hpp"
 
-#include <algorithm>
 #include <fnmatch.h>
 
 #include <gtest/gtest.h>

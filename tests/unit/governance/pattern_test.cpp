@@ -1,7 +1,6 @@
 // A single expression: what it matches, and what that costs.
 #include "governance/pattern.hpp"
 
-#include <algorithm>
 #include <ctime>
 #include <fnmatch.h>
 

@@ -1,6 +1,5 @@
 // The comparison of governance documents is checked against a model that tries every short name in
 // every domain.
-#include <chrono>
 #include <fnmatch.h>
 #include <map>
 #include <set>

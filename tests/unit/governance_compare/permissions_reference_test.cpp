@@ -340,7 +340,7 @@ bool has_one_grant_a_subject(const Permissions& document) {
   });
 }
 
-void compare_pairs(std::uint32_t seed, int pairs, bool with_partitions) {
+void expect_agreement_of_pairs(std::uint32_t seed, int pairs, bool with_partitions) {
   ASSERT_EQ(topics().words().size(), Words().size());
   Author author(seed, with_partitions);
   std::map<ChangeClass, int> seen;
@@ -370,10 +370,10 @@ void compare_pairs(std::uint32_t seed, int pairs, bool with_partitions) {
 class PermissionsReference : public ::testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(PermissionsReference, TwoThousandPairs_AgreeWithTheModel) {
-  compare_pairs(GetParam(), 2'000, false);
+  expect_agreement_of_pairs(GetParam(), 2'000, false);
 }
 TEST_P(PermissionsReference, PairsWithPartitionsAndTags_AgreeWithTheModel) {
-  compare_pairs(GetParam(), 300, true);
+  expect_agreement_of_pairs(GetParam(), 300, true);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, PermissionsReference, ::testing::Range(1u, 6u));

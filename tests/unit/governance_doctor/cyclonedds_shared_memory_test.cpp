@@ -53,7 +53,7 @@ TEST_F(SharedMemoryCheck, ProtectedSamples_MustNotPassThePluginsBy) {
   const auto said = [](const LoadedFolder& folder,
                        const std::optional<std::string>& configuration) {
     Diagnosis out;
-    check_shared_memory(folder, configuration, {.now = kNow}, out);
+    diagnose_shared_memory(folder, configuration, {.now = kNow}, out);
     return out;
   };
   EXPECT_THAT(said(loaded, std::nullopt).checks(), IsEmpty());

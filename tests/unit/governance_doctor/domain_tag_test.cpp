@@ -24,10 +24,10 @@ TEST(DomainTagOfAConfiguration, EachSpelling_IsFoundAsCycloneDdsReadsIt) {
 
 TEST(DomainTagOfAConfiguration, SetTag_IsWarnedOf) {
   Diagnosis none;
-  check_domain_tag("<CycloneDDS/>", "cyclonedds.xml", none);
+  diagnose_domain_tag("<CycloneDDS/>", "cyclonedds.xml", none);
   EXPECT_THAT(none.checks(), IsEmpty());
   Diagnosis out;
-  check_domain_tag("<Discovery><Tag>x</Tag></Discovery>", "a/cyclonedds.xml", out);
+  diagnose_domain_tag("<Discovery><Tag>x</Tag></Discovery>", "a/cyclonedds.xml", out);
   EXPECT_THAT(rules_of(out), ElementsAre(Rule::DOC114));
   EXPECT_EQ(out.outcomes(), Outcomes{});
   const auto finding = finding_of(out, Rule::DOC114);

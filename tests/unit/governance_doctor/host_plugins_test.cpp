@@ -100,18 +100,18 @@ TEST_F(HostPlugins, NameWithAPath_CountsAsItIs) {
   text.replace(text.find(name), name.size(), (root_ / "old/libdds_security_ac.so").string());
   EXPECT_EQ(host_plugins(text, places_)[1].product, PluginProduct::ddssec);
   Diagnosis judged;
-  check_host_plugins(host_plugins(text, places_), places_, true, judged);
+  diagnose_host_plugins(host_plugins(text, places_), places_, true, judged);
   EXPECT_THAT(rules_of(judged), ElementsAre(Rule::DOC068));  // the folder has files of two products
   put_file("old", "ac", elf_that_needs("libnowhere.so.23"));
   const auto unloadable = host_plugins(text, places_);
   Diagnosis told;
-  check_loadable(unloadable, told);
+  diagnose_loadable(unloadable, told);
   EXPECT_EQ(told.outcomes(), (Outcomes{.cyclonedds = Outcome::fail, .ddssec = Outcome::fail}));
   EXPECT_THAT(finding_of(told, Rule::DOC068).message, HasSubstr("Cyclone DDS does not start"));
   // DOC102 reports a missing file, which is no question of the loader.
   fs::remove(root_ / "old/libdds_security_ac.so");
   Diagnosis missing;
-  check_host_plugins(host_plugins(text, places_), places_, true, missing);
+  diagnose_host_plugins(host_plugins(text, places_), places_, true, missing);
   EXPECT_THAT(rules_of(missing), IsEmpty());
   text.replace(text.find((root_ / "old").string()), (root_ / "old").string().size(), "${HOME}/x");
   EXPECT_THAT(host_plugins(text, places_), IsEmpty());

@@ -74,7 +74,7 @@ class HostPlugins : public Folders {
   }
   Diagnosis said() const {
     Diagnosis out;
-    check_host_plugins(found(), places_, were_ours_meant_, out);
+    diagnose_host_plugins(found(), places_, were_ours_meant_, out);
     return out;
   }
   std::string message() const {

@@ -35,7 +35,8 @@ TEST_F(MeetingTest, StockProducts_ApplyTheRuleBehindAnOpenRange) {
   sign(talker_.governance, xml);
   const auto folder = load_folder(talker_, kNow);
   const auto rule_of = [&](Product product) {
-    return meet({folder, product, "a"}, {folder, product, "b"}, {.now = kNow, .domain = 5}, {"x"})
+    return predict_meeting({folder, product, "a"}, {folder, product, "b"},
+                           {.now = kNow, .domain = 5}, {"x"})
         .rules[0];
   };
   const auto& rules = folder.governance.model->domain_rules;
@@ -68,8 +69,8 @@ TEST_F(MeetingTest, FastDdsVersion_MattersToCycloneDdsWithAnyPlugins) {
 TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
   const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
   const auto with = [&](Product other, Version cyclonedds) {
-    return meet({a, Product::fastdds, "talker", {.fastdds = {3, 1, 2}}},
-                {b, other, "listener", {.cyclonedds = cyclonedds}}, {.now = kNow});
+    return predict_meeting({a, Product::fastdds, "talker", {.fastdds = {3, 1, 2}}},
+                           {b, other, "listener", {.cyclonedds = cyclonedds}}, {.now = kNow});
   };
   const auto old = with(Product::cyclonedds, {0, 10, 5});
   EXPECT_FALSE(old.discovery_works);
@@ -84,8 +85,8 @@ TEST_F(MeetingTest, LaterFastDds_DiscoversNothingOfCycloneDds) {
 TEST_F(MeetingTest, OneSubjectForBoth_IsLeftToChance) {
   const auto out = [&] {
     const auto folder = load_folder(talker_, kNow);
-    auto result =
-        meet({folder, Product::ddssec, "a"}, {folder, Product::ddssec, "b"}, {.now = kNow});
+    auto result = predict_meeting({folder, Product::ddssec, "a"}, {folder, Product::ddssec, "b"},
+                                  {.now = kNow});
     return std::pair(result.starter, result.notes.at(0).rule);
   }();
   EXPECT_EQ(out.first, Starter::chance);

@@ -35,8 +35,8 @@ TEST_F(MeetingTest, ADirectionThatIsDeniedOnPurpose_IsNoCauseWhereTheProtectionD
   EXPECT_THAT(findings(meeting({"Square"})), ElementsAre(Rule::DOC084));
   const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
   const Settings both{.now = kNow, .writes = {true, true}};
-  const auto asked =
-      meet({a, Product::ddssec, "talker"}, {b, Product::ddssec, "listener"}, both, {"Square"});
+  const auto asked = predict_meeting({a, Product::ddssec, "talker"},
+                                     {b, Product::ddssec, "listener"}, both, {"Square"});
   EXPECT_THAT(findings(asked), ElementsAre(Rule::DOC084, Rule::DOC086));
 }
 
@@ -65,8 +65,9 @@ TEST_F(MeetingTest, ATopicThatCycloneDdsRefuses_LeavesTheOthers) {
   sign(listener_.permissions, to_xml(Permissions{.grants = {grant_for("CN=listener", "*")}}));
   const auto a = load_folder(talker_, kNow), b = load_folder(listener_, kNow);
   const auto with = [&](Product product, Version version) {
-    return meet({a, product, "talker", {.cyclonedds = version}},
-                {b, Product::cyclonedds, "listener"}, {.now = kNow}, {"Square", "Circle"});
+    return predict_meeting({a, product, "talker", {.cyclonedds = version}},
+                           {b, Product::cyclonedds, "listener"}, {.now = kNow},
+                           {"Square", "Circle"});
   };
   const auto old = with(Product::cyclonedds, {0, 10, 5});
   EXPECT_TRUE(old.joined());

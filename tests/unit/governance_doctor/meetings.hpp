@@ -16,7 +16,8 @@ class MeetingTest : public Folders {
                   Product b = Product::ddssec) const {
     const auto first = load_folder(talker_, kNow);
     const auto second = load_folder(listener_, kNow);
-    auto out = meet({first, a, "talker"}, {second, b, "listener"}, {.now = kNow}, topics);
+    auto out =
+        predict_meeting({first, a, "talker"}, {second, b, "listener"}, {.now = kNow}, topics);
     // The rules point into the loaded folders, which end here.
     for (auto& rule : out.rules) rule = nullptr;
     return out;

@@ -32,7 +32,7 @@ TEST(PluginProbe, TheLoadersReason_IsTold) {
 
 TEST(PluginProbe, AFolderThatDoesNotExist_IsOneFaultOfOurs) {
   Diagnosis out;
-  check_plugins("/nowhere", out);
+  diagnose_plugins("/nowhere", out);
   EXPECT_THAT(rules_of(out), testing::ElementsAre(Rule::DOC070));
   EXPECT_EQ(out.outcomes(), (Outcomes{.ddssec = Outcome::fail}));
 }
@@ -40,7 +40,7 @@ TEST(PluginProbe, AFolderThatDoesNotExist_IsOneFaultOfOurs) {
 TEST(PluginProbe, AFolderWithoutLibraries_IsThreeFaultsOfOurs) {
   const test::TemporaryFolder folder;
   Diagnosis out;
-  check_plugins(folder.path(), out);
+  diagnose_plugins(folder.path(), out);
   EXPECT_THAT(rules_of(out), testing::ElementsAre(Rule::DOC070, Rule::DOC070, Rule::DOC070));
   EXPECT_EQ(out.outcomes(), (Outcomes{.ddssec = Outcome::fail}));
 }

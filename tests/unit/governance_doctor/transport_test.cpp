@@ -29,7 +29,7 @@ TEST(TransportCheck, Tcp_IsFoundAsCycloneDdsReadsIt) {
 TEST(TransportCheck, Tcp_IsWarnedOf) {
   const auto said = [](const std::optional<std::string>& configuration) {
     Diagnosis out;
-    check_transport(configuration, out);
+    diagnose_transport(configuration, out);
     return out;
   };
   EXPECT_THAT(said(std::nullopt).checks(), IsEmpty());

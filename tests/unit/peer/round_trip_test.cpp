@@ -27,12 +27,12 @@ struct Other {
     qos.history.kind = rtps::HistoryKind::keep_all;
   }
   rtps::DataWriter<Blob>& writer(const char* topic) {
-    return **(*participant->create_publisher())
-                 ->create_datawriter<Blob>(**participant->create_topic<Blob>(topic), qos);
+    return **participant->create_publisher().create_datawriter<Blob>(
+        **participant->create_topic<Blob>(topic), qos);
   }
   rtps::DataReader<Blob>& reader(const char* topic) {
-    return **(*participant->create_subscriber())
-                 ->create_datareader<Blob>(**participant->create_topic<Blob>(topic), qos);
+    return **participant->create_subscriber().create_datareader<Blob>(
+        **participant->create_topic<Blob>(topic), qos);
   }
 };
 

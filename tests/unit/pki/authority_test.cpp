@@ -28,8 +28,8 @@ TEST_P(AuthorityOfKind, IssuedCertificate_IsVerifiedByItsOwnFile) {
   EXPECT_EQ(leaf.certificate.key_algorithm(), leaf.key.algorithm());
   EXPECT_FALSE(leaf.certificate.is_ca());
   EXPECT_TRUE(ca.certificate().is_ca());
-  EXPECT_TRUE(leaf.key.matches(leaf.certificate));
-  EXPECT_CODE(leaf.key.matches(ca.certificate()), key_mismatch);
+  EXPECT_TRUE(leaf.key.check_fits(leaf.certificate));
+  EXPECT_CODE(leaf.key.check_fits(ca.certificate()), key_mismatch);
   const auto verifier = make_verifier({ca.certificate()});
   const auto proof = verifier.verify(leaf.certificate, kNow);
   ASSERT_TRUE(proof) << proof.error().to_sentence();
@@ -67,7 +67,7 @@ TEST_P(AuthorityOfKind, SignedRequest_IsCertified) {
   const auto certificate = ca.sign_request(as_bytes(*request), kYear, test_random());
   ASSERT_TRUE(certificate) << certificate.error().to_sentence();
   EXPECT_TRUE(SubjectName::parse("O=c,OU=b+CN=a")->matches(*certificate));
-  EXPECT_TRUE(key->matches(*certificate));
+  EXPECT_TRUE(key->check_fits(*certificate));
 }
 
 TEST(AuthorityDates, LastYearThatACertificateCanName_IsReached) {
@@ -112,13 +112,13 @@ TEST(Reissue, NewCertificate_KeepsSubjectAndKeyAndHasANewSerialNumber) {
   EXPECT_NE(again->serial(), leaf.certificate.serial());
   EXPECT_EQ(again->not_after(), later.not_after);
   EXPECT_FALSE(again->is_ca());
-  EXPECT_TRUE(leaf.key.matches(*again));
+  EXPECT_TRUE(leaf.key.check_fits(*again));
   EXPECT_TRUE(make_verifier({ca.certificate()}).verify(*again, kNow));
   const auto other = PrivateKey::generate(KeyKind::ec_p256);
   const auto rekeyed = ca.reissue(leaf.certificate, later, test_random(), &*other);
   ASSERT_TRUE(rekeyed);
-  EXPECT_TRUE(other->matches(*rekeyed));
-  EXPECT_CODE(leaf.key.matches(*rekeyed), key_mismatch);
+  EXPECT_TRUE(other->check_fits(*rekeyed));
+  EXPECT_CODE(leaf.key.check_fits(*rekeyed), key_mismatch);
 }
 
 TEST(Reissue, RenewedRoot_StillVouchesForWhatItIssued) {

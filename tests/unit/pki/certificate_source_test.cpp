@@ -28,12 +28,12 @@ TEST(UriOf, FileForATokenWithoutAUri_IsRefused) {
 
 TEST(AboutFile, Error_NamesThePathOnce) {
   const Error error(Code::file_unreadable, {.document = "property", .found = "/a", .note = "why"});
-  const auto about = about_file(error, "/a");
+  const auto about = file_error(error, "/a");
   EXPECT_EQ(about.code(), Code::file_unreadable);
   EXPECT_EQ(about.details().document, "/a");
   EXPECT_EQ(about.details().found, "");
   EXPECT_EQ(about.details().note, "why");
-  EXPECT_EQ(about_file(error, "/b").details().found, "/a");
+  EXPECT_EQ(file_error(error, "/b").details().found, "/a");
 }
 
 TEST(LoadCertificates, FileThatTheUriNames_IsReadAsItIs) {

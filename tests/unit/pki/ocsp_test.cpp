@@ -1,7 +1,5 @@
 #include "pki/ocsp.hpp"
 
-#include <functional>
-
 #include <gmock/gmock.h>
 
 #include "pki_fixture.hpp"

@@ -138,8 +138,8 @@ TEST_F(Pkcs11Token, HeldKey_SignsAsAKeyInAFileDoes) {
     const auto certificate =
         ca.certify({.subject = "CN=robot", .validity = kYear}, *held, test_random());
     ASSERT_OK(certificate);
-    ASSERT_OK(held->matches(*certificate));
-    ASSERT_OK(in_file.matches(*certificate));
+    ASSERT_OK(held->check_fits(*certificate));
+    ASSERT_OK(in_file.check_fits(*certificate));
     const auto message = as_bytes("message");
     const auto signature = sign(*held, message);
     ASSERT_OK(signature);

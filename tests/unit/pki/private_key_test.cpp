@@ -104,10 +104,10 @@ TEST(PrivateKey, AnothersCertificate_DoesNotMatch) {
   const auto certificate = *Certificate::from_pem(data_file(kCyclone + "identity_certificate"));
   const auto ec_certificate =
       *Certificate::from_pem(data_file(kCyclone + "ec_identity_certificate"));
-  EXPECT_TRUE(key.matches(certificate)) << key.matches(certificate).error().to_sentence();
-  EXPECT_TRUE(ec.matches(ec_certificate));
-  EXPECT_CODE(other.matches(certificate), key_mismatch);
-  EXPECT_CODE(ec.matches(certificate), key_mismatch);
+  EXPECT_TRUE(key.check_fits(certificate)) << key.check_fits(certificate).error().to_sentence();
+  EXPECT_TRUE(ec.check_fits(ec_certificate));
+  EXPECT_CODE(other.check_fits(certificate), key_mismatch);
+  EXPECT_CODE(ec.check_fits(certificate), key_mismatch);
 }
 
 TEST(Signature, FlippedBitsTruncationAndLength_AreRefused) {

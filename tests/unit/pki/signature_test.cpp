@@ -1,8 +1,6 @@
 // Signatures of handshake messages.
 #include "pki/signature.hpp"
 
-#include <algorithm>
-
 #include "tests/unit/pki/pki_fixture.hpp"
 
 namespace ddssec::pki {

@@ -1,7 +1,5 @@
 #include "pki/smime.hpp"
 
-#include <filesystem>
-
 #include <gmock/gmock.h>
 
 #include "pki/certificate_source.hpp"

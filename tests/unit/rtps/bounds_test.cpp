@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rtps/discovery/parameter_table.hpp"
 #include "tests/support/counted_memory.hpp"
 #include "tests/unit/rtps/participant_fixture.hpp"
 

@@ -25,7 +25,7 @@ struct BuiltinTopicsTest : testing::Polled {
 TEST_P(BuiltinTopicsTest, Participants_ComeChangeAndGo) {
   auto c = std::make_unique<testing::End>(services, options());
   Bytes user_data{1, 2};
-  ASSERT_TRUE(c->participant->set_qos({.user_data = user_data}));
+  c->participant->set_qos({.user_data = user_data});
   const auto guid = c->participant->guid();
   const auto seen = [&] {
     c->participant->poll(0ms);
@@ -38,7 +38,7 @@ TEST_P(BuiltinTopicsTest, Participants_ComeChangeAndGo) {
   auto samples = take<ParticipantBuiltinTopicData>();
   ASSERT_EQ(samples.size(), 2u);
   user_data = {3};
-  ASSERT_TRUE(c->participant->set_qos({.user_data = user_data}));
+  c->participant->set_qos({.user_data = user_data});
   ASSERT_TRUE(eventually(seen));
   samples = take<ParticipantBuiltinTopicData>();
   ASSERT_EQ(samples.size(), 1u);
@@ -60,8 +60,8 @@ TEST_P(BuiltinTopicsTest, Endpoints_WithLongAnnouncements_AreShownWhole) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < kMaxPartitions; ++i)
     names.push_back(std::to_string(i) + std::string(kMaxNameLength - 8, 'x'));
-  auto* publisher = *a.participant->create_publisher({.partition = names});
-  auto* subscriber = *a.participant->create_subscriber({.partition = names});
+  auto* publisher = &a.participant->create_publisher({.partition = names});
+  auto* subscriber = &a.participant->create_subscriber({.partition = names});
   auto qos = reliable();
   qos.user_data.assign(4000, 7);
   ASSERT_TRUE(publisher->create_datawriter<Reading>(*a.topic, qos));

@@ -1,7 +1,6 @@
 // Listeners that act on another participant of the process, destroy a participant, or throw.
 #include "rtps/dcps/callback_lock.hpp"
 
-#include <barrier>
 #include <cstdlib>
 #include <future>
 
@@ -25,13 +24,12 @@ TEST_F(TwoThreads, ListenersThatCreateOnTheOtherParticipant_BothSucceed) {
       both.arrive_and_wait();
       auto& end = other->end;
       const auto topic = end.participant->create_topic<Reading>("Further");
-      const auto publisher =
-          end.participant->create_publisher({.autoenable_created_entities = false});
-      if (!topic || !publisher) return;
-      const auto writer = (*publisher)->create_datawriter<Reading>(**topic);
+      auto& publisher = end.participant->create_publisher({.autoenable_created_entities = false});
+      if (!topic) return;
+      const auto writer = publisher.create_datawriter<Reading>(**topic);
       Once ignored;
       const auto reader = end.subscriber->create_datareader<Reading>(**topic, reliable(), &ignored);
-      if (!writer || !reader || !(*publisher)->enable() || !(*writer)->enable()) return;
+      if (!writer || !reader || !publisher.enable() || !(*writer)->enable()) return;
       (*reader)->set_listener(nullptr);
       ++created;
     };

@@ -1,8 +1,6 @@
 // A listener that throws.
 #include "rtps/dcps/caught_exceptions.hpp"
 
-#include <barrier>
-#include <cstdlib>
 #include <future>
 
 #include "tests/unit/rtps/dcps_fixture.hpp"

@@ -1,12 +1,16 @@
 #include "rtps/cdr/cdr_reader.hpp"
 
+#include <gmock/gmock.h>
+
 #include "rtps/cdr/cdr_writer.hpp"
+#include "tests/support/counted_memory.hpp"
 #include "tests/unit/rtps/cdr_types.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
 namespace {
 
+using ::testing::AnyOf;
 using testing::code_of;
 
 Everything everything() {
@@ -58,17 +62,40 @@ TEST(Cdr, AppendableTypes_ReadOlderAndNewerWriters) {
 
 // CVE-2020-18735, CVE-2023-23932, and the sequences of CVE-2026-45097 and -49861 claim 2^31
 // elements.
-TEST(Cdr, LyingCounts_AllocateNothing) {
+TEST(Cdr, LyingCounts_AreRefused) {
   Bytes honest;
   serialize(everything(), honest);
-  for (std::size_t at = 4; at + 4 <= honest.size(); at += 4) {
+  // Of `octets`, of `wide`, of `texts` and of each text, and of `inners`.
+  const std::pair<std::size_t, std::uint8_t> counts[] = {{36, 2}, {44, 2}, {68, 2},
+                                                         {72, 2}, {80, 1}, {88, 2}};
+  for (const auto& [at, count] : counts) {
+    ASSERT_EQ(honest[at], count) << at;
     for (std::uint8_t high : {0x7f, 0x80, 0xff}) {
       auto octets = honest;
       octets[at + 3] = high;
-      const auto read = deserialize<Everything>(octets);
-      EXPECT_LE(read ? read->octets.size() + read->wide.size() : 0, honest.size());
+      EXPECT_THAT(code_of(deserialize<Everything>(octets)),
+                  AnyOf(Code::truncated, Code::length_out_of_range))
+          << at;
     }
   }
+}
+
+TEST(Cdr, LiesAnywhere_AllocateNoMoreThanTheTruth) {
+  Bytes honest;
+  serialize(everything(), honest);
+  const auto allocated_by = [](BytesView octets) {
+    const auto before = counted_memory::octets_ever();
+    static_cast<void>(deserialize<Everything>(octets));
+    return counted_memory::octets_ever() - before;
+  };
+  const auto truth = allocated_by(honest);
+  EXPECT_GT(truth, 0);
+  for (std::size_t at = 4; at + 4 <= honest.size(); at += 4)
+    for (std::uint8_t high : {0x7f, 0x80, 0xff}) {
+      auto octets = honest;
+      octets[at + 3] = high;
+      EXPECT_LE(allocated_by(octets), truth) << at;
+    }
 }
 
 TEST(Cdr, Strings_EndWithTheirOnlyNul) {

@@ -1,8 +1,6 @@
 // Types that are written and read: final, appendable and nested ones, with every kind of member.
 #pragma once
 
-#include <optional>
-
 #include "rtps/cdr/type.hpp"
 
 namespace ddssec::rtps {

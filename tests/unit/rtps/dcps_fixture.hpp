@@ -56,8 +56,8 @@ struct End {
   End(const PluginServices& services, DomainParticipantOptions options) {
     participant = *DomainParticipant::create(std::move(options), services);
     topic = *participant->create_topic<Reading>("Readings");
-    publisher = *participant->create_publisher();
-    subscriber = *participant->create_subscriber();
+    publisher = &participant->create_publisher();
+    subscriber = &participant->create_subscriber();
   }
   DataWriter<Reading>& writer(const Qos& qos = default_writer_qos()) {
     return **publisher->create_datawriter<Reading>(*topic, qos);

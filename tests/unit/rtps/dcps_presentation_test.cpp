@@ -250,8 +250,8 @@ TEST(PresentingConcurrently, OneAccess_SeesAllTopicsOfASetOrNone) {
           .delivers_in_process = is_in_process};
       testing::End a(services, options), b(services, options);
       const Presentation access{scope, true, false};
-      auto& pub = **a.participant->create_publisher({.presentation = access});
-      auto& sub = **b.participant->create_subscriber({.presentation = access});
+      auto& pub = a.participant->create_publisher({.presentation = access});
+      auto& sub = b.participant->create_subscriber({.presentation = access});
       std::vector<DataWriter<Reading>*> writers;
       std::vector<DataReader<Reading>*> readers;
       for (const auto* name : {"One", "Two", "Three"}) {

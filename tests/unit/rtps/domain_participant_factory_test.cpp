@@ -17,7 +17,7 @@ TEST_P(Entities, TheFactory_KeepsParticipantsUntilTheyAreEmpty) {
   EXPECT_EQ(factory.lookup_participant(options().domain_id), participant);
   EXPECT_EQ(factory.lookup_participant(options().domain_id + 1), nullptr);
   EXPECT_EQ(code_of(factory.delete_participant(*a.participant)), Code::rtps_precondition_not_met);
-  ASSERT_TRUE(participant->create_publisher());
+  participant->create_publisher();
   EXPECT_EQ(code_of(factory.delete_participant(*participant)), Code::rtps_precondition_not_met);
   EXPECT_TRUE(participant->delete_contained_entities());
   EXPECT_TRUE(factory.delete_participant(*participant));

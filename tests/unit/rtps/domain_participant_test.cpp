@@ -50,7 +50,7 @@ TEST_P(Entities, AnotherContainer_CannotDeleteThem) {
   EXPECT_EQ(code_of(b.subscriber->delete_datareader(reader)), Code::rtps_precondition_not_met);
   EXPECT_EQ(code_of(b.reader(reliable()).delete_readcondition(condition)),
             Code::rtps_precondition_not_met);
-  auto* empty = *a.participant->create_publisher();
+  auto* empty = &a.participant->create_publisher();
   EXPECT_EQ(code_of(b.participant->delete_publisher(*empty)), Code::rtps_precondition_not_met);
   EXPECT_EQ(code_of(b.publisher->create_datawriter<Reading>(*a.topic)),
             Code::rtps_precondition_not_met);

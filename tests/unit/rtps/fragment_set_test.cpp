@@ -16,7 +16,7 @@ TEST(FragmentSet, EachFragmentOnce_IsComplete) {
     EXPECT_TRUE(set.contains({number}));
   }
   EXPECT_TRUE(set.is_complete());
-  EXPECT_EQ(set.first_missing(), FragmentNumber{10'001});
+  EXPECT_EQ(set.missing().base(), FragmentNumber{10'001});
   EXPECT_TRUE(set.missing().empty());
 }
 
@@ -24,7 +24,7 @@ TEST(FragmentSet, AFragmentThatComesTwice_CountsOnce) {
   FragmentSet set(3);
   for (int i = 0; i < 3; ++i) set.insert({1}, 2);
   EXPECT_FALSE(set.is_complete());
-  EXPECT_EQ(set.first_missing(), FragmentNumber{3});
+  EXPECT_EQ(set.missing().base(), FragmentNumber{3});
   set.insert({2}, 2);
   EXPECT_TRUE(set.is_complete());
 }
@@ -47,7 +47,7 @@ TEST(FragmentSet, OneFragmentOfVeryMany_TakesOnePage) {
   EXPECT_EQ(set.octets(), 0u);
   set.insert({FragmentSet::kMaxFragments}, 1);
   EXPECT_EQ(set.octets(), FragmentSet::kFragmentsPerPage / 8);
-  EXPECT_EQ(set.first_missing(), FragmentNumber{1});
+  EXPECT_EQ(set.missing().base(), FragmentNumber{1});
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ using testing::reliable;
 using Entities = testing::Polled;
 
 TEST_P(Entities, AGroup_MayLeaveEnablingToTheApplication) {
-  auto* group = *a.participant->create_subscriber({.autoenable_created_entities = false});
+  auto* group = &a.participant->create_subscriber({.autoenable_created_entities = false});
   auto* reader = *group->create_datareader<Reading>(*a.topic, reliable());
   Samples<Reading> samples;
   EXPECT_EQ(code_of(reader->read(samples)), Code::rtps_not_enabled);

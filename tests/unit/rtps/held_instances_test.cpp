@@ -39,7 +39,7 @@ TEST_F(ReaderCacheTest, EndedInstances_ArePurgedAfterTheirDelay) {
   now += milliseconds(100);
   EXPECT_FALSE(cache().expire(now));
   EXPECT_EQ(cache().next_tick(), kNever);
-  cache().lose_writer(writer(1), true, now);
+  cache().lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now);
   now += milliseconds(100);
   EXPECT_TRUE(cache().expire(now));
   EXPECT_THAT(read(), IsEmpty());
@@ -51,7 +51,7 @@ TEST_F(ReaderCacheTest, EndedInstances_ArePurgedAfterTheirDelay) {
 TEST_F(ReaderCacheTest, ADisposedInstanceThatLosesItsWriters_IsPurgedAsDisposed) {
   qos.reader_data_lifecycle = {Duration::from(milliseconds(10)), Duration::from(milliseconds(50))};
   put(1, 10), put(1, 1, kDispose);
-  cache().lose_writer(writer(1), true, now);
+  cache().lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now);
   now += milliseconds(20);
   EXPECT_FALSE(cache().expire(now));
   qos.reader_data_lifecycle = {};

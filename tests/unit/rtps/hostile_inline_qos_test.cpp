@@ -4,6 +4,7 @@
 #include "rtps/transport/udp_socket.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
 #include "wire/data.hpp"
+#include "wire/parameter_list.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -72,9 +73,9 @@ struct HostileInlineQos : Polled {
 };
 
 TEST_P(HostileInlineQos, HostileParameters_StopNoReaderAndSpareHonestWriters) {
-  Publisher& liar = **a.participant->create_publisher({.presentation = kByGroup});
-  Publisher& honest = **a.participant->create_publisher({.presentation = kByGroup});
-  Subscriber& subscriber = **b.participant->create_subscriber({.presentation = kByGroup});
+  Publisher& liar = a.participant->create_publisher({.presentation = kByGroup});
+  Publisher& honest = a.participant->create_publisher({.presentation = kByGroup});
+  Subscriber& subscriber = b.participant->create_subscriber({.presentation = kByGroup});
   auto& lying = **liar.create_datawriter<Reading>(*a.topic, durable());
   auto& writer = **honest.create_datawriter<Reading>(*a.topic, durable());
   auto& reader = **subscriber.create_datareader<Reading>(*b.topic, durable());

@@ -44,12 +44,12 @@ TEST_F(ReaderCacheTest, Ownership_PassesOnWhenItsOwnerGoesUnregistersOrIsLate) {
   };
   EXPECT_TRUE(weak_is_heard());
   EXPECT_FALSE(weak_is_heard());
-  cache().lose_writer(writer(2), false, now);
+  cache().lose_writer(writer(2), ReaderCache::WriterLoss::not_alive, now);
   EXPECT_TRUE(weak_is_heard());
   put(1, 0, kUnregister, 2);
   EXPECT_TRUE(weak_is_heard());
   now += milliseconds(150);
-  cache().check_deadlines(now, [](InstanceHandle) {});
+  cache().expire_deadlines(now, [](InstanceHandle) {});
   EXPECT_TRUE(weak_is_heard());
   EXPECT_THAT(take({.instance = kNotAlive}), IsEmpty());  // a weaker writer existed all the time
 }

@@ -1,13 +1,10 @@
 // Leases, and the writers that are alive.
 #include "rtps/dcps/liveliness.hpp"
 
-#include <barrier>
 #include <memory>
 
 #include <gmock/gmock.h>
 
-#include "rtps/dcps/writer_instances.hpp"
-#include "rtps/reliability/timer_queue.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
@@ -19,15 +16,15 @@ using ::testing::ElementsAre;
 TEST(WriterLease, LeaseAfterItsTime_IsLostOnceAndComesBack) {
   const Duration second{{1, 0}};
   WriterLease lease({LivelinessKind::manual_by_topic, second}, milliseconds(0));
-  EXPECT_FALSE(lease.check(milliseconds(999)));
-  EXPECT_TRUE(lease.check(milliseconds(1000)));
-  EXPECT_FALSE(lease.check(milliseconds(5000)));
+  EXPECT_FALSE(lease.expire(milliseconds(999)));
+  EXPECT_TRUE(lease.expire(milliseconds(1000)));
+  EXPECT_FALSE(lease.expire(milliseconds(5000)));
   EXPECT_EQ(lease.next_tick(), kNever);
   lease.assert_at(milliseconds(5000));
   EXPECT_EQ(lease.next_tick(), milliseconds(6000));
-  EXPECT_TRUE(lease.check(milliseconds(6000)));
+  EXPECT_TRUE(lease.expire(milliseconds(6000)));
   WriterLease automatic({LivelinessKind::automatic, second}, milliseconds(0));
-  EXPECT_FALSE(automatic.check(std::chrono::hours(1)));
+  EXPECT_FALSE(automatic.expire(std::chrono::hours(1)));
 }
 
 TEST(LivelinessMonitor, AliveAndLostWriters_AreCounted) {
@@ -38,29 +35,29 @@ TEST(LivelinessMonitor, AliveAndLostWriters_AreCounted) {
   EXPECT_TRUE(monitor.take_changed());
   EXPECT_FALSE(monitor.take_changed());
   EXPECT_EQ(monitor.next_tick(), milliseconds(1000));
-  monitor.alive(a, milliseconds(500));
+  monitor.note_alive(a, milliseconds(500));
   std::vector<Guid> ended;
-  const auto check = [&](MonotonicTime now) {
-    monitor.check(now, [&](const Guid& guid, LivelinessSignal*) { ended.push_back(guid); });
+  const auto expire = [&](MonotonicTime now) {
+    monitor.expire(now, [&](const Guid& guid, LivelinessSignal*) { ended.push_back(guid); });
   };
-  check(milliseconds(1400));
+  expire(milliseconds(1400));
   EXPECT_THAT(ended, ::testing::IsEmpty());
-  check(milliseconds(1500));
-  check(milliseconds(1600));
+  expire(milliseconds(1500));
+  expire(milliseconds(1600));
   EXPECT_THAT(ended, ElementsAre(a));
   EXPECT_FALSE(monitor.is_alive(a));
   EXPECT_EQ(monitor.status().alive_count, 1);
   EXPECT_EQ(monitor.status().not_alive_count, 1);
   EXPECT_EQ(monitor.status().last_remote, a);
   monitor.reset_changes();
-  monitor.alive(a, milliseconds(2000));
+  monitor.note_alive(a, milliseconds(2000));
   EXPECT_EQ(monitor.status().alive_count_change, 1);
   EXPECT_EQ(monitor.status().not_alive_count_change, -1);
   monitor.remove(a);
   monitor.remove(a);
   EXPECT_EQ(monitor.status().alive_count, 1);
   EXPECT_EQ(monitor.status().not_alive_count, 0);
-  monitor.alive(a, milliseconds(2000));  // the monitor does not have this writer any more
+  monitor.note_alive(a, milliseconds(2000));  // the monitor does not have this writer any more
   EXPECT_EQ(monitor.next_tick(), kNever);
 }
 
@@ -73,21 +70,21 @@ TEST(LivelinessMonitor, ASignal_AssertsAllThatFollowIt) {
     monitor.follow(guid, signal);
   }
   std::vector<Guid> ended;
-  const auto check = [&](MonotonicTime now) {
-    monitor.check(now, [&](const Guid& guid, LivelinessSignal* of) {
+  const auto expire = [&](MonotonicTime now) {
+    monitor.expire(now, [&](const Guid& guid, LivelinessSignal* of) {
       EXPECT_EQ(of, signal.get());
       ended.push_back(guid);
     });
   };
   for (int time = 900; time <= 2700; time += 900) {
     signal->assert_at(milliseconds(time));
-    check(milliseconds(time + 500));
+    expire(milliseconds(time + 500));
   }
   EXPECT_THAT(ended, ::testing::IsEmpty());
-  monitor.alive(a, milliseconds(3000));  // asserted by the writer itself
-  check(milliseconds(3700));
+  monitor.note_alive(a, milliseconds(3000));  // asserted by the writer itself
+  expire(milliseconds(3700));
   EXPECT_THAT(ended, ElementsAre(b));
-  check(milliseconds(4000));
+  expire(milliseconds(4000));
   EXPECT_THAT(ended, ElementsAre(b, a));
   EXPECT_EQ(monitor.next_tick(), kNever);
 }

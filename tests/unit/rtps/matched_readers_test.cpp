@@ -56,6 +56,47 @@ TEST(MatchedReaders, AllReaders_HaveEachLocatorOnce) {
   EXPECT_FALSE(readers.any_remote());
 }
 
+// Their participant has not proven its addresses, so each message to it must be charged.
+TEST(MatchedReaders, LimitedReaders_AreAddressedOneByOneUntilTheyAreProven) {
+  AmplificationLimit limit;
+  const auto unproven = guid(2).prefix;
+  const LocatorList there{kThere};
+  const std::vector sources{SourceAddress(kThere)};
+  const auto begin = [&] {
+    limit.begin(unproven, there, sources);
+    limit.begin_datagram(sources[0], 100);
+    limit.add_credit(unproven);
+  };
+  begin();
+  MatchedReaders readers(testing::kWriter, true, &limit);
+  std::vector<std::pair<GuidPrefix, LocatorList>> receivers;
+  const auto for_all = [&] {
+    receivers.clear();
+    readers.for_all([&](const Receiver& receiver) {
+      const auto& locators = receiver.to.locators;
+      receivers.emplace_back(receiver.to.prefix, LocatorList(locators.begin(), locators.end()));
+    });
+    return receivers;
+  };
+  auto& limited = readers.add({guid(2), true, false, {kThere}}, {{1}});
+  EXPECT_TRUE(readers.any_remote());
+  EXPECT_THAT(for_all(), ElementsAre(std::pair(unproven, there)));
+  readers.add({guid(1), true, false, {kHere}}, {{1}});
+  EXPECT_THAT(for_all(),
+              ElementsAre(std::pair(unproven, there), std::pair(GuidPrefix{}, LocatorList{kHere})));
+  limit.charge(unproven, limit.left(unproven, there), there);
+  EXPECT_THAT(for_all(), ElementsAre(std::pair(GuidPrefix{}, LocatorList{kHere})));
+  limit.end(unproven);
+  EXPECT_THAT(for_all(), ElementsAre(std::pair(GuidPrefix{}, LocatorList{kHere, kThere})));
+  begin();
+  readers.update_limit(limited);
+  EXPECT_EQ(for_all().size(), 2u);
+  readers.set_in_memory(limited, true);
+  EXPECT_FALSE(readers.any_in_memory());
+  readers.remove(limited);
+  EXPECT_THAT(for_all(), ElementsAre(std::pair(GuidPrefix{}, LocatorList{kHere})));
+}
+
 // Messages on the volatile secure channel are protected with the key of one pair.
 TEST(MatchedReaders, VolatileChannel_IsAddressedAsOne) {
   MatchedReaders readers(kVolatileMessageWriter, true);

@@ -1,7 +1,6 @@
 // An allocation that fails, or a thread that cannot be started, ends neither the process nor the
 // participant.
 #include <dlfcn.h>
-#include <filesystem>
 #include <pthread.h>
 
 #include "tests/support/counted_memory.hpp"

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "rtps/discovery/endpoint_data.hpp"
+#include "rtps/discovery/security_parameters.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/rtps/discovery_data.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include "wire/span_writer.hpp"
+
 namespace ddssec::rtps::participants {
 
 using testing::message;

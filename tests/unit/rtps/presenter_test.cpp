@@ -39,10 +39,10 @@ struct Reader final : PresentedReader {
     return true;
   }
   std::vector<Guid> gone = {};
-  void left(const Guid& writer) override { gone.push_back(writer); }
-  void lose(std::size_t samples) override { lost += samples; }
+  void note_left(const Guid& writer) override { gone.push_back(writer); }
+  void note_lost(std::size_t samples) override { lost += samples; }
   void give_up(const Guid&, std::size_t samples, Limit limit) override {
-    lose(samples);
+    note_lost(samples);
     limits.push_back(limit);
   }
 };
@@ -65,7 +65,7 @@ struct Presenting : ::testing::Test {
 };
 
 struct CoherentSets : Presenting {
-  Presenter presenter{false, true, false};
+  Presenter presenter{Presenter::PresentedAccess{.is_coherent = true}};
   void SetUp() override { presenter.add_writer(one, writer(1), {}, identity(1)); }
   bool put(std::int64_t number, std::uint8_t value, std::int64_t set) {
     auto next = change(1, number, value, {{set}, {}, {}, {}});
@@ -110,13 +110,13 @@ TEST_F(CoherentSets, WhatWaits_CostsLittleOfTheReadersTime) {
   EXPECT_EQ(one.asked, before);
   EXPECT_EQ(presenter.next_tick(), now + kMany * Presenter::kPausePerItem);
   now = presenter.next_tick();
-  presenter.present_ready(now, false);
+  presenter.present_ready(now, Presenter::ReaderRoom::unchanged);
   EXPECT_EQ(one.asked, before + 1);
   EXPECT_EQ(presenter.next_tick(), kNever) << "nothing was taken meanwhile";
   one.room = 10'000;
   presenter.present_ready(now);
   now = presenter.next_tick();
-  presenter.present_ready(now, false);
+  presenter.present_ready(now, Presenter::ReaderRoom::unchanged);
   EXPECT_EQ(take().size(), kMany + 0u);
 }
 
@@ -135,7 +135,7 @@ TEST_F(CoherentSets, SetsThatWait_HaveTurns) {
   presenter.present_ready(now);
   for (int turn = 0; turn < 3; ++turn) {
     now = std::min(presenter.next_tick(), now + std::chrono::seconds(1));
-    presenter.present_ready(now, false);
+    presenter.present_ready(now, Presenter::ReaderRoom::unchanged);
   }
   EXPECT_EQ(take().size(), 400u) << "the one for which there is room";
 }
@@ -156,7 +156,8 @@ TEST_F(CoherentSets, ManySetsThatWait_CostLittleOfTheReadersTime) {
   one.room = 100;
   for (int turn = 0; turn < 100; ++turn) {
     now += std::chrono::milliseconds(2);
-    presenter.present_ready(now, turn == 0);
+    presenter.present_ready(
+        now, turn == 0 ? Presenter::ReaderRoom::may_be_freed : Presenter::ReaderRoom::unchanged);
   }
   EXPECT_EQ(take().size(), 2400u);
 }
@@ -351,7 +352,8 @@ TEST_F(CoherentSets, AWriterThatGoes_TakesItsOpenSetAlong) {
 }
 
 struct GroupSets : Presenting {
-  Presenter presenter{true, true, true};
+  Presenter presenter{
+      Presenter::PresentedAccess{.is_by_group = true, .is_coherent = true, .is_ordered = true}};
   void SetUp() override {
     presenter.add_writer(one, writer(1), kGroup, identity(1));
     presenter.add_writer(two, writer(2), kGroup, identity(1));

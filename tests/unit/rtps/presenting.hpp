@@ -16,10 +16,10 @@ struct Presenting : testing::Polled {
     return **subscriber.create_datareader<Reading>(topic, reliable());
   }
   Publisher& publisher(const Presentation& presentation) {
-    return **a.participant->create_publisher({.presentation = presentation});
+    return a.participant->create_publisher({.presentation = presentation});
   }
   Subscriber& subscriber(const Presentation& presentation) {
-    return **b.participant->create_subscriber({.presentation = presentation});
+    return b.participant->create_subscriber({.presentation = presentation});
   }
 };
 

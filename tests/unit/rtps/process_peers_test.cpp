@@ -15,7 +15,9 @@ struct Member final : ProcessPeer {
   }
   const GuidPrefix& prefix() const override { return prefix_; }
   bool is_secured() const override { return secured_; }
-  bool is_open(const EntityId& endpoint) const override { return endpoint != kProtectedWriter; }
+  bool is_unprotected(const EntityId& endpoint) const override {
+    return endpoint != kProtectedWriter;
+  }
   StatefulWriter* writer(const Guid&) const override { return nullptr; }
   StatefulReader* reader(const Guid&) const override { return nullptr; }
 

@@ -1,4 +1,3 @@
-#include <ctime>
 #include <functional>
 
 #include <fmt/format.h>

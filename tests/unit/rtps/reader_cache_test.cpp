@@ -232,9 +232,9 @@ TEST_F(ReaderCacheTest, AnInstance_EndsAndComesBackAsANewGeneration) {
 
 TEST_F(ReaderCacheTest, AnInstanceWithoutWriters_SaysSoAndIsForgottenOnceTaken) {
   put(1, 10, {}, 1), put(1, 11, {}, 2), put(2, 20, {}, 2);
-  EXPECT_FALSE(cache().lose_writer(writer(1), true, now));
+  EXPECT_FALSE(cache().lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now));
   EXPECT_EQ(read({.instance = InstanceState::alive}).size(), 3u);
-  EXPECT_TRUE(cache().lose_writer(writer(2), true, now));
+  EXPECT_TRUE(cache().lose_writer(writer(2), ReaderCache::WriterLoss::unmatched, now));
   const auto samples = take();
   ASSERT_EQ(samples.size(), 5u);
   EXPECT_EQ(samples[0].info.instance_state, InstanceState::not_alive_no_writers);
@@ -287,7 +287,7 @@ TEST_F(ReaderCacheTest, Samples_ExpireInAnyOrderAndWhenTheyAreTaken) {
 TEST_F(ReaderCacheTest, Deadlines_AreOfEachInstance) {
   qos.deadline = Duration::from(milliseconds(100));
   std::vector<InstanceHandle> missed;
-  const auto check = [&] { cache().check_deadlines(now, [&](auto i) { missed.push_back(i); }); };
+  const auto check = [&] { cache().expire_deadlines(now, [&](auto i) { missed.push_back(i); }); };
   put(1, 10);
   now += milliseconds(60);
   put(2, 20);

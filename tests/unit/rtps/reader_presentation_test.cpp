@@ -25,8 +25,8 @@ struct Presented final : PresentedReader {
     seen.push_back(change.sequence_number.value);
     return true;
   }
-  void left(const Guid&) override {}
-  void lose(std::size_t) override {}
+  void note_left(const Guid&) override {}
+  void note_lost(std::size_t) override {}
   void give_up(const Guid&, std::size_t, Limit) override {}
 };
 
@@ -80,7 +80,7 @@ TEST_F(ReaderPresentationTest, StartedBetweenBeginAndEndAccess_WaitsForItsEnd) {
 }
 
 TEST_F(ReaderPresentationTest, GroupScope_UsesTheSubscribersPresenter) {
-  Presenter of_group(true, true, false);
+  Presenter of_group(Presenter::PresentedAccess{.is_by_group = true, .is_coherent = true});
   presentation.start(policy(PresentationScope::group, true, false), &of_group, false, now);
   EXPECT_TRUE(presentation.holds_back());
   presentation.pause(true, now);  // the presenter of the subscriber is not paused

@@ -32,7 +32,7 @@ TEST_F(ReaderCacheTest, OneIdentity_NeverTakesAllInstances) {
   EXPECT_EQ(fill(2, 500'000, 10), 0u) << "another participant of the same identity";
   EXPECT_EQ(fill(3, 1'000'000, kHalf), kHalf / 2);
   EXPECT_EQ(fill(3, 0, 10), 10u) << "instances that are there have room for anybody's samples";
-  cache().lose_writer(writer(1), true, now);
+  cache().lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now);
   take();
   EXPECT_EQ(fill(3, 2'000'000, 10), 10u) << "what has ended makes room";
 }
@@ -72,8 +72,8 @@ TEST_F(Shares, SamplesOfOneIdentity_HoldAtMostHalfOfTheOctets) {
   EXPECT_EQ(refused.reason, Reason::by_samples_limit);
   EXPECT_TRUE(refused.crowded);
   EXPECT_EQ(fill(3, kLarge, 20), kHalf / 2);
-  cache().lose_writer(writer(1), true, now);
-  cache().lose_writer(writer(2), true, now);
+  cache().lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now);
+  cache().lose_writer(writer(2), ReaderCache::WriterLoss::unmatched, now);
   EXPECT_EQ(fill(3, kLarge, 2), 0u) << "the samples are still held";
   take();
   EXPECT_EQ(cache().held().octets(), 0u + cache().held().all().size()) << "nothing but keys";
@@ -132,7 +132,7 @@ TEST_F(Shares, WhatIsKeptForLater_CountsForItsWriter) {
   for (std::uint8_t key = 0; key < 20; ++key) put_octets(1, key, kLarge);
   EXPECT_LE(cache().held().octets(), HeldInstances::kMaxOctetsOfOne + 100);
   const auto before = cache().held().octets();
-  EXPECT_TRUE(cache().lose_writer(writer(1), true, now));
+  EXPECT_TRUE(cache().lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now));
   EXPECT_EQ(cache().held().octets(), before);
   now += std::chrono::seconds(2);
   EXPECT_FALSE(cache().release(moment()));
@@ -325,7 +325,8 @@ TEST_F(InstanceJoins, OneIdentity_IsBoundedAndLeavesRoomForAnother) {
   EXPECT_TRUE(join(writer(2), 7));
   EXPECT_TRUE(join(writer(2), 3'000'000));
   const auto begin = std::clock();
-  for (std::uint32_t w = 0; w < kWriters; ++w) cache().lose_writer(writer_of(1, w), true, now);
+  for (std::uint32_t w = 0; w < kWriters; ++w)
+    cache().lose_writer(writer_of(1, w), ReaderCache::WriterLoss::unmatched, now);
   EXPECT_LT(seconds_since(begin), 3);
   take();
   EXPECT_EQ(cache().held().all().size(), 2u);

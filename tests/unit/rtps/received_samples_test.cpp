@@ -222,7 +222,7 @@ TEST_F(ExclusiveSamplesTest, OwnerOfAKeptSample_SendsItItself_OwnsItsInstance) {
   EXPECT_EQ(take(*samples, kept(strong)), Reception::stored);
   EXPECT_EQ(take(*samples, strong), Reception::unseen) << "it is there already";
   EXPECT_EQ(take(*samples, of_weak(2)), Reception::unseen) << "a stronger writer owns the instance";
-  samples->cache().lose_writer(guid_of(1), true, now);
+  samples->cache().lose_writer(guid_of(1), ReaderCache::WriterLoss::unmatched, now);
   EXPECT_EQ(take(*samples, of_weak(3)), Reception::stored) << "the owner is gone";
 }
 

@@ -27,10 +27,10 @@ struct Side {
     participant = *DomainParticipant::create(std::move(options), services);
     auto qos = default_writer_qos();
     qos.reliability.kind = kind;
-    writer = *(*participant->create_publisher())
-                  ->create_datawriter<Plain>(**participant->create_topic<Plain>(written), qos);
-    reader = *(*participant->create_subscriber())
-                  ->create_datareader<Plain>(**participant->create_topic<Plain>(read), qos);
+    writer = *participant->create_publisher().create_datawriter<Plain>(
+        **participant->create_topic<Plain>(written), qos);
+    reader = *participant->create_subscriber().create_datareader<Plain>(
+        **participant->create_topic<Plain>(read), qos);
     unread.attach_condition(reader->create_readcondition({.sample = SampleState::not_read}));
   }
   bool is_matched() const {

@@ -73,8 +73,8 @@ class SampleFlow {
         sent_{"one of the instances", 0, Bytes(flow.size, 7)} {
     auto qos = default_writer_qos();
     qos.history.kind = flow.history;
-    writer_ = *(*from.create_publisher())->create_datawriter<T>(**from.create_topic<T>("T"), qos);
-    reader_ = *(*to.create_subscriber())->create_datareader<T>(**to.create_topic<T>("T"), qos);
+    writer_ = *from.create_publisher().create_datawriter<T>(**from.create_topic<T>("T"), qos);
+    reader_ = *to.create_subscriber().create_datareader<T>(**to.create_topic<T>("T"), qos);
   }
 
   /// Returns the allocations of all samples, once a tenth of them has flowed.

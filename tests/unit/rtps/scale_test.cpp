@@ -199,8 +199,8 @@ std::uint64_t work_of_leases(int writers) {
   return work_of([&] {
     signal->assert_at(milliseconds(1));
     EXPECT_EQ(monitor.next_tick(), milliseconds(1000));
-    monitor.check(milliseconds(999), {});
-    monitor.alive({GuidPrefix::from(Bytes(12, 1)), {{0, 5, 0, 2}}}, milliseconds(999));
+    monitor.expire(milliseconds(999), {});
+    monitor.note_alive({GuidPrefix::from(Bytes(12, 1)), {{0, 5, 0, 2}}}, milliseconds(999));
   });
 }
 

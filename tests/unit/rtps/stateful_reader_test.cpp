@@ -29,6 +29,88 @@ TEST(Reliability, AFullReader_IsAWriterThatWaits) {
   EXPECT_TRUE(pair.writer.all_acknowledged());
 }
 
+// Readers that share the limits of what they hold: a participant writes to each of them.
+struct SharedLimits : ::testing::Test {
+  static constexpr std::uint32_t kMax = 1 << 20;  ///< octets that one identity may hold
+  static constexpr std::uint16_t kFragment = 1024;
+
+  struct Topic {
+    std::vector<std::int64_t> delivered;
+    StatefulReader reader;
+    Topic(MessageSender& sender, const std::shared_ptr<HeldOctets>& held)
+        : reader({kB, testing::kReader}, true, sender, [this](Change& change) {
+            delivered.push_back(change.sequence_number.value);
+            return true;
+          }) {
+      reader.share_held(held);
+      reader.match({{kA, testing::kWriter}, true, {kHere}}, {});
+    }
+    void send(std::int64_t sample, std::uint32_t fragment, std::uint32_t size) {
+      reader.on_data_frag(
+          kA, {{}, testing::kWriter, {sample}, {fragment}, 1, kFragment, size, {}, false, octets},
+          {}, false, KeyAge::newest);
+    }
+    // Sends all fragments of a sample.
+    void send(std::int64_t sample, std::uint32_t size) {
+      for (std::uint32_t i = 1; i <= size / kFragment; ++i) send(sample, i, size);
+    }
+    const Bytes octets = Bytes(kFragment);
+  };
+
+  Network net;
+  MessageSender sender{net.b, kB};
+  const std::shared_ptr<HeldOctets> held = std::make_shared<HeldOctets>();
+  SharedLimits() { held->limit({.all = 2 * kMax, .of_one = kMax}); }
+};
+
+// An attacker that can forge messages on an open topic must not keep the samples of a protected
+// topic from arriving.
+TEST_F(SharedLimits, ClaimsOnOneTopic_LeaveRoomOnAnother) {
+  Topic open(sender, held), secret(sender, held);
+  constexpr std::uint32_t kClaimed = kMax / 2 - 2 * kFragment;
+  open.send(1'000'000, 1, kClaimed);
+  open.send(1'000'001, 1, kClaimed);
+  secret.send(1, 4 * kFragment);
+  EXPECT_THAT(secret.delivered, ElementsAre(1));
+  // The same again, as long as the sample arrives.
+  for (std::uint32_t i = 1; i <= 16; ++i) {
+    secret.send(2, i, 16 * kFragment);
+    open.send(1'000'001 + i, 1, kClaimed);
+  }
+  EXPECT_THAT(secret.delivered, ElementsAre(1, 2));
+  EXPECT_LE(held->octets(), kMax);
+}
+
+// Claims that are spread over many writers or topics keep out only samples that are larger than
+// what each of these topics holds.
+TEST_F(SharedLimits, ClaimsOnManyTopics_LeaveAShareToEach) {
+  std::vector<std::unique_ptr<Topic>> open;
+  for (int i = 0; i < 7; ++i) open.push_back(std::make_unique<Topic>(sender, held));
+  Topic secret(sender, held);
+  for (auto& topic : open)
+    for (std::int64_t number = 1'000'000; number < 1'000'004; ++number)
+      topic->send(number, 1, kMax / 28 - 1024);
+  secret.send(1, 100 * kFragment);
+  EXPECT_THAT(secret.delivered, ElementsAre(1));
+}
+
+// Several large samples of an honest writer at once, on two topics. What is given up is requested
+// again.
+TEST_F(SharedLimits, LargeSamplesOfOneWriter_AllArrive) {
+  Topic maps(sender, held), images(sender, held);
+  constexpr std::uint32_t kLarge = kMax / 5 * 2 / kFragment * kFragment;
+  for (std::uint32_t i = 1; i <= kLarge / kFragment; ++i) {
+    maps.send(1, i, kLarge);
+    maps.send(2, i, kLarge);
+    images.send(1, i, kLarge);
+  }
+  EXPECT_THAT(maps.delivered, ElementsAre(1));
+  EXPECT_THAT(images.delivered, ElementsAre(1));
+  maps.send(2, kLarge);
+  EXPECT_THAT(maps.delivered, ElementsAre(1, 2));
+  EXPECT_EQ(held->octets(), 0u);
+}
+
 TEST(Reliability, BestEffort_NeitherAsksNorGoesBack) {
   auto qos = default_writer_qos();
   qos.reliability.kind = ReliabilityKind::best_effort;

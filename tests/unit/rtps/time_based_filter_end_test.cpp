@@ -87,7 +87,7 @@ TEST_F(TimeBasedFilterEnd, Unregister_LastSampleComesBeforeIt) {
 TEST_F(TimeBasedFilterEnd, WriterLeaves_LastSampleComesBeforeTheEnd) {
   ASSERT_EQ(put(10), StoreResult::stored);
   ASSERT_EQ(put(11), StoreResult::dropped);
-  EXPECT_TRUE(cache->lose_writer(writer(1), true, now));
+  EXPECT_TRUE(cache->lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now));
   EXPECT_THAT(take(), ElementsAre(10, 11, kEnd));
   EXPECT_EQ(cache->held().octets(), 0U);
 }
@@ -129,7 +129,7 @@ TEST_F(TimeBasedFilterEnd, AnotherWriterLeaves_SampleIsKept) {
   ASSERT_EQ(put(20, 2), StoreResult::dropped);
   EXPECT_EQ(put(kEnd, 1), StoreResult::stored);
   EXPECT_THAT(take(), ElementsAre(10));
-  EXPECT_FALSE(cache->lose_writer(writer(1), true, now));
+  EXPECT_FALSE(cache->lose_writer(writer(1), ReaderCache::WriterLoss::unmatched, now));
   EXPECT_THAT(taken_after(seconds(3)), ElementsAre(20));
 }
 

@@ -1,12 +1,7 @@
 // Timers that are moved.
 #include "rtps/reliability/timer_queue.hpp"
 
-#include <barrier>
-
 #include <gmock/gmock.h>
-
-#include "rtps/dcps/liveliness.hpp"
-#include "rtps/dcps/writer_instances.hpp"
 
 namespace ddssec::rtps {
 namespace {

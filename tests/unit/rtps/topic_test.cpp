@@ -17,7 +17,7 @@ TEST_P(Access, AnotherType_IsAnInconsistentTopic) {
   testing::End c(services, options());
   ASSERT_TRUE(succeeds(c.participant->delete_contained_entities()));
   auto* topic = *c.participant->create_topic("Readings", {.name = "Other"});
-  auto* group = *c.participant->create_publisher();
+  auto* group = &c.participant->create_publisher();
   ASSERT_TRUE(group->create_datawriter(*topic));
   for (int i = 0; i < 100 && heard.calls.empty(); ++i) c.participant->poll(0ms), run(10ms);
   EXPECT_TRUE(heard.heard("topic"));

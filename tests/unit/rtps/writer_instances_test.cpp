@@ -1,12 +1,8 @@
 // Instances of a writer and their deadlines.
 #include "rtps/dcps/writer_instances.hpp"
 
-#include <barrier>
-
 #include <gmock/gmock.h>
 
-#include "rtps/dcps/liveliness.hpp"
-#include "rtps/reliability/timer_queue.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 
 namespace ddssec::rtps {
@@ -39,17 +35,17 @@ TEST(WriterInstances, Deadlines_RunFromTheLastWrite) {
   qos.deadline = Duration::from(milliseconds(100));
   WriterInstances instances(qos);
   const auto one = instances.enter(kOne, nullptr), two = instances.enter(kTwo, nullptr);
-  instances.written(kOne, milliseconds(0));
-  instances.written(kTwo, milliseconds(50));
-  instances.written(kOne, milliseconds(60));
+  instances.note_written(kOne, milliseconds(0));
+  instances.note_written(kTwo, milliseconds(50));
+  instances.note_written(kOne, milliseconds(60));
   EXPECT_EQ(instances.next_deadline(), milliseconds(150));
   std::vector<InstanceHandle> missed;
   const auto check = [&](MonotonicTime now) {
-    instances.check_deadlines(now, [&](auto instance) { missed.push_back(instance); });
+    instances.expire_deadlines(now, [&](auto instance) { missed.push_back(instance); });
   };
   check(milliseconds(155));
   EXPECT_THAT(missed, ElementsAre(two));
-  instances.disposed(kTwo);
+  instances.note_disposed(kTwo);
   check(milliseconds(300));
   EXPECT_THAT(missed, ElementsAre(two, one));
   instances.set_deadline(Duration::from(milliseconds(10)), milliseconds(300));

@@ -194,5 +194,40 @@ TEST_F(DurableStoreTest, ChangesOfOneIdentity_LeaveRoomInTheQueue) {
   EXPECT_EQ(append(1, 10), stored);
 }
 
+// A dispose or unregister without a payload costs memory and work of a commit, too.
+TEST_F(DurableStoreTest, EndsWithoutPayload_LeaveRoomInTheQueue) {
+  auto store = open();
+  const auto stream = *store->open_stream(kMap, keep_last(1), at(1000));
+  const auto append = [&](std::uint8_t identity, std::uint32_t instance, StatusInfo status) {
+    StoredChange change{.stream = stream.id, .is_remembered = true};
+    std::memcpy(change.change.key_hash.emplace().data(), &instance, sizeof instance);
+    change.change.status = status;
+    change.change.is_key_only = true;
+    change.identity.emplace().octets[0] = identity;
+    return store->append(std::move(change), at(0)).outcome.decision;
+  };
+  constexpr StatusInfo kDispose{true, false}, kUnregister{false, true};
+  using enum SampleIndex::Decision;
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+  for (const std::uint8_t identity : {1, 2, 3}) {
+    std::size_t accepted = 0;
+    while (accepted < 100'000 && append(identity, static_cast<std::uint32_t>(accepted),
+                                        identity == 1 ? kUnregister : kDispose) == ended)
+      ++accepted;
+    EXPECT_GT(accepted, 1000u);
+    EXPECT_LE(accepted, DurableStore::kMaxPending / 4);
+  }
+  EXPECT_FALSE(store->is_behind());
+  for (std::uint32_t instance = 0; instance < 10; ++instance)
+    EXPECT_EQ(append(4, instance, kDispose), ended);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  for (int i = 0; i < 500 && !store->flush(10s); ++i) ::usleep(10'000);
+  EXPECT_EQ(append(1, 0, kDispose), ended);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps

@@ -1,5 +1,7 @@
 // DURABILITY TRANSIENT and PERSISTENT between participants, across the end of writers and of whole
 // participants.
+#include <fstream>
+
 #include "tests/unit/rtps_durability/durable_fixture.hpp"
 
 namespace ddssec::rtps {

@@ -26,6 +26,30 @@ struct KeeperPairTest : KeeperTest {
         ASSERT_TRUE(keeper->flush(10s));
       }
   }
+  // Both keepers have "north" and "south". Then keeper 1 is stopped, and "north" is disposed.
+  void dispose_while_one_is_stopped(Duration cleanup_delay) {
+    for (const std::size_t which : {0u, 1u}) start(which);
+    auto qos = durable(DurabilityKind::transient, 1);
+    qos.durability_service.cleanup_delay = cleanup_delay;
+    auto& writer = writer_of(qos);
+    ASSERT_TRUE(writer.write({"north", 1}));
+    ASSERT_TRUE(writer.write({"south", 2}));
+    serve();
+    stop(1);
+    serve();
+    ASSERT_TRUE(writer.dispose({"north"}));
+    serve();
+  }
+  // Keeper 1, which does not know that "north" was disposed, is started before keeper 0.
+  void restart_both_and_expect_south() {
+    delete_writers();
+    stop(0);
+    start(1);
+    serve();
+    start(0);
+    serve(150);
+    EXPECT_EQ(served_by_alone(0, 1), (Values{2}));
+  }
   void delete_writers() {
     ASSERT_TRUE(a.publisher->delete_contained_entities());
     serve();
@@ -105,47 +129,16 @@ TEST_P(KeeperPairTest, RestartedKeeper_TakesWhatTheWriterDidNotHold) {
 
 // The disposed instance must not come back.
 TEST_P(KeeperPairTest, DisposedInstance_StaysSoAfterARestart) {
-  for (const std::size_t which : {0u, 1u}) start(which);
-  auto qos = durable(DurabilityKind::transient, 1);
-  qos.durability_service.cleanup_delay = kDurationZero;
-  auto& writer = writer_of(qos);
-  ASSERT_TRUE(writer.write({"north", 1}));
-  ASSERT_TRUE(writer.write({"south", 2}));
-  serve();
-  stop(1);
-  serve();
-  ASSERT_TRUE(writer.dispose({"north"}));
-  serve();
-  delete_writers();
-  stop(0);
-  start(1);
-  serve();
-  start(0);
-  serve(150);
-  EXPECT_EQ(served_by_alone(0, 1), (Values{2}));
+  dispose_while_one_is_stopped(kDurationZero);
+  restart_both_and_expect_south();
 }
 
 // The instance must not come back after it was disposed and removed.
 TEST_P(KeeperPairTest, RemovedInstance_StaysSoAfterARestart) {
-  for (const std::size_t which : {0u, 1u}) start(which);
-  auto qos = durable(DurabilityKind::transient, 1);
-  qos.durability_service.cleanup_delay = Duration::from(200ms);
-  auto& writer = writer_of(qos);
-  ASSERT_TRUE(writer.write({"north", 1}));
-  ASSERT_TRUE(writer.write({"south", 2}));
-  serve();
-  stop(1);
-  serve();
-  ASSERT_TRUE(writer.dispose({"north"}));
-  serve(100);
+  dispose_while_one_is_stopped(Duration::from(200ms));
+  serve(40);
   ASSERT_EQ(keepers[0]->served(), 1u);
-  delete_writers();
-  stop(0);
-  start(1);
-  serve();
-  start(0);
-  serve(150);
-  EXPECT_EQ(served_by_alone(0, 1), (Values{2}));
+  restart_both_and_expect_south();
 }
 
 // A keeper that has a later sample must not treat the instance as ended.

@@ -39,6 +39,15 @@ struct ExclusiveKeeperTest : KeeperTest {
     ASSERT_TRUE(keeper.flush(10s));
     all(keeper);
   }
+  // Ends with a keeper's files that have one sample of a's writer, which owns "north".
+  void store_a_sample_of_the_owner() {
+    const auto service = keeper();
+    auto& strong = a.writer(exclusive(10));
+    ASSERT_TRUE(keeps(*service, 1));
+    all(*service);
+    ASSERT_TRUE(strong.write({"north", 1}));
+    stored(*service);
+  }
   std::unique_ptr<End> other = std::make_unique<End>(services, options());
 };
 
@@ -105,17 +114,11 @@ TEST_P(ExclusiveKeeperTest, AWeakerWriter_WhenTheOwnersLeaseEnds_IsKept) {
 }
 
 TEST_P(ExclusiveKeeperTest, ARestartedKeeper_WaitsForTheOwner) {
-  auto service = keeper();
-  auto& strong = a.writer(exclusive(10));
-  ASSERT_TRUE(keeps(*service, 1));
-  all(*service);
-  ASSERT_TRUE(strong.write({"north", 1}));
-  stored(*service);
-  service.reset();
+  ASSERT_NO_FATAL_FAILURE(store_a_sample_of_the_owner());
   auto& weak = other->writer(exclusive(5));
   ASSERT_TRUE(weak.write({"north", 2}));
   ASSERT_TRUE(a.publisher->delete_contained_entities());
-  service = keeper();
+  const auto service = keeper();
   all(*service, 200);
   EXPECT_EQ(service->served(), 1u) << "the owner may still come back";
   auto& back = a.writer(exclusive(10));
@@ -126,17 +129,11 @@ TEST_P(ExclusiveKeeperTest, ARestartedKeeper_WaitsForTheOwner) {
 }
 
 TEST_P(ExclusiveKeeperTest, ARestartedKeeper_DoesNotWaitForGood) {
-  auto service = keeper();
-  auto& strong = a.writer(exclusive(10));
-  ASSERT_TRUE(keeps(*service, 1));
-  all(*service);
-  ASSERT_TRUE(strong.write({"north", 1}));
-  stored(*service);
-  service.reset();
+  ASSERT_NO_FATAL_FAILURE(store_a_sample_of_the_owner());
   ASSERT_TRUE(a.publisher->delete_contained_entities());
   auto& weak = other->writer(exclusive(5));
   ASSERT_TRUE(weak.write({"north", 2}));
-  service = keeper();
+  const auto service = keeper();
   all(*service, 1200);
   stored(*service);
   EXPECT_EQ(service->served(), 2u);
@@ -149,12 +146,12 @@ INSTANTIATE_TEST_SUITE_P(Over, ExclusiveKeeperTest,
 struct KeeperPartitionTest : KeeperTest {
   using Names = std::vector<std::string>;
   DataWriter<Reading>& writer_in(Names names) {
-    auto* publisher = *a.participant->create_publisher({.partition = std::move(names)});
+    auto* publisher = &a.participant->create_publisher({.partition = std::move(names)});
     return **publisher->create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient));
   }
   Values late_joiner_in(Keeper& keeper, Names names) {
     auto* before =
-        std::exchange(b.subscriber, *b.participant->create_subscriber({.partition = names}));
+        std::exchange(b.subscriber, &b.participant->create_subscriber({.partition = names}));
     auto out = late_joiner(keeper, b, 0);
     EXPECT_TRUE(b.participant->delete_subscriber(*std::exchange(b.subscriber, before)));
     return out;
@@ -221,7 +218,7 @@ TEST_P(KeeperPartitionTest, AWriter_WithWildcardsOnly_IsNotKeptAndNamed) {
 
 TEST_P(KeeperPartitionTest, AWriter_ThatChangesItsPartitions_IsKeptInTheNewOnes) {
   const auto service = keeper();
-  auto* publisher = *a.participant->create_publisher({.partition = {"A", "B"}});
+  auto* publisher = &a.participant->create_publisher({.partition = {"A", "B"}});
   auto& writer =
       **publisher->create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient, 1));
   ASSERT_TRUE(keeps(*service, 1));

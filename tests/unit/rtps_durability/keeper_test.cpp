@@ -25,7 +25,7 @@ TEST_P(KeeperTest, ALateJoiner_GetsWhatAWriterThatIsGoneHasWritten) {
 TEST_P(KeeperTest, AReader_WithTheAccessOfTheWriter_GetsWhatIsKept) {
   const auto service = keeper();
   const GroupQos group{.presentation = {PresentationScope::topic, true, true}};
-  auto& publisher = **a.participant->create_publisher(group);
+  auto& publisher = a.participant->create_publisher(group);
   auto& writer =
       **publisher.create_datawriter<Reading>(*a.topic, durable(DurabilityKind::transient));
   ASSERT_TRUE(keeps(*service, 1));
@@ -35,7 +35,7 @@ TEST_P(KeeperTest, AReader_WithTheAccessOfTheWriter_GetsWhatIsKept) {
   both(*service);
   ASSERT_TRUE(publisher.delete_contained_entities());
   both(*service);
-  auto& subscriber = **b.participant->create_subscriber(group);
+  auto& subscriber = b.participant->create_subscriber(group);
   auto& reader = **subscriber.create_datareader<Reading>(*b.topic, late(DurabilityKind::transient));
   both(*service);
   EXPECT_EQ(taken(reader), (Values{0, 1, 2}));

@@ -4,6 +4,7 @@
 
 #include <ctime>
 
+#include "tests/support/sample_limit.hpp"
 #include "tests/unit/rtps_durability/store_fixture.hpp"
 
 namespace ddssec::rtps {
@@ -209,13 +210,13 @@ TEST_F(ShareTest, ReopenedStore_CountsAsMuchAsBefore) {
 // acknowledged and not stored.
 TEST_F(ShareTest, OneIdentity_LeavesPlacesOfAStreamForAnother) {
   open();
-  store->index.limit_samples(100);
+  SampleLimit::set(store->index, 100);
   EXPECT_EQ(fill(1, 10, 200, 7), 50u);
   EXPECT_EQ(store->waited, 150u);
   EXPECT_EQ(fill(2, 10, 100), 25u);
   EXPECT_EQ(store->left_out(), 0u);
   open();
-  store->index.limit_samples(100);
+  SampleLimit::set(store->index, 100);
   EXPECT_EQ(fill(1, 10, 10), 0u) << "what is stored from before counts";
   EXPECT_EQ(fill(3, 10, 20), 13u);
   ASSERT_TRUE(store->commit({{StoredChange{id, dispose(0), identity(2)}}}, seconds(2)));
@@ -225,7 +226,7 @@ TEST_F(ShareTest, OneIdentity_LeavesPlacesOfAStreamForAnother) {
 TEST_F(ShareTest, KeepLast_OwnSamplesGiveWayInAFullStream) {
   service = keep_last(1);
   open();
-  store->index.limit_samples(100);
+  SampleLimit::set(store->index, 100);
   EXPECT_EQ(fill(1, 10, 100, 100), 50u);
   const auto waited = store->waited;
   fill(1, 10, 50, 50);

@@ -1,4 +1,5 @@
 #include <csignal>
+#include <fstream>
 #include <numeric>
 #include <random>
 #include <sys/resource.h>

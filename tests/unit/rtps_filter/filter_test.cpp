@@ -1,7 +1,5 @@
 #include "rtps/filter/filter.hpp"
 
-#include <cmath>
-
 #include "rtps/filter/lexer.hpp"
 #include "tests/unit/rtps/wire_helpers.hpp"
 #include "tests/unit/rtps_filter/vehicle.hpp"

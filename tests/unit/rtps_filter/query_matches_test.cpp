@@ -37,8 +37,8 @@ struct QueryMatchesTest : Polled {
     type.view = [this] { return std::make_unique<CountingView>(evaluations); };
     topic = *a.participant->create_topic<Reading>("Counted");
     auto& here = **b.participant->create_topic("Counted", std::move(type));
-    publisher = *a.participant->create_publisher({.presentation = access});
-    auto& subscriber = **b.participant->create_subscriber({.presentation = access});
+    publisher = &a.participant->create_publisher({.presentation = access});
+    auto& subscriber = b.participant->create_subscriber({.presentation = access});
     offered.destination_order = qos.destination_order;
     reader = *subscriber.create_datareader<Reading>(here, qos);
     writer = &another_writer();

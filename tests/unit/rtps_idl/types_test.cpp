@@ -171,15 +171,15 @@ class TypesOnTheWire : public testing::Test {
   }
   template <class T>
   static DataWriter<T>& writer(DomainParticipant& participant, const char* topic) {
-    return **(*participant.create_publisher())
-                 ->create_datawriter<T>(**participant.create_topic<T>(topic));
+    return **participant.create_publisher().create_datawriter<T>(
+        **participant.create_topic<T>(topic));
   }
   template <class T>
   static DataReader<T>& reader(DomainParticipant& participant, const char* topic) {
     auto qos = default_reader_qos();
     qos.reliability.kind = ReliabilityKind::reliable;
-    return **(*participant.create_subscriber())
-                 ->create_datareader<T>(**participant.create_topic<T>(topic), qos);
+    return **participant.create_subscriber().create_datareader<T>(
+        **participant.create_topic<T>(topic), qos);
   }
 
   SystemClock clock_;
@@ -210,8 +210,8 @@ TEST_F(TypesOnTheWire, ThePolicyThatRefuses_IsNamedWithBothTypes) {
   auto& writes = writer<newer::Track>(*a, "Narrow");
   auto qos = default_reader_qos();
   qos.type_consistency.prevent_type_widening = true;
-  auto& reads = **(*b->create_subscriber())
-                      ->create_datareader<one::Track>(**b->create_topic<one::Track>("Narrow"), qos);
+  auto& reads = **b->create_subscriber().create_datareader<one::Track>(
+      **b->create_topic<one::Track>("Narrow"), qos);
   EXPECT_EQ(reads.set_qos(default_reader_qos()).error().code(), Code::rtps_immutable_policy);
   EXPECT_TRUE(soon([&] { return reads.requested_incompatible_qos_status().total_count > 0; }));
   EXPECT_TRUE(soon([&] { return writes.offered_incompatible_qos_status().total_count > 0; }));

@@ -1,14 +1,11 @@
 // Requests for descriptors between processes, with descriptors that are slow to close.
-#include <array>
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
 #include <filesystem>
 #include <iterator>
-#include <memory>
 #include <optional>
 #include <poll.h>
-#include <string>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>

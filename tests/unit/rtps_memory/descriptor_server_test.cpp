@@ -2,10 +2,7 @@
 
 #include <array>
 #include <chrono>
-#include <csignal>
 #include <fcntl.h>
-#include <filesystem>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <poll.h>

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <chrono>
-#include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <limits>
@@ -29,6 +27,13 @@ Segment segment(std::size_t largest = 1000, std::size_t count = 4) {
   auto out = Segment::make(kId, largest, count);
   EXPECT_TRUE(out.has_value());
   return *std::move(out);
+}
+
+// Uses up the free slots, and returns how many there were.
+std::size_t free_slots(Segment& segment) {
+  std::size_t out = 0;
+  while (segment.store({})) ++out;
+  return out;
 }
 
 FileDescriptor copy_of(const Segment& segment) {
@@ -82,7 +87,7 @@ TEST(Segment, Payload_StoredByTheWriter_IsCopiedByTheReader) {
   Bytes out(reference->length);
   ASSERT_TRUE(reader.copy(*reference, out).has_value());
   EXPECT_EQ(out, payload);
-  EXPECT_EQ(writer.slots_in_use(), 1U);
+  EXPECT_EQ(free_slots(writer), writer.slots() - 1);
 }
 
 TEST(Segment, Payload_Empty_IsCopied) {
@@ -106,7 +111,7 @@ TEST(Segment, Shapes_ThatCannotBe_AreRefused) {
 TEST(Segment, Payload_LargerThanASlot_IsRefused) {
   auto writer = segment(64, 2);
   EXPECT_EQ(writer.store(Bytes(65)).error(), MemoryRefusal::too_large);
-  EXPECT_EQ(writer.slots_in_use(), 0U);
+  EXPECT_EQ(free_slots(writer), 2U);
 }
 
 TEST(Segment, Slots_AllInUse_RefuseUntilOneIsReleased) {
@@ -138,7 +143,7 @@ TEST(Segment, Release_OfASlotNotInUse_DoesNothing) {
   EXPECT_FALSE(writer.release(wrong));
   wrong.offset = std::numeric_limits<std::uint64_t>::max();
   EXPECT_FALSE(writer.release(wrong));
-  EXPECT_EQ(writer.slots_in_use(), 1U);
+  EXPECT_EQ(free_slots(writer), 1U);
 }
 
 TEST(Segment, Copy_OfASlotUsedAgain_IsGone) {

@@ -33,32 +33,43 @@ FileDescriptor descriptor_of(pid_t process, int number) {
   return FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
 }
 
+// What the child tells of its segment.
+struct ToldByChild {
+  int descriptor = -1;
+  MemoryId id = {};
+  Reference first = {};  // a payload that stays until the parent has answered
+};
+
+// Stores payloads in a segment of one slot, until the process is killed. The first one is there
+// until an octet comes from the parent.
+[[noreturn]] void write_until_killed(int to_parent, int from_parent) {
+  auto writer = segment(100000, 1);
+  const ToldByChild told{writer.descriptor(), writer.memory(), *writer.store(Bytes(100000, 0x11))};
+  char answer = 0;
+  if (::write(to_parent, &told, sizeof told) < 0 || ::read(from_parent, &answer, 1) != 1)
+    ::_exit(1);
+  for (auto last = told.first;; last = *writer.store(Bytes(100000, 0x22))) writer.release(last);
+}
+
 TEST(CrashedWriter, Writer_KilledWhileItWrites_LeavesReadersUnharmed) {
-  std::array<int, 2> ends{};
-  ASSERT_EQ(::pipe(ends.data()), 0);
-  const FileDescriptor in(ends[0]), out_of_child(ends[1]);
+  std::array<int, 2> up{}, down{};
+  ASSERT_EQ(::pipe(up.data()), 0);
+  ASSERT_EQ(::pipe(down.data()), 0);
+  const FileDescriptor in(up[0]), out_of_child(up[1]), into_child(down[0]), answer(down[1]);
   const pid_t child = ::fork();
-  if (child == 0) {
-    auto writer = segment(100000, 1);
-    const auto id = writer.memory();
-    const int number = writer.descriptor();
-    if (::write(ends[1], &number, sizeof number) < 0 || ::write(ends[1], &id, sizeof id) < 0)
-      ::_exit(1);
-    for (;;) {
-      const auto reference = writer.store(Bytes(100000, 0x11));
-      writer.release(*reference);
-    }
-  }
-  int number = -1;
-  MemoryId id;
-  ASSERT_EQ(::read(in.number(), &number, sizeof number), ssize_t{sizeof number});
-  ASSERT_EQ(::read(in.number(), &id, sizeof id), ssize_t{sizeof id});
-  const auto reader = MappedSegment::map(descriptor_of(child, number), kId, id);
+  if (child == 0) write_until_killed(up[1], down[0]);
+  ToldByChild told;
+  ASSERT_EQ(::read(in.number(), &told, sizeof told), ssize_t{sizeof told});
+  const auto reader = MappedSegment::map(descriptor_of(child, told.descriptor), kId, told.id);
   ASSERT_TRUE(reader.has_value());
+  Bytes out(100000);
+  ASSERT_TRUE(reader->copy(told.first, out).has_value()) << "nothing can be read at all";
+  ASSERT_EQ(out, Bytes(100000, 0x11));
+  ASSERT_EQ(::write(answer.number(), "x", 1), 1);
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   ASSERT_EQ(::kill(child, SIGKILL), 0);
   ASSERT_EQ(::waitpid(child, nullptr, 0), child);
-  Bytes out(100000);
+  EXPECT_FALSE(reader->copy(told.first, out).has_value()) << "the child did not write again";
   // One of these generations is the last one. All others are gone, and reading them does not end
   // this process.
   int whole = 0;

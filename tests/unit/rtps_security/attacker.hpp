@@ -3,10 +3,13 @@
 #pragma once
 
 #include <algorithm>
-#include <random>
+#include <map>
+#include <optional>
+#include <string>
 
 #include "tests/unit/rtps_security/security_fixture.hpp"
 #include "wire/message_reader.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps::testing {
 
@@ -74,20 +77,37 @@ inline Bytes fake_announcement(std::uint32_t i) {
   return announcement(secured_data(fake_prefix(i)));
 }
 
+/// Calls `f` with each DATA of an unprotected datagram.
+template <class F>
+void each_data(BytesView datagram, F&& f) {
+  auto reader = MessageReader::open(datagram);
+  while (reader) {
+    const auto view = reader->next();
+    if (!view || !*view) return;
+    if ((*view)->id != SubmessageId::data) continue;
+    if (const auto data = read_data(**view)) f(*data);
+  }
+}
+
+/// Returns what a participant announces of itself in a datagram.
+inline std::optional<ParticipantData> announced_in(BytesView datagram) {
+  std::optional<ParticipantData> out;
+  each_data(datagram, [&](const Data& data) {
+    if (out || data.writer != kSpdpWriter || data.kind != PayloadKind::data) return;
+    if (auto announced = read_participant_data(data.payload)) out = *std::move(announced);
+  });
+  return out;
+}
+
 /// Keeps the latest handshake token of each kind that was sent.
 class Eavesdropper {
  public:
   void hear(BytesView datagram) {
-    auto reader = MessageReader::open(datagram);
-    while (reader) {
-      const auto view = reader->next();
-      if (!view || !*view) return;
-      if ((*view)->id != SubmessageId::data) continue;
-      const auto data = read_data(**view);
-      if (!data || data->writer != kStatelessMessageWriter) continue;
-      const auto message = read_generic_message(data->payload);
+    each_data(datagram, [&](const Data& data) {
+      if (data.writer != kStatelessMessageWriter) return;
+      const auto message = read_generic_message(data.payload);
       if (message && message->data.size() == 1) note(message->data.front());
-    }
+    });
   }
   /// Returns the token of kind "+Req", "+Reply" or "+Final"; nullptr if none was heard yet.
   const spi::Token* heard(std::string_view kind) const {

@@ -1,6 +1,7 @@
 // What discovery accepts only from proven participants, and what it announces to others.
 #include "plugins/spi/session_reset.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

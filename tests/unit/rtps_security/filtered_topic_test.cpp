@@ -14,8 +14,7 @@ TEST(FilteredTopics, Rights_AreThoseOfTheRelatedTopic) {
   auto& few = **bob.participant->create_contentfilteredtopic("Few", *bob.topic, {"value = 2"});
   auto qos = default_reader_qos();
   qos.reliability.kind = ReliabilityKind::reliable;
-  const auto made =
-      bob.participant->create_subscriber().value()->create_datareader<Sensor>(few, qos);
+  const auto made = bob.participant->create_subscriber().create_datareader<Sensor>(few, qos);
   ASSERT_TRUE(made) << made.error().to_sentence();
   auto& reader = **made;
   auto& writer = alice.writer(default_writer_qos());
@@ -44,7 +43,7 @@ TEST(FilteredTopics, NameInThePermissions_GivesNoRight) {
   ManualClock clock{pki::kNow};
   Secured bob("CN=bob,O=Example", everything(ProtectionKind::encrypt), clock, {}, {"Few"});
   auto& few = **bob.participant->create_contentfilteredtopic("Few", *bob.topic, {"value = 2"});
-  const auto made = bob.participant->create_subscriber().value()->create_datareader<Sensor>(few);
+  const auto made = bob.participant->create_subscriber().create_datareader<Sensor>(few);
   ASSERT_EQ(code_of(made), Code::topic_not_allowed);
   EXPECT_THAT(made.error().details().expected, ::testing::HasSubstr("topic \"Sensors\""));
 }

@@ -184,4 +184,21 @@ inline bool takes_clear_sample(Fleet& fleet, const Guid& writer, std::size_t wri
   return fleet.b.node.listener.changes.size() > before;
 }
 
+/// Expects that a and b change their protection in time, although carol says that she has the
+/// document, and acknowledges nothing from then on. All have the document already.
+inline void expect_change_beside_a_mute_carol(Fleet& fleet) {
+  fleet.world.filter = [&](const Node& from, Bytes datagram) {
+    if (fleet.watches) fleet.sent.push_back(datagram);
+    const bool is_mute =
+        &from == &fleet.c.node && fleet.c.node.events.has(Code::governance_changing);
+    return is_mute ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  fleet.run(12);
+  EXPECT_FALSE(fleet.is_readable_on_the_network()) << fleet.text();
+  fleet.run(16);
+  EXPECT_EQ(fleet.a.node.events.count(Code::governance_renewed), 1) << fleet.text();
+  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
+  EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0);
+}
+
 }  // namespace ddssec::rtps::governance_changes

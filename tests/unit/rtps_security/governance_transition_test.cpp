@@ -197,19 +197,7 @@ TEST(GovernanceChange, AnInsiderThatIsNeverReady_HoldsTheOthersForNoLongerThanTh
   Fleet fleet(rules_of(kSign, kSign), "10");
   fleet.put({&fleet.a, &fleet.b}, rules_of(kEncrypt, kEncrypt), 2);
   fleet.put({&fleet.c}, rules_of(kEncrypt, kEncrypt), 2);
-  fleet.world.filter = [&](const Node& from, Bytes datagram) {
-    if (fleet.watches) fleet.sent.push_back(datagram);
-    // Carol says that it has the document, and acknowledges nothing from then on.
-    const bool is_mute =
-        &from == &fleet.c.node && fleet.c.node.events.has(Code::governance_changing);
-    return is_mute ? std::vector<Bytes>{} : one(std::move(datagram));
-  };
-  fleet.run(12);
-  EXPECT_FALSE(fleet.is_readable_on_the_network()) << fleet.text();
-  fleet.run(16);
-  EXPECT_EQ(fleet.a.node.events.count(Code::governance_renewed), 1) << fleet.text();
-  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
-  EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0);
+  expect_change_beside_a_mute_carol(fleet);
 }
 
 TEST(GovernanceChange, OtherContentUnderTheSameRevision_CountsAsBehind) {

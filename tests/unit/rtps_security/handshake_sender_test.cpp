@@ -6,6 +6,7 @@
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "wire/acknack.hpp"
 #include "wire/heartbeat.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -65,19 +66,13 @@ TEST(AddressProof, LostMessages_AreSentAgain) {
 
 // Returns the datagram with changes to what it announces.
 Bytes changed(BytesView datagram, const std::function<void(ParticipantData&)>& change) {
-  auto reader = MessageReader::open(datagram);
-  while (reader) {
-    const auto view = reader->next();
-    if (!view || !*view) break;
-    if ((*view)->id != SubmessageId::data) continue;
-    const auto data = read_data(**view);
-    auto announced = read_participant_data(data->payload);
-    if (!announced) continue;
-    change(*announced);
-    return announcement(*announced);
+  auto announced = announced_in(datagram);
+  if (!announced) {
+    ADD_FAILURE() << "no announcement";
+    return {};
   }
-  ADD_FAILURE() << "no announcement";
-  return {};
+  change(*announced);
+  return announcement(*announced);
 }
 
 // An attacker announces both of them first, with a false address, and from two hosts, as they do it

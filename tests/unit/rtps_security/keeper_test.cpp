@@ -15,7 +15,7 @@ TEST_F(SecuredKeeper, AWriterThatIsNotAllowed_SaysNothingOfHowATopicIsKept) {
   ASSERT_TRUE(heard_mallory()) << process.events.text();
   run(50);
   EXPECT_EQ(keeper->topics(), 0u);
-  auto* publisher = *alice.participant->create_publisher();
+  auto* publisher = &alice.participant->create_publisher();
   auto& writer =
       **publisher->create_datawriter<Sensor>(*alice.topic, durable(DurabilityKind::transient));
   ASSERT_TRUE(eventually([&] { return keeper->topics() == 1; })) << process.events.text();
@@ -211,7 +211,7 @@ TEST_F(SecuredKeeper, AStoredTopic_ThatRenewedPermissionsAllowAgain_IsServed) {
 
 // Otherwise any participant could fill a keeper with announcements, and leave.
 TEST_F(SecuredKeeper, TopicsOfWritersThatAreNotAllowed_TakeNoPlace) {
-  auto* publisher = *mallory->participant->create_publisher();
+  auto* publisher = &mallory->participant->create_publisher();
   for (int i = 0; i < 40; ++i) {
     auto* topic = *mallory->participant->create_topic<Sensor>("Junk" + std::to_string(i));
     ASSERT_TRUE(publisher->create_datawriter<Sensor>(*topic, durable(DurabilityKind::transient)));

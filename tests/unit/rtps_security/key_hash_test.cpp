@@ -89,8 +89,8 @@ TEST(KeyHashes, ProtectedPayloads_HaveThemComputedAnew) {
     auto offered = default_writer_qos();
     offered.durability = DurabilityKind::transient;  // samples of such a writer carry the hash
     auto& topic = *a.participant->create_topic<MisnamedSensor>("Others").value();
-    auto& writer = **a.participant->create_publisher().value()->create_datawriter<MisnamedSensor>(
-        topic, offered);
+    auto& writer =
+        **a.participant->create_publisher().create_datawriter<MisnamedSensor>(topic, offered);
     auto wanted = default_reader_qos();
     wanted.reliability.kind = ReliabilityKind::reliable;
     wanted.history.kind = HistoryKind::keep_all;

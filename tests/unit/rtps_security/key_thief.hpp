@@ -1,7 +1,6 @@
 // A cryptography plugin that keeps the keys that it gets.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <vector>
 

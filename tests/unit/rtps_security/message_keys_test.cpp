@@ -295,18 +295,7 @@ TEST(MessageProtectionChange, ADocumentWithLessProtection_IsRefusedByAll) {
 TEST(MessageProtectionChange, AnInsiderThatIsNeverReady_HoldsTheOthersForNoLongerThanTheTime) {
   Fleet fleet(messages(kSign), "10");
   put_all(fleet, messages(kEncrypt), 2);
-  fleet.world.filter = [&](const Node& from, Bytes datagram) {
-    if (fleet.watches) fleet.sent.push_back(datagram);
-    const bool is_mute =
-        &from == &fleet.c.node && fleet.c.node.events.has(Code::governance_changing);
-    return is_mute ? std::vector<Bytes>{} : one(std::move(datagram));
-  };
-  fleet.run(12);
-  EXPECT_FALSE(fleet.is_readable_on_the_network()) << fleet.text();
-  fleet.run(16);
-  EXPECT_EQ(fleet.a.node.events.count(Code::governance_renewed), 1) << fleet.text();
-  EXPECT_TRUE(fleet.has_all(fleet.b.node)) << fleet.text();
-  EXPECT_EQ(Fleet::unmatched(fleet.b.node), 0);
+  expect_change_beside_a_mute_carol(fleet);
 }
 
 TEST(MessageProtectionChange, DocumentWithoutARevision_IsRefused) {

@@ -2,6 +2,8 @@
 // which participants join, and what others see.
 #include "rtps/security/pre_shared_messages.hpp"
 
+#include <random>
+
 #include "plugins/spi/files_poll_interval.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"

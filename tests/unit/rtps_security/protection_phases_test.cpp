@@ -2,7 +2,7 @@
 // message_keys_test.cpp, protection_change_test.cpp.
 #include "rtps/security/protection_phases.hpp"
 
-#include "tests/unit/rtps_security/security_fixture.hpp"
+#include "tests/unit/rtps_security/phases_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -11,51 +11,6 @@ using namespace testing;
 
 constexpr auto kNone = ProtectionKind::none, kSign = ProtectionKind::sign,
                kEncrypt = ProtectionKind::encrypt;
-
-struct Phases {
-  Phases(ProtectionKind first, ProtectionKind second, bool revises_keys = false)
-      : properties(properties_of("CN=alice,O=Example", rules(first, revises_keys))),
-        host(1, properties),
-        own(*OwnSecurity::create(
-            {{*host.authentication, *host.access_control, *host.cryptography}, properties}, 0,
-            Node::candidate(2))),
-        keys(*own, remotes),
-        phases(*own, remotes, locals, keys) {
-    auto attributes = own->attributes();
-    attributes.rtps = second;
-    EXPECT_TRUE(phases.messages().add_second(attributes));
-    remotes[peer] = {};
-  }
-  static Rules rules(ProtectionKind rtps, bool revises_keys) {
-    Rules out{.rtps = rtps};
-    out.revises_keys = revises_keys;
-    return out;
-  }
-  bool must_protect() const { return phases.must_protect_messages(peer); }
-  /// Adds a reader that has a pair of keys under both protections.
-  void add_endpoint(ProtectionKind first, ProtectionKind second) {
-    spi::EndpointSecurityAttributes attributes;
-    attributes.submessage = first;
-    EXPECT_TRUE(keys.add(locals, reader, LocalKeys{attributes}));
-    locals.at(reader).pairs[writer] = {};
-    attributes.submessage = second;
-    EXPECT_TRUE(phases.endpoints().add(reader, attributes));
-    phases.endpoints().set_permitted(reader, writer, true);
-    phases.endpoints().find(reader, protection_id(attributes))->pairs[writer] = {};
-  }
-  ProtectionKind demanded() const { return phases.demanded(reader, writer)->attributes.submessage; }
-
-  const spi::PropertyList properties;
-  const GuidPrefix peer = Node::candidate(9);
-  const EntityId reader{{0, 0, 1, 7}};
-  const Guid writer{peer, EntityId{{0, 0, 1, 2}}};
-  Node host;
-  std::unique_ptr<OwnSecurity> own;
-  Remotes remotes;
-  Locals locals;
-  EndpointKeys keys;
-  ProtectionPhases phases;
-};
 
 TEST(ProtectionPhases, NextProtection_IsDemandedOfAPeerThatSaysThatItSendsByIt) {
   Phases of(kNone, kSign);

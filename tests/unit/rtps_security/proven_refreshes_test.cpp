@@ -4,6 +4,7 @@
 #include "rtps/discovery/serialized.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/governance_changes.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps::governance_changes {
 namespace {

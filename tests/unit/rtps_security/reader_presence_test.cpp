@@ -6,6 +6,7 @@
 
 #include "rtps/participant/reader_end_checks.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
 namespace {

@@ -70,10 +70,10 @@ struct Secured : SecuredProcess {
     topic = participant->create_topic<Sensor>("Sensors").value();
   }
   DataWriter<Sensor>& writer(const Qos& qos) {
-    return **participant->create_publisher().value()->create_datawriter<Sensor>(*topic, qos);
+    return **participant->create_publisher().create_datawriter<Sensor>(*topic, qos);
   }
   DataReader<Sensor>& reader(const Qos& qos) {
-    return **participant->create_subscriber().value()->create_datareader<Sensor>(*topic, qos);
+    return **participant->create_subscriber().create_datareader<Sensor>(*topic, qos);
   }
 
   std::unique_ptr<DomainParticipant> participant;

@@ -70,7 +70,7 @@ struct SecuredKeeper : ::testing::Test {
   }
   /// Lets the keeper store a sample of the topic. Its writer then leaves.
   void store_one(Topic& topic) {
-    auto* publisher = *alice.participant->create_publisher();
+    auto* publisher = &alice.participant->create_publisher();
     auto& writer =
         **publisher->create_datawriter<Sensor>(topic, durable(DurabilityKind::transient));
     ASSERT_TRUE(eventually([&] { return !writer.matched_subscriptions().empty(); }));

@@ -21,7 +21,7 @@ struct SessionEndsTest : ::testing::Test {
   SessionEndsTest() { ends.expect(kPeer, secret(1)); }
   void receive(const GuidPrefix& from, const spi::SharedSecret& of, const GuidPrefix& sender) {
     const auto message = spi::write_reset(sender, spi::derive_reset_token(of, sender));
-    ends.received(from, *spi::read_reset(message), kNow);
+    ends.note_reset(from, *spi::read_reset(message), kNow);
   }
   SessionEnds ends;
 };
@@ -40,7 +40,7 @@ TEST_F(SessionEndsTest, MessageWithoutAProof_EndsNothing) {
   receive(kPeer, secret(1), kOther);  // a message of the other side
   receive(kOther, secret(1), kPeer);  // in the name of another peer
   const spi::ResetToken nothing{.name = {}, .proof = *spi::ResetProof::copy_of(Bytes(32))};
-  ends.received(kPeer, *spi::read_reset(spi::write_reset(kPeer, nothing)), kNow);
+  ends.note_reset(kPeer, *spi::read_reset(spi::write_reset(kPeer, nothing)), kNow);
   EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s));
   EXPECT_FALSE(ends.remove_if_before(kOther, kNow + 1s));
 }

@@ -37,7 +37,7 @@ TEST(RequestPace, ALargerSample_IsRequestedAgainLater) {
 // It must not be sent again twice a second.
 TEST_F(SmallSecuredKeeper, ALargeSampleThatWaits_IsSeldomSentAgain) {
   auto* topic = *alice.participant->create_topic<Chunk>("Chunks");
-  auto* publisher = *alice.participant->create_publisher();
+  auto* publisher = &alice.participant->create_publisher();
   auto& writer = **publisher->create_datawriter<Chunk>(*topic, qos);
   ASSERT_TRUE(eventually([&] { return !writer.matched_subscriptions().empty(); }));
   ASSERT_TRUE(writer.write({0, std::vector<std::uint8_t>(2 << 20)}));

@@ -75,15 +75,13 @@ rtps::Qos everything_kept(rtps::Qos qos) {
 }
 
 DataWriter<Tick>& writer_of(rtps::DomainParticipant& participant, const char* topic) {
-  return **(*participant.create_publisher())
-               ->create_datawriter<Tick>(**participant.create_topic<Tick>(topic),
-                                         everything_kept(rtps::default_writer_qos()));
+  return **participant.create_publisher().create_datawriter<Tick>(
+      **participant.create_topic<Tick>(topic), everything_kept(rtps::default_writer_qos()));
 }
 
 DataReader<Tick>& reader_of(rtps::DomainParticipant& participant, const char* topic) {
-  return **(*participant.create_subscriber())
-               ->create_datareader<Tick>(**participant.create_topic<Tick>(topic),
-                                         everything_kept(rtps::default_reader_qos()));
+  return **participant.create_subscriber().create_datareader<Tick>(
+      **participant.create_topic<Tick>(topic), everything_kept(rtps::default_reader_qos()));
 }
 
 void write(DataWriter<Tick>& writer, std::int32_t from, std::int32_t to) {

@@ -5,6 +5,7 @@
 
 #include "base/hash.hpp"
 #include "tests/support/code_of.hpp"
+#include "tests/support/counted_memory.hpp"
 
 namespace ddssec::spi {
 namespace {
@@ -13,6 +14,14 @@ Token sample() {
   return {.class_id = "DDS:Auth:PKI-DH:1.0",
           .properties = {{"dds.cert.sn", "CN=a"}, {"local", "x", false}},
           .binary_properties = {{"c.id", Bytes{1, 2, 3}}, {"c.perm", {}}}};
+}
+
+TEST(Token, BinaryOctets_AreThoseOfAllBinaryValues) {
+  EXPECT_EQ(binary_octets(Token()), 0u);
+  auto token = sample();
+  EXPECT_EQ(binary_octets(token), 3u);
+  token.binary_properties[1].value.assign(5, 0);
+  EXPECT_EQ(binary_octets(token), 8u);
 }
 
 TEST(Token, EachByteOrder_RoundTripsWithoutWhatDoesNotPropagate) {
@@ -40,20 +49,48 @@ TEST(Token, EveryTruncation_IsRefused) {
   }
 }
 
+// The octets of sample() with a lie in place of the four octets at `at`.
+Bytes with_lie(BytesView honest, std::size_t at, std::uint32_t lie) {
+  auto octets = to_bytes(honest);
+  for (unsigned i = 0; i < 4; ++i) octets[at + i] = static_cast<std::uint8_t>(lie >> (24 - 8 * i));
+  return octets;
+}
+
+constexpr std::uint32_t kLies[] = {0x7fffffff, 0x80000000, 0xffffffff, 0xfffffffc};
+
 // CVE-2025-62599, -62600, -62602: false lengths inside tokens.
-TEST(Token, LyingCountsAndLengths_AreRefusedBeforeAllocating) {
+TEST(Token, LyingCountsAndLengths_AreRefused) {
   Writer writer;
   write_token(writer, sample());
   const auto honest = writer.take();
-  for (std::size_t at = 0; at + 4 <= honest.size(); at += 4) {
-    for (std::uint32_t lie : {0x7fffffffu, 0x80000000u, 0xffffffffu, 0xfffffffcu}) {
-      auto octets = honest;
-      for (int i = 0; i < 4; ++i) octets[at + i] = static_cast<std::uint8_t>(lie >> (24 - 8 * i));
+  // The length of the class id; for each list its number of properties, and the lengths of the name
+  // and the value of each property.
+  constexpr std::size_t kCounts[] = {0, 24, 28, 44, 56, 60, 72, 80, 92};
+  ASSERT_EQ(honest.size(), 96u);
+  for (const auto at : kCounts)
+    for (const auto lie : kLies) {
+      const auto octets = with_lie(honest, at, lie);
       Reader reader(octets);
-      const auto token = read_token(reader);
-      EXPECT_LE(token ? token->properties.size() : 0, kMaxPropertiesPerToken);
+      EXPECT_THAT(test::code_of(read_token(reader)),
+                  testing::AnyOf(Code::truncated, Code::length_out_of_range))
+          << at;
     }
-  }
+}
+
+TEST(Token, LiesAnywhere_AllocateNoMoreThanTheTruth) {
+  Writer writer;
+  write_token(writer, sample());
+  const auto honest = writer.take();
+  const auto allocated_by = [](BytesView octets) {
+    const auto before = counted_memory::octets_ever();
+    Reader reader(octets);
+    static_cast<void>(read_token(reader));
+    return counted_memory::octets_ever() - before;
+  };
+  const auto truth = allocated_by(honest);
+  EXPECT_GT(truth, 0);
+  for (std::size_t at = 0; at + 4 <= honest.size(); at += 4)
+    for (const auto lie : kLies) EXPECT_LE(allocated_by(with_lie(honest, at, lie)), truth) << at;
 }
 
 TEST(Token, MorePropertiesThanTheBound_AreRefused) {

@@ -4,6 +4,7 @@
 #include "tests/unit/rtps/wire_helpers.hpp"
 #include "tests/unit/wire/parameters.hpp"
 #include "wire/numbers.hpp"
+#include "wire/parameter_list.hpp"
 #include "wire/time.hpp"
 
 namespace ddssec::rtps::parameters {

@@ -11,7 +11,6 @@
 #include "wire/heartbeat.hpp"
 #include "wire/heartbeat_frag.hpp"
 #include "wire/info_destination.hpp"
-#include "wire/info_reply.hpp"
 #include "wire/info_source.hpp"
 #include "wire/info_timestamp.hpp"
 #include "wire/nack_frag.hpp"

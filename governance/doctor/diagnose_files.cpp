@@ -91,7 +91,7 @@ void report_unloaded(const pki::ParticipantFolder& paths, const fs::path& path, 
 }
 
 // Reports a key that opens with the password that only some products are given.
-void check_password(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_password(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   if (!folder.password) return;
   out.pass(Rule::DOC013);
   Outcomes outcomes;
@@ -113,7 +113,7 @@ void check_password(const LoadedFolder& folder, const Settings& settings, Diagno
                         .document = folder.paths.key});
 }
 
-void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto look = [&](const auto& piece, const fs::path& path) {
     if (piece) return;
     if (piece.error().code() == Code::key_not_allowed)
@@ -123,18 +123,18 @@ void check_loaded(const LoadedFolder& folder, const Settings& settings, Diagnosi
   look(folder.identity_cas, folder.paths.identity_ca);
   look(folder.certificate, folder.paths.certificate);
   look(folder.key, folder.paths.key);
-  check_password(folder, settings, out);
+  diagnose_password(folder, settings, out);
   look(folder.permissions_cas, folder.paths.permissions_ca);
   look(folder.governance.readable, folder.paths.governance);
   look(folder.permissions.readable, folder.paths.permissions);
-  // Otherwise check_identity reports it.
+  // Otherwise diagnose_identity reports it.
   if (folder.crls_with_deltas.empty()) look(folder.crls, folder.paths.crl);
 }
 
 bool is_in_token(const fs::path& path) { return path.extension() == ".p11"; }
 
 // Measured: Cyclone DDS refuses the scheme, and Fast DDS accepts it for the private key only.
-void check_tokens(const LoadedFolder& folder, Diagnosis& out) {
+void diagnose_tokens(const LoadedFolder& folder, Diagnosis& out) {
   const auto look = [&](const fs::path& path, Outcome fastdds) {
     if (!is_in_token(path)) return;
     out.report({.cyclonedds = Outcome::fail, .fastdds = fastdds},
@@ -158,7 +158,7 @@ bool is_secret(const fs::path& key) {
   return uri && uri->find("pin-value") != uri->npos;
 }
 
-void check_mode(const fs::path& key, Diagnosis& out) {
+void diagnose_mode(const fs::path& key, Diagnosis& out) {
   struct stat status {};
   if (::stat(key.c_str(), &status) != 0) return;
   if ((status.st_mode & 077) == 0 || !is_secret(key)) return out.pass(Rule::DOC003);
@@ -197,8 +197,8 @@ bool uses_pre_shared_keys(const LoadedFolder& folder, const Settings& settings) 
   return rule != nullptr && is_protected(rule->rtps_psk_protection_kind);
 }
 
-void check_configuration_modes(const LoadedFolder& folder, const Settings& settings,
-                               Diagnosis& out) {
+void diagnose_configuration_modes(const LoadedFolder& folder, const Settings& settings,
+                                  Diagnosis& out) {
   const auto& paths = folder.paths;
   for (const auto& path :
        {paths.folder / "cyclonedds.xml", paths.folder / "fastdds.xml", paths.properties}) {
@@ -219,7 +219,7 @@ void check_configuration_modes(const LoadedFolder& folder, const Settings& setti
 }
 
 // The folder's owner is usually the participant's user, who must be able to read the key.
-void check_owner(const fs::path& key, Diagnosis& out) {
+void diagnose_owner(const fs::path& key, Diagnosis& out) {
   struct stat status {};
   struct stat folder {};
   if (::stat(key.c_str(), &status) != 0 || ::stat(key.parent_path().c_str(), &folder) != 0) return;
@@ -241,12 +241,12 @@ std::string ca_of_key(const fs::path& path, const LoadedFolder& folder) {
   for (const auto* cas : {&folder.identity_cas, &folder.permissions_cas}) {
     if (!*cas) continue;
     for (const auto& ca : **cas)
-      if (key->matches(ca)) return ca.subject();
+      if (key->check_fits(ca)) return ca.subject();
   }
   return {};
 }
 
-void check_strangers(const LoadedFolder& folder, Diagnosis& out) {
+void diagnose_strangers(const LoadedFolder& folder, Diagnosis& out) {
   std::error_code error;
   int seen = 0;
   for (const auto& entry : fs::directory_iterator(folder.paths.folder, error)) {
@@ -265,7 +265,7 @@ void check_strangers(const LoadedFolder& folder, Diagnosis& out) {
 
 // ROS 2 reads the CA files of an enclave by their names there. Other applications read the files
 // that they are given. If both exist and differ, one of them was not judged.
-void check_layouts(const LoadedFolder& folder, Diagnosis& out) {
+void diagnose_layouts(const LoadedFolder& folder, Diagnosis& out) {
   using pki::FolderLayout;
   const auto flat = pki::participant_folder(folder.paths.folder, FolderLayout::flat);
   const auto sros2 = pki::participant_folder(folder.paths.folder, FolderLayout::sros2);
@@ -294,7 +294,8 @@ bool is_read(const fs::path& path) {
   return std::ranges::find(kExtensions, path.extension()) != kExtensions.end();
 }
 
-void check_writable_places(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_writable_places(const LoadedFolder& folder, const Settings& settings,
+                              Diagnosis& out) {
   WritablePlaces places(user_of(folder.paths));
   const auto add = [&](const fs::path& path) {
     settings.may_run_elsewhere ? places.add(path) : places.add_with_way(path);
@@ -360,17 +361,17 @@ bool has_same_octets(const fs::path& one, const fs::path& other) {
   return a && b && *a == *b;
 }
 
-void check_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_files(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   for (const auto rule : {Rule::DOC001, Rule::DOC002}) out.pass(rule);
-  check_loaded(folder, settings, out);
-  check_tokens(folder, out);
-  check_mode(folder.paths.key, out);
-  check_configuration_modes(folder, settings, out);
-  check_owner(folder.paths.key, out);
-  check_writable_places(folder, settings, out);
-  check_strangers(folder, out);
-  check_layouts(folder, out);
-  check_configurations(folder, settings, out);
+  diagnose_loaded(folder, settings, out);
+  diagnose_tokens(folder, out);
+  diagnose_mode(folder.paths.key, out);
+  diagnose_configuration_modes(folder, settings, out);
+  diagnose_owner(folder.paths.key, out);
+  diagnose_writable_places(folder, settings, out);
+  diagnose_strangers(folder, out);
+  diagnose_layouts(folder, out);
+  diagnose_configurations(folder, settings, out);
 }
 
 }  // namespace ddssec::governance::doctor

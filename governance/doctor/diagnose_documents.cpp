@@ -128,7 +128,7 @@ std::string who_signed(const Subject& subject) {
   return fmt::format("{} was signed by {} ({})", subject.path.filename().string(), by, which);
 }
 
-void check_signer(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
+void diagnose_signer(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   const auto out_of_it =
       outcomes(subject, measured(Variant::permissions_by_itself, subject.lineup));
   const bool is_accepted_by_stock =
@@ -200,7 +200,7 @@ void report_signature(const LoadedFolder& folder, const Subject& subject, const 
 
 // If ddssec cannot read the permissions CA file only because of its key (DOC014), stock products
 // still check the signature with it.
-void check_stock_verdict(const Subject& subject, Diagnosis& out) {
+void diagnose_stock_verdict(const Subject& subject, Diagnosis& out) {
   const Outcomes who{of(subject.cyclonedds_verdict.has_value()),
                      of(subject.fastdds_verdict.has_value()), Outcome::ok};
   if (who.all_ok()) return;
@@ -209,7 +209,7 @@ void check_stock_verdict(const Subject& subject, Diagnosis& out) {
   report(Rule::DOC031, subject, verdict.error(), who, out);
 }
 
-void check_verdict(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
+void diagnose_verdict(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
   if (const auto odd = odd_form(subject); !odd.empty())
     return out.report(outcomes_of_form(subject),
                       {.rule = Rule::DOC030, .message = odd, .document = subject.path},
@@ -217,14 +217,14 @@ void check_verdict(const LoadedFolder& folder, const Subject& subject, Diagnosis
   out.pass(Rule::DOC030, subject.about);
   if (!folder.permissions_cas) {
     const bool is_key = folder.permissions_cas.error().code() == Code::key_not_allowed;
-    return is_key ? check_stock_verdict(subject, out) : void();
+    return is_key ? diagnose_stock_verdict(subject, out) : void();
   }
   if (outcomes(subject).all_ok()) return out.pass(Rule::DOC031, subject.about);
   if (subject.our_verdict) return report_ca_file(folder, subject, out);
   const auto& error = subject.our_verdict.error();
   switch (error.code()) {
     case Code::smime_signer_not_permissions_ca:
-      return check_signer(folder, subject, out);
+      return diagnose_signer(folder, subject, out);
     case Code::smime_digest_too_weak:
       return report(Rule::DOC034, subject, error,
                     outcomes(subject, measured(Variant::form_sha1, subject.lineup)), out);
@@ -353,7 +353,7 @@ bool lacks_text(const pki::DocumentForm& form) {
   return form.unverified_text.empty() && !is_read;
 }
 
-void check_text(const Subject& subject, Diagnosis& out) {
+void diagnose_text(const Subject& subject, Diagnosis& out) {
   if (lacks_text(subject.form)) return;
   if (!subject.parsed) report_unreadable(subject, out);
   if (subject.notes == nullptr) return;
@@ -380,7 +380,7 @@ std::string without_revision(std::string text) {
 
 // Checks the XML beside a signed document, or beside the target of a link to one. After an edit
 // this XML shows rights that are not signed.
-void check_plain_text(const Subject& subject, Diagnosis& out) {
+void diagnose_plain_text(const Subject& subject, Diagnosis& out) {
   if (subject.form.unverified_text.empty()) return;
   std::error_code failed;
   auto plain = fs::canonical(subject.path, failed).replace_extension("xml");
@@ -405,13 +405,14 @@ void check_plain_text(const Subject& subject, Diagnosis& out) {
              subject.about);
 }
 
-void check_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
-  check_verdict(folder, subject, out);
-  check_text(subject, out);
-  check_plain_text(subject, out);
+void diagnose_one(const LoadedFolder& folder, const Subject& subject, Diagnosis& out) {
+  diagnose_verdict(folder, subject, out);
+  diagnose_text(subject, out);
+  diagnose_plain_text(subject, out);
 }
 
-void check_size_for_fastdds(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_size_for_fastdds(const LoadedFolder& folder, const Settings& settings,
+                               Diagnosis& out) {
   const auto size = handshake_octets(folder);
   if (size <= kMaxFastDdsHandshakeOctets) return out.pass(Rule::DOC110);
   out.report(
@@ -427,17 +428,17 @@ void check_size_for_fastdds(const LoadedFolder& folder, const Settings& settings
 
 }  // namespace
 
-void check_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_documents(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   if (folder.governance.readable)
-    check_one(folder,
-              subject("governance", folder.paths.governance, folder.governance, settings.lineup),
-              out);
+    diagnose_one(folder,
+                 subject("governance", folder.paths.governance, folder.governance, settings.lineup),
+                 out);
   if (!folder.permissions.readable) return;
-  check_one(folder,
-            subject("permissions", folder.paths.permissions, folder.permissions, settings.lineup),
-            out);
+  diagnose_one(
+      folder, subject("permissions", folder.paths.permissions, folder.permissions, settings.lineup),
+      out);
   const auto size = folder.permissions.file.size();
-  check_size_for_fastdds(folder, settings, out);
+  diagnose_size_for_fastdds(folder, settings, out);
   if (size <= pki::kMaxSentPermissionsOctets) return;
   auto finding = too_long_for_peers(size);
   finding.document = folder.paths.permissions;

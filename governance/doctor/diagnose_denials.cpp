@@ -47,7 +47,7 @@ std::vector<std::string> sample_topics(const Grant& grant) {
 constexpr std::string_view kHintOfPartitions =
     "name the partitions that are allowed in an allow_rule, and leave the deny_rule out";
 
-void check_one_way(const DenialScene& scene, const Grant& grant) {
+void diagnose_one_way(const DenialScene& scene, const Grant& grant) {
   const auto is_deny = [](const governance::GrantRule& rule) { return !rule.allow; };
   const auto outcomes = measured(Variant::grant_deny_one_way, scene.settings.lineup);
   if (std::ranges::none_of(grant.rules, is_deny) || outcomes.all_ok())
@@ -87,7 +87,7 @@ bool denies_partitions(const governance::GrantRule& rule) {
 }
 
 // Measured with Fast DDS 2.9.1: it denies in all partitions.
-void check_denied_partitions(const DenialScene& scene, const Grant& grant) {
+void diagnose_denied_partitions(const DenialScene& scene, const Grant& grant) {
   if (std::ranges::none_of(grant.rules, denies_partitions)) return;
   const auto domain = scene.settings.domain;
   const CompiledGrant compiled(scene.folder.permissions.model, grant, domain);
@@ -119,7 +119,7 @@ const governance::GrantRule* denial_elsewhere(const Grant& grant, DomainId domai
 }
 
 // Reports rights that a denial with an open range removes and that stock products still allow.
-void check_open_denials(const DenialScene& scene, const Grant& grant) {
+void diagnose_open_denials(const DenialScene& scene, const Grant& grant) {
   const auto domain = scene.settings.domain;
   const auto* rule = denial_elsewhere(grant, domain);
   if (rule == nullptr) return;
@@ -160,7 +160,7 @@ bool is_controlled(const DomainRule* domain, Action action, std::string_view top
 
 // Reports topics that the grant allows, but for which Fast DDS makes no endpoint, because it
 // ignores the domains of a rule there.
-void check_rules_of_other_domains(const DenialScene& scene, const Grant& grant) {
+void diagnose_rules_of_other_domains(const DenialScene& scene, const Grant& grant) {
   scene.out.pass(Rule::DOC109);
   const auto domain = scene.settings.domain;
   const auto is_for_others = [&](const governance::GrantRule& rule) {
@@ -192,13 +192,13 @@ void check_rules_of_other_domains(const DenialScene& scene, const Grant& grant) 
 
 }  // namespace
 
-void check_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
-                   Diagnosis& out) {
+void diagnose_denials(const LoadedFolder& folder, const Settings& settings, const Grant& grant,
+                      Diagnosis& out) {
   const DenialScene scene{folder, settings, out};
-  check_denied_partitions(scene, grant);
-  check_one_way(scene, grant);
-  check_open_denials(scene, grant);
-  check_rules_of_other_domains(scene, grant);
+  diagnose_denied_partitions(scene, grant);
+  diagnose_one_way(scene, grant);
+  diagnose_open_denials(scene, grant);
+  diagnose_rules_of_other_domains(scene, grant);
 }
 
 }  // namespace ddssec::governance::doctor

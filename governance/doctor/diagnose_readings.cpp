@@ -88,14 +88,17 @@ class Rules {
   const DomainRule& theirs_;
 };
 
-// Calls `each` with each expression of the grant, for topics or for partitions.
+enum class NamesOf : std::uint8_t { topics, partitions };
+
+// Calls `each` with each expression of the grant for those names.
 template <class Each>
-void each_expression(const Grant& grant, bool partitions, Each&& each) {
+void each_expression(const Grant& grant, NamesOf names, Each&& each) {
   for (const auto& rule : grant.rules)
     for (const auto* list : {&rule.publish, &rule.subscribe})
       for (const auto& criteria : *list) {
-        if (!partitions) std::ranges::for_each(criteria.topics, each);
-        if (partitions && criteria.partitions) std::ranges::for_each(*criteria.partitions, each);
+        if (names == NamesOf::topics) std::ranges::for_each(criteria.topics, each);
+        if (names == NamesOf::partitions && criteria.partitions)
+          std::ranges::for_each(*criteria.partitions, each);
       }
 }
 
@@ -112,9 +115,9 @@ class Rights {
         theirs_(changed_, changed_->grants.front(), settings.domain) {}
 
   std::optional<Loss> loss() {
-    auto partitions = samples(true);
+    auto partitions = samples(NamesOf::partitions);
     partitions.emplace_back();
-    for (const auto& topic : samples(false))
+    for (const auto& topic : samples(NamesOf::topics))
       for (const auto& partition : partitions)
         for (const auto action : {Action::publish, Action::subscribe})
           if (is_loss(action, topic, partition)) return loss_of(action, topic, partition);
@@ -127,13 +130,13 @@ class Rights {
 
   // Returns one name for each way in which both read the expressions. For topics the topic_rules
   // are included, because they may leave topics open.
-  std::vector<std::string> samples(bool partitions) {
+  std::vector<std::string> samples(NamesOf names) {
     std::vector<RankedExpression> all{kBracket};
     std::uint32_t list = kWithBracket;
     const auto add = [&](const Text& text) { all.push_back({text.text, ++list, 0}); };
-    each_expression(ours_.grant(), partitions, add);
-    each_expression(theirs_.grant(), partitions, add);
-    if (const auto* const domain = domain_rule(); domain != nullptr && !partitions)
+    each_expression(ours_.grant(), names, add);
+    each_expression(theirs_.grant(), names, add);
+    if (const auto* const domain = domain_rule(); domain != nullptr && names == NamesOf::topics)
       for (const auto& rule : domain->topic_rules)
         all.push_back({rule.topic_expression, kOurs, static_cast<std::uint32_t>(all.size())});
     std::vector<std::string> out;
@@ -180,8 +183,8 @@ class Rights {
           reason = text;
       };
     };
-    each_expression(ours_.grant(), false, find(topic));
-    each_expression(ours_.grant(), true, find(partition));
+    each_expression(ours_.grant(), NamesOf::topics, find(topic));
+    each_expression(ours_.grant(), NamesOf::partitions, find(partition));
     return {reason, fmt::format("it allows {} topic \"{}\"{}, which ddssec refuses",
                                 action == Action::publish ? "publishing" : "subscribing to", topic,
                                 partition.empty() ? "" : " in partition \"" + partition + '"')};
@@ -192,8 +195,8 @@ class Rights {
     const auto find = [&](const Text& text) {
       if (out.text.empty() && (text.is_padded || !is_portable(text.text))) out = text;
     };
-    each_expression(ours_.grant(), false, find);
-    each_expression(ours_.grant(), true, find);
+    each_expression(ours_.grant(), NamesOf::topics, find);
+    each_expression(ours_.grant(), NamesOf::partitions, find);
     return out;
   }
 
@@ -221,7 +224,7 @@ void report(const Loss& loss, Product product, const std::filesystem::path& docu
 
 }  // namespace
 
-void check_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_readings(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto* const rule =
       folder.governance.model ? folder.governance.model->find(settings.domain) : nullptr;
   const auto* const grant = grant_of(folder, settings.now);

@@ -18,10 +18,10 @@ namespace ddssec::cyclonedds {
 
 /// Returns a whole RTPS message for participant `peer` only (INFO_DST). It disposes and unregisters
 /// participant `own` (RTPS 8.5.3.3).
-Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer);
+Bytes write_dispose_announcement(const GuidPrefix& own, const GuidPrefix& peer);
 
 /// The local participants, which may have to send dispose announcements. Thread-safe.
-class Farewells {
+class DisposeAnnouncements {
  public:
   void add_local(spi::IdentityHandle local, const GuidPrefix& prefix);
   void remove_local(spi::IdentityHandle local);

@@ -1,7 +1,6 @@
 // Checks the participant's rights in the domain, and what expires first.
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -106,7 +105,7 @@ Spelling spelling_for(const pki::Certificate& certificate, const Lineup& lineup)
       "each of the two texts"};
 }
 
-void check_form(const Scene& scene, const std::vector<Candidate>& all) {
+void diagnose_form(const Scene& scene, const std::vector<Candidate>& all) {
   Outcomes best = kAllFail;
   for (const auto& one : all)
     for (auto member : {&Outcomes::cyclonedds, &Outcomes::fastdds, &Outcomes::ddssec})
@@ -129,7 +128,7 @@ void check_form(const Scene& scene, const std::vector<Candidate>& all) {
 constexpr std::string_view kHintOfZones = "write both dates of the grant in UTC, with a Z";
 
 // Reports that Fast DDS applies a grant now and the other products do not, or the reverse.
-void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) {
+void diagnose_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) {
   const auto now = scene.settings.now;
   const auto is_valid = [&](Product product) {
     return std::ranges::any_of(all, [&](const Candidate& one) {
@@ -151,7 +150,7 @@ void check_fastdds_zones(const Scene& scene, const std::vector<Candidate>& all) 
                     .severity = Severity::error});
 }
 
-void check_cyclones_end(const Scene& scene, const Grant& grant) {
+void diagnose_cyclones_end(const Scene& scene, const Grant& grant) {
   if (grant.validity.is_read_alike_by_cyclonedds) return scene.out.pass(Rule::DOC040);
   scene.out.report(
       {.cyclonedds = Outcome::fail},
@@ -164,12 +163,12 @@ void check_cyclones_end(const Scene& scene, const Grant& grant) {
 }
 
 // Cyclone DDS uses only the first grant of the subject, the other products the first valid one.
-void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
+void diagnose_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
   const auto now = scene.settings.now;
   const bool any = std::ranges::any_of(
       all, [&](const Candidate& one) { return one.grant->validity.contains(now); });
   const auto* first = all.front().grant;
-  if (first->validity.contains(now)) return check_cyclones_end(scene, *first);
+  if (first->validity.contains(now)) return diagnose_cyclones_end(scene, *first);
   const bool early = now < first->validity.not_before;
   auto outcomes = any ? measured(Variant::grant_second, scene.settings.lineup) : kAllFail;
   if (validity_as(Product::fastdds, first->validity).contains(now)) outcomes.fastdds = Outcome::ok;
@@ -186,7 +185,7 @@ void check_grant_dates(const Scene& scene, const std::vector<Candidate>& all) {
                  .hint = hint_if_early(first->validity.not_before, now)});
 }
 
-void check_local_time(const Scene& scene, const Grant& grant) {
+void diagnose_local_time(const Scene& scene, const Grant& grant) {
   const auto now = scene.settings.now;
   const auto is_near = [&](WallTime time) {
     return time - kFarthestZone < now && now < time + kFarthestZone;
@@ -207,7 +206,7 @@ void check_local_time(const Scene& scene, const Grant& grant) {
 }
 
 // Cyclone DDS applies the first grant that has all attributes of the certificate.
-void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all) {
+void diagnose_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all) {
   const auto taken = std::ranges::find(
       all,
       GrantsForCyclone(scene.permissions()).applied_grant_for(scene.folder.certificate->subject()),
@@ -229,7 +228,7 @@ void check_cyclones_grant(const Scene& scene, const std::vector<Candidate>& all)
        .severity = Severity::error});
 }
 
-void check_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
+void diagnose_second_grant(const Scene& scene, const std::vector<Candidate>& all) {
   if (all.size() < 2) return scene.out.pass(Rule::DOC043);
   scene.out.report({},
                    {.rule = Rule::DOC043,
@@ -279,7 +278,7 @@ void report_no_allow_rule(const Scene& scene, const Grant& grant) {
        .hint = "add an allow_rule, for any topic, and sign the permissions again"});
 }
 
-void check_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
+void diagnose_join(const Scene& scene, const Grant& grant, const DomainRule* governance) {
   const CompiledGrant compiled(scene.folder.permissions.model, grant, scene.settings.domain);
   const bool asks = governance == nullptr || governance->enable_join_access_control;
   const auto outcome = [&](Product product, Outcome if_refused) {
@@ -304,7 +303,7 @@ void check_join(const Scene& scene, const Grant& grant, const DomainRule* govern
                               .hint = mismatch.hint});
 }
 
-void check_default(const Scene& scene, const Grant& grant) {
+void diagnose_default(const Scene& scene, const Grant& grant) {
   auto outcomes = measured(Variant::grant_default_allow, scene.settings.lineup);
   if (!grant.default_allow || outcomes.all_ok()) return scene.out.pass(Rule::DOC052);
   const bool any_allow = std::ranges::any_of(grant.rules, &governance::GrantRule::allow);
@@ -318,21 +317,21 @@ void check_default(const Scene& scene, const Grant& grant) {
                  .line = grant.line});
 }
 
-void check_permissions(const Scene& scene, const DomainRule* governance) {
+void diagnose_permissions(const Scene& scene, const DomainRule* governance) {
   const auto all =
       candidates(scene.permissions(), *scene.folder.certificate, scene.settings.lineup);
   if (all.empty()) return report_no_grant(scene);
-  check_form(scene, all);
-  check_grant_dates(scene, all);
-  check_second_grant(scene, all);
-  check_cyclones_grant(scene, all);
+  diagnose_form(scene, all);
+  diagnose_grant_dates(scene, all);
+  diagnose_second_grant(scene, all);
+  diagnose_cyclones_grant(scene, all);
   const auto* grant = grant_of(scene.folder, scene.settings.now);
   if (grant == nullptr) grant = all.front().grant;
-  check_local_time(scene, *grant);
-  check_fastdds_zones(scene, all);
-  check_join(scene, *grant, governance);
-  check_default(scene, *grant);
-  check_denials(scene.folder, scene.settings, *grant, scene.out);
+  diagnose_local_time(scene, *grant);
+  diagnose_fastdds_zones(scene, all);
+  diagnose_join(scene, *grant, governance);
+  diagnose_default(scene, *grant);
+  diagnose_denials(scene.folder, scene.settings, *grant, scene.out);
 }
 
 // Something that expires, and when.
@@ -375,13 +374,13 @@ const Grant* grant_of(const LoadedFolder& folder, WallTime now) {
   return found ? *found : nullptr;
 }
 
-void check_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
-  const auto* rule = check_domain_rule(folder, settings, out);
+void diagnose_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  const auto* rule = diagnosed_domain_rule(folder, settings, out);
   if (folder.permissions.model && folder.certificate)
-    check_permissions({folder, settings, out}, rule);
+    diagnose_permissions({folder, settings, out}, rule);
 }
 
-void check_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_ends(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto ends = ends_of(folder, settings.now);
   if (ends.empty()) return;
   const auto first = std::ranges::min_element(ends, {}, &End::when);

@@ -43,7 +43,7 @@ std::string profiles(const std::string& inside) { return "<profiles>\n" + inside
 
 Diagnosis judged(const std::string& text) {
   Diagnosis out;
-  check_profile(
+  diagnose_profile(
       {.name = "fastdds.xml", .document = "/a/fastdds.xml", .text = text, .version = {2, 9, 1}},
       out);
   return out;

@@ -1,4 +1,4 @@
-#include "plugins/cyclonedds/farewells.hpp"
+#include "plugins/cyclonedds/dispose_announcements.hpp"
 
 #include <gmock/gmock.h>
 
@@ -15,8 +15,8 @@ namespace {
 constexpr GuidPrefix kOwn{{1, 0x10, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}};
 constexpr GuidPrefix kPeer{{1, 0x10, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9}};
 
-TEST(Farewell, OurLeaving_IsADisposeForThePeerAlone) {
-  const auto octets = write_farewell(kOwn, kPeer);
+TEST(DisposeAnnouncements, OurLeaving_IsADisposeForThePeerAlone) {
+  const auto octets = write_dispose_announcement(kOwn, kPeer);
   EXPECT_EQ(rtps::read_header(octets)->prefix, kOwn);
   auto message = rtps::MessageReader::open(octets).value();
   const auto destination = message.next().value();
@@ -35,13 +35,13 @@ TEST(Farewell, OurLeaving_IsADisposeForThePeerAlone) {
   EXPECT_FALSE(message.next().value());
 }
 
-TEST(Farewell, PresentParticipants_SayIt) {
-  Farewells farewells;
-  farewells.add_local({1}, kOwn);
-  farewells.add_local({2}, kPeer);
-  farewells.remove_local({2});
-  ASSERT_EQ(farewells.locals().size(), 1u);
-  EXPECT_EQ(farewells.locals().front().prefix, kOwn);
+TEST(DisposeAnnouncements, LocalParticipants_AreListedUntilRemoved) {
+  DisposeAnnouncements dispose_announcements;
+  dispose_announcements.add_local({1}, kOwn);
+  dispose_announcements.add_local({2}, kPeer);
+  dispose_announcements.remove_local({2});
+  ASSERT_EQ(dispose_announcements.locals().size(), 1u);
+  EXPECT_EQ(dispose_announcements.locals().front().prefix, kOwn);
 }
 
 }  // namespace

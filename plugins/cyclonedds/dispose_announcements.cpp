@@ -1,13 +1,14 @@
-#include "plugins/cyclonedds/farewells.hpp"
+#include "plugins/cyclonedds/dispose_announcements.hpp"
 
 #include "plugins/cyclonedds/disposal.hpp"
 #include "wire/entity_ids.hpp"
 #include "wire/header.hpp"
 #include "wire/info_destination.hpp"
+#include "wire/span_writer.hpp"
 
 namespace ddssec::cyclonedds {
 
-Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer) {
+Bytes write_dispose_announcement(const GuidPrefix& own, const GuidPrefix& peer) {
   Bytes octets(128);
   rtps::SpanWriter out(octets);
   // The header names the same vendor as the host does.
@@ -22,17 +23,17 @@ Bytes write_farewell(const GuidPrefix& own, const GuidPrefix& peer) {
   return octets;
 }
 
-void Farewells::add_local(spi::IdentityHandle local, const GuidPrefix& prefix) {
+void DisposeAnnouncements::add_local(spi::IdentityHandle local, const GuidPrefix& prefix) {
   const std::lock_guard lock(mutex_);
   locals_[local] = {local, prefix};
 }
 
-void Farewells::remove_local(spi::IdentityHandle local) {
+void DisposeAnnouncements::remove_local(spi::IdentityHandle local) {
   const std::lock_guard lock(mutex_);
   locals_.erase(local);
 }
 
-std::vector<Farewells::Local> Farewells::locals() const {
+std::vector<DisposeAnnouncements::Local> DisposeAnnouncements::locals() const {
   const std::lock_guard lock(mutex_);
   std::vector<Local> out;
   for (const auto& [handle, local] : locals_) out.push_back(local);

@@ -28,20 +28,23 @@ std::string dates_wrong(const fs::path& path, const pki::Certificate& certificat
                      to_string(now));
 }
 
+enum class CertificateOf : std::uint8_t { participant, ca };
+
 // The variant for a kind of key that not every product accepts.
-std::optional<Variant> unusual_key(pki::KeyAlgorithm key, bool is_ca) {
+std::optional<Variant> unusual_key(pki::KeyAlgorithm key, CertificateOf whose) {
   if (key == pki::KeyAlgorithm{pki::KeyKind::rsa, 2048} || key.kind == pki::KeyKind::ec_p256)
     return std::nullopt;
   if (key.kind == pki::KeyKind::rsa) return Variant::rsa_3072;
-  return is_ca ? Variant::ca_p384 : Variant::p384;
+  return whose == CertificateOf::ca ? Variant::ca_p384 : Variant::p384;
 }
 
 // Calls `look` for the identity certificate and for each CA of its file.
 template <class Look>
 void for_each_certificate(const LoadedFolder& folder, Look look) {
-  if (folder.certificate) look(*folder.certificate, folder.paths.certificate, false);
+  if (folder.certificate)
+    look(*folder.certificate, folder.paths.certificate, CertificateOf::participant);
   if (!folder.identity_cas) return;
-  for (const auto& ca : *folder.identity_cas) look(ca, folder.paths.identity_ca, true);
+  for (const auto& ca : *folder.identity_cas) look(ca, folder.paths.identity_ca, CertificateOf::ca);
 }
 
 // "Cyclone DDS 0.10.2", "Cyclone DDS 0.10.2 and Fast DDS 2.9.1": the products that refuse.
@@ -53,11 +56,11 @@ std::string who_refuses(const Outcomes& outcomes, const Lineup& lineup) {
   return out;
 }
 
-void check_key_types(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+void diagnose_key_types(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
   for_each_certificate(folder, [&](const pki::Certificate& certificate, const fs::path& path,
-                                   bool is_ca) {
+                                   CertificateOf whose) {
     const auto key = certificate.key_algorithm();
-    const auto variant = unusual_key(key, is_ca);
+    const auto variant = unusual_key(key, whose);
     const auto outcomes = variant ? measured(*variant, lineup) : Outcomes();
     if (outcomes.all_ok()) return out.pass(Rule::DOC014);
     out.report(outcomes, {.rule = Rule::DOC014,
@@ -71,8 +74,8 @@ void check_key_types(const LoadedFolder& folder, const Lineup& lineup, Diagnosis
 
 // Measured with Fast DDS 2.9.1: it refuses SHA-1, SHA-224 and RSASSA-PSS as it refuses SHA-512.
 // Ed25519 names no digest, and is read.
-void check_digest(const pki::Certificate& certificate, const fs::path& path, Variant variant,
-                  const Lineup& lineup, Diagnosis& out) {
+void diagnose_digest(const pki::Certificate& certificate, const fs::path& path, Variant variant,
+                     const Lineup& lineup, Diagnosis& out) {
   const auto digest = certificate.signature_digest();
   const bool is_other = !digest.empty() && digest != "SHA256";
   const auto outcomes = is_other ? measured(variant, lineup) : Outcomes();
@@ -88,8 +91,8 @@ void check_digest(const pki::Certificate& certificate, const fs::path& path, Var
 
 // A CA of X.509 version 1 has no extension that marks it as a CA. ddssec accepts it as a trust
 // anchor.
-void check_version_1(const std::vector<pki::Certificate>& cas, const fs::path& path,
-                     const Outcomes& outcomes, const Lineup& lineup, Diagnosis& out) {
+void diagnose_version_1(const std::vector<pki::Certificate>& cas, const fs::path& path,
+                        const Outcomes& outcomes, const Lineup& lineup, Diagnosis& out) {
   out.pass(Rule::DOC016);
   if (outcomes.all_ok()) return;
   for (const auto& ca : cas)
@@ -102,31 +105,31 @@ void check_version_1(const std::vector<pki::Certificate>& cas, const fs::path& p
                             .document = path});
 }
 
-void check_versions(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+void diagnose_versions(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
   if (folder.identity_cas)
-    check_version_1(*folder.identity_cas, folder.paths.identity_ca,
-                    measured(Variant::x509_v1_ca, lineup), lineup, out);
+    diagnose_version_1(*folder.identity_cas, folder.paths.identity_ca,
+                       measured(Variant::x509_v1_ca, lineup), lineup, out);
   if (folder.permissions_cas)
-    check_version_1(*folder.permissions_cas, folder.paths.permissions_ca,
-                    measured(Variant::x509_v1_permissions_ca, lineup), lineup, out);
+    diagnose_version_1(*folder.permissions_cas, folder.paths.permissions_ca,
+                       measured(Variant::x509_v1_permissions_ca, lineup), lineup, out);
 }
 
-void check_digests(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
-  // check_chain reports SHA-1 below a CA, which ddssec refuses.
+void diagnose_digests(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+  // diagnose_chain reports SHA-1 below a CA, which ddssec refuses.
   if (folder.certificate && folder.certificate->signature_digest() != "SHA1")
-    check_digest(*folder.certificate, folder.paths.certificate, Variant::identity_sha512, lineup,
-                 out);
+    diagnose_digest(*folder.certificate, folder.paths.certificate, Variant::identity_sha512, lineup,
+                    out);
   if (folder.identity_cas)
     for (const auto& ca : *folder.identity_cas)
-      check_digest(ca, folder.paths.identity_ca, Variant::identity_ca_sha512, lineup, out);
+      diagnose_digest(ca, folder.paths.identity_ca, Variant::identity_ca_sha512, lineup, out);
   if (folder.permissions_cas)
     for (const auto& ca : *folder.permissions_cas)
-      check_digest(ca, folder.paths.permissions_ca, Variant::permissions_ca_sha512, lineup, out);
+      diagnose_digest(ca, folder.paths.permissions_ca, Variant::permissions_ca_sha512, lineup, out);
 }
 
-void check_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+void diagnose_pair(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
   if (!folder.key || !folder.certificate) return;
-  if (folder.key->matches(*folder.certificate)) return out.pass(Rule::DOC012);
+  if (folder.key->check_fits(*folder.certificate)) return out.pass(Rule::DOC012);
   auto outcomes = measured(Variant::key_of_another, lineup);
   outcomes.ddssec = Outcome::fail;
   out.report(outcomes,
@@ -158,7 +161,7 @@ Outcomes outcomes_of_dates(const pki::Certificate& ca, const std::vector<pki::Ce
   return kAllFail;
 }
 
-void check_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
+void diagnose_dates(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   if (folder.certificate && is_valid(*folder.certificate, now)) out.pass(Rule::DOC021);
   if (folder.certificate && !is_valid(*folder.certificate, now))
     out.report(kAllFail,
@@ -240,14 +243,14 @@ WallTime time_to_judge(const LoadedFolder& folder, WallTime now) {
   return otherwise;
 }
 
-void check_chain(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_chain(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   if (!folder.certificate || !folder.identity_cas) return;
   const auto verifier = pki::ChainVerifier::make(*folder.identity_cas);
   const auto proof =
       verifier ? verifier->verify(*folder.certificate, time_to_judge(folder, settings.now))
                : Result<pki::ValidChain>(std::unexpected(verifier.error()));
-  const auto outcomes =
-      chain_outcomes(*folder.certificate, *folder.identity_cas, proof, true, settings.lineup);
+  const auto outcomes = chain_outcomes(*folder.certificate, *folder.identity_cas, proof,
+                                       WrongDates::reported_elsewhere, settings.lineup);
   if (outcomes.all_ok()) return out.pass(Rule::DOC020);
   const bool only_stock = outcomes.ddssec == Outcome::ok;
   out.report(outcomes, {.rule = Rule::DOC020,
@@ -308,13 +311,13 @@ void report_revoked(const LoadedFolder& folder, const CaList& newer, Diagnosis& 
 }
 
 // Checks the CA's own list, if it is beside the participant and newer than the participant's list.
-void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
+void diagnose_ca_list(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.certificate || !folder.identity_cas) return;
   const auto newer = newer_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
   if (!newer) return;
   if (lists_certificate(newer->list, *folder.certificate))
     return report_revoked(folder, *newer, out);
-  if (!folder.has_crl_file) return;  // check_revocation reports it
+  if (!folder.has_crl_file) return;  // diagnose_revocation reports it
   out.report({}, {.rule = Rule::DOC023,
                   .message = fmt::format("the CA has list {}, {}; {}",
                                          to_string(newer->list.number().value_or(0)),
@@ -326,7 +329,7 @@ void check_ca_list(const LoadedFolder& folder, Diagnosis& out) {
 
 // Reports that the participants' lists are newer than the CA's, so that the next list of the CA
 // would lose entries.
-void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
+void diagnose_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls || !folder.identity_cas) return;
   const auto outdated = outdated_ca_list(folder.paths, *folder.identity_cas, *folder.crls);
   if (!outdated) return;
@@ -346,8 +349,8 @@ void check_outdated_ca(const LoadedFolder& folder, Diagnosis& out) {
 
 // Reports several keys of one CA. This is the state during an overlap of `ca rotate`, whose end may
 // not have reached this folder.
-void check_former_ca(const Result<std::vector<pki::Certificate>>& cas, const fs::path& file,
-                     std::string_view role, Diagnosis& out) {
+void diagnose_former_ca(const Result<std::vector<pki::Certificate>>& cas, const fs::path& file,
+                        std::string_view role, Diagnosis& out) {
   if (!cas || cas->empty()) return;
   const auto& own = cas->front();
   const bool has_other_key = std::ranges::any_of(*cas, [&](const auto& other) {
@@ -367,7 +370,7 @@ void check_former_ca(const Result<std::vector<pki::Certificate>>& cas, const fs:
 }
 
 // Products read different lists of a CA that has several.
-void check_several_lists(const LoadedFolder& folder, Diagnosis& out) {
+void diagnose_several_lists(const LoadedFolder& folder, Diagnosis& out) {
   if (!folder.crls) return;
   const auto& lists = *folder.crls;
   for (const auto& list : lists) {
@@ -409,7 +412,7 @@ Outcomes failing(bool stock, bool ours) {
   return out;
 }
 
-void check_crl_form(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
+void diagnose_crl_form(const LoadedFolder& folder, const Lineup& lineup, Diagnosis& out) {
   const auto outcomes = measured(Variant::crl_der, lineup);
   if (!folder.is_crl_der || outcomes.all_ok()) return;
   out.report(outcomes, {.rule = Rule::DOC023,
@@ -422,7 +425,7 @@ void check_crl_form(const LoadedFolder& folder, const Lineup& lineup, Diagnosis&
 // Up to some patch levels OpenSSL takes a delta list for a complete one. Stock products then start
 // with it and accept certificates that only the complete list revokes (measured with 3.0.19). The
 // OpenSSL of this machine decides here as it does for them.
-void check_delta_list(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
+void diagnose_delta_list(const LoadedFolder& folder, WallTime now, Diagnosis& out) {
   const auto stock = folder.certificate && folder.identity_cas
                          ? status_by_lists(folder, Product::cyclonedds, now)
                          : Status();
@@ -439,8 +442,8 @@ void check_delta_list(const LoadedFolder& folder, WallTime now, Diagnosis& out) 
               .hint = folder.crls.error().hint()});
 }
 
-void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& lineup,
-                      Diagnosis& out) {
+void diagnose_revocation(const LoadedFolder& folder, WallTime now, const Lineup& lineup,
+                         Diagnosis& out) {
   if (!folder.has_crl_file && !folder.is_empty())
     out.report({},
                {.rule = Rule::DOC023,
@@ -450,10 +453,10 @@ void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& li
                 .hint = "put the CA's list there: ddssec crl distribute --ca CA; without a "
                         "list of it, ddssec crl new --ca CA makes one",
                 .severity = Severity::warning});
-  if (!folder.crls_with_deltas.empty()) return check_delta_list(folder, now, out);
+  if (!folder.crls_with_deltas.empty()) return diagnose_delta_list(folder, now, out);
   if (!folder.has_crl_file || !folder.crls || !folder.certificate || !folder.identity_cas) return;
-  check_crl_form(folder, lineup, out);
-  if (!folder.chain()) return;  // check_chain reports it
+  diagnose_crl_form(folder, lineup, out);
+  if (!folder.chain()) return;  // diagnose_chain reports it
   const auto ours = status_by_lists(folder, Product::ddssec, now);
   const auto stock = status_by_lists(folder, Product::cyclonedds, now);
   const auto revoked = failing(is_revoked(stock), is_revoked(ours));
@@ -477,19 +480,19 @@ void check_revocation(const LoadedFolder& folder, WallTime now, const Lineup& li
 
 }  // namespace
 
-void check_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
-  check_key_types(folder, settings.lineup, out);
-  check_digests(folder, settings.lineup, out);
-  check_versions(folder, settings.lineup, out);
-  check_pair(folder, settings.lineup, out);
-  check_chain(folder, settings, out);
-  check_dates(folder, settings.now, out);
-  check_revocation(folder, settings.now, settings.lineup, out);
-  check_several_lists(folder, out);
-  check_ca_list(folder, out);
-  check_outdated_ca(folder, out);
-  check_former_ca(folder.identity_cas, folder.paths.identity_ca, "identity", out);
-  check_former_ca(folder.permissions_cas, folder.paths.permissions_ca, "permissions", out);
+void diagnose_identity(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+  diagnose_key_types(folder, settings.lineup, out);
+  diagnose_digests(folder, settings.lineup, out);
+  diagnose_versions(folder, settings.lineup, out);
+  diagnose_pair(folder, settings.lineup, out);
+  diagnose_chain(folder, settings, out);
+  diagnose_dates(folder, settings.now, out);
+  diagnose_revocation(folder, settings.now, settings.lineup, out);
+  diagnose_several_lists(folder, out);
+  diagnose_ca_list(folder, out);
+  diagnose_outdated_ca(folder, out);
+  diagnose_former_ca(folder.identity_cas, folder.paths.identity_ca, "identity", out);
+  diagnose_former_ca(folder.permissions_cas, folder.paths.permissions_ca, "permissions", out);
 }
 
 }  // namespace ddssec::governance::doctor

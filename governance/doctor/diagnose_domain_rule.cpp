@@ -34,8 +34,8 @@ void report_uncovered(const LoadedFolder& folder, const Settings& settings, Diag
 
 // Cyclone DDS and Fast DDS read a range without <max> as one domain. Another rule, or none, may
 // then be the first one for this domain.
-void check_open_ranges(const LoadedFolder& folder, const DomainRule& rule, const Settings& settings,
-                       Diagnosis& out) {
+void diagnose_open_ranges(const LoadedFolder& folder, const DomainRule& rule,
+                          const Settings& settings, Diagnosis& out) {
   const auto* stock = folder.governance.model->find_for_stock(settings.domain);
   if (stock == &rule) return out.pass(Rule::DOC050);
   const auto outcomes = stock == nullptr
@@ -53,7 +53,7 @@ void check_open_ranges(const LoadedFolder& folder, const DomainRule& rule, const
               .line = rule.domains.line});
 }
 
-void check_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagnosis& out) {
+void diagnose_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagnosis& out) {
   std::vector<std::string_view> expressions;
   for (const auto& topic : rule.topic_rules) expressions.emplace_back(topic.topic_expression);
   constexpr std::string_view kEvery = "*";
@@ -69,8 +69,8 @@ void check_topic_rules(const LoadedFolder& folder, const DomainRule& rule, Diagn
 
 // Fast DDS 2.9.1 reads allow_unauthenticated_participants and ignores it. Later versions refuse it
 // together with protection of all messages.
-void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, const Lineup& lineup,
-                           Diagnosis& out) {
+void diagnose_unauthenticated(const LoadedFolder& folder, const DomainRule& rule,
+                              const Lineup& lineup, Diagnosis& out) {
   if (!rule.allow_unauthenticated_participants) return;
   const auto who =
       measured(is_protected(rule.rtps_protection_kind) ? Variant::governance_unauthenticated
@@ -93,17 +93,17 @@ void check_unauthenticated(const LoadedFolder& folder, const DomainRule& rule, c
 
 }  // namespace
 
-const DomainRule* check_domain_rule(const LoadedFolder& folder, const Settings& settings,
-                                    Diagnosis& out) {
+const DomainRule* diagnosed_domain_rule(const LoadedFolder& folder, const Settings& settings,
+                                        Diagnosis& out) {
   if (!folder.governance.model) return nullptr;
   const auto* rule = folder.governance.model->find(settings.domain);
   if (rule == nullptr) {
     report_uncovered(folder, settings, out);
     return nullptr;
   }
-  check_open_ranges(folder, *rule, settings, out);
-  check_topic_rules(folder, *rule, out);
-  check_unauthenticated(folder, *rule, settings.lineup, out);
+  diagnose_open_ranges(folder, *rule, settings, out);
+  diagnose_topic_rules(folder, *rule, out);
+  diagnose_unauthenticated(folder, *rule, settings.lineup, out);
   return rule;
 }
 

@@ -60,15 +60,15 @@ class Checks {
       refuse(problem.line, fmt::format("{}, so that Cyclone DDS does not start", problem.text));
     for (const auto& doubt : security_.doubts) warn(doubt);
     if (!security_.problems.empty()) return;
-    if (!security_.applies) return check_absence();
+    if (!security_.applies) return diagnose_absence();
     if (!security_.authentication)
       return refuse(0, "has no <Authentication>, so that Cyclone DDS does not start");
-    check_trusted_folder();
+    diagnose_trusted_folder();
     if (!security_.access_control) report_no_access_control();
     for (const auto& expected : kExpected)
       if (const auto& plugin = security_.*expected.plugin) {
-        check_library(expected, with_variables(*plugin));
-        check_values(expected, *plugin);
+        diagnose_library(expected, with_variables(*plugin));
+        diagnose_values(expected, *plugin);
       }
   }
 
@@ -92,7 +92,7 @@ class Checks {
                      .severity = Severity::warning});
   }
 
-  void check_absence() {
+  void diagnose_absence() {
     if (security_.other_domain.empty())
       return report(Rule::DOC101, 0,
                     fmt::format("has no <Security> for domain {}: a Cyclone DDS process that "
@@ -109,7 +109,7 @@ class Checks {
 
   // Measured: Cyclone DDS's own plugins refuse the element with and without <CRL>, ddssec's only
   // with <CRL>.
-  void check_trusted_folder() {
+  void diagnose_trusted_folder() {
     const auto* named = security_.authentication->value("trustedcadirectory");
     if (named == nullptr || named->text.empty()) return;
     const auto* list = security_.authentication->value("crl");
@@ -133,11 +133,11 @@ class Checks {
                           paths.permissions.filename().string()));
   }
 
-  void check_library(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
+  void diagnose_library(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
     const auto* path = plugin.attribute("path");
     const bool is_name =
         path == nullptr || path->text == expected.stock || path->text == expected.ours;
-    if (is_name) return check_functions(expected, plugin);
+    if (is_name) return diagnose_functions(expected, plugin);
     if (const auto* other = named_function_of_another(expected, plugin))
       return refuse(path->line,
                     fmt::format("names the library of <{}> in <{}>: Cyclone DDS does not start",
@@ -146,11 +146,11 @@ class Checks {
     const auto file = library_file(path->text, places);
     if (file.empty()) return report_missing_library(expected, *path);
     if (path->text.ends_with(fmt::format("/lib{}.so", expected.stock)))
-      return check_functions(expected, plugin);
+      return diagnose_functions(expected, plugin);
     for (const auto& [attribute, function] : {std::pair{"initfunction", expected.init},
                                               std::pair{"finalizefunction", expected.finalize}}) {
       const auto* named = plugin.attribute(attribute);
-      check_has_function(expected, *path, file, named != nullptr ? named->text : function);
+      diagnose_has_function(expected, *path, file, named != nullptr ? named->text : function);
     }
     places.library_path.clear();
     if (library_file(path->text, places).empty()) report_without_library_path(expected, *path);
@@ -181,15 +181,15 @@ class Checks {
     return plugin;
   }
 
-  void check_functions(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
-    check_function(expected, plugin.attribute("initfunction"), "initFunction", expected.init);
-    check_function(expected, plugin.attribute("finalizefunction"), "finalizeFunction",
-                   expected.finalize);
+  void diagnose_functions(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
+    diagnose_function(expected, plugin.attribute("initfunction"), "initFunction", expected.init);
+    diagnose_function(expected, plugin.attribute("finalizefunction"), "finalizeFunction",
+                      expected.finalize);
   }
 
   // The name of an exported function is a text in the library file.
-  void check_has_function(const PluginRequirements& expected, const ConfiguredText& path,
-                          const std::filesystem::path& file, std::string_view function) {
+  void diagnose_has_function(const PluginRequirements& expected, const ConfiguredText& path,
+                             const std::filesystem::path& file, std::string_view function) {
     const auto text = fmt::format("{0}{1}{0}", '\0', function);
     if (!library_octets(file).contains(text))
       refuse(path.line, fmt::format("names the library {} in <{}>, which has no function {}: "
@@ -243,8 +243,8 @@ class Checks {
                      .hint = "run ddssec doctor where the participant runs"});
   }
 
-  void check_function(const PluginRequirements& expected, const ConfiguredText* named,
-                      std::string_view attribute, std::string_view function) {
+  void diagnose_function(const PluginRequirements& expected, const ConfiguredText* named,
+                         std::string_view attribute, std::string_view function) {
     if (named != nullptr && named->text != function)
       refuse(named->line,
              fmt::format("has {}=\"{}\" in <{}>, and the library's function is \"{}\": "
@@ -252,7 +252,7 @@ class Checks {
                          attribute, named->text, expected.element, function));
   }
 
-  void check_values(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
+  void diagnose_values(const PluginRequirements& expected, const ConfiguredPlugin& plugin) {
     for (const auto name : expected.values) {
       if (name.empty()) continue;
       const auto* value = plugin.value(ascii_lower(name));
@@ -270,7 +270,7 @@ class Checks {
 
 }  // namespace
 
-void check_effective_security(const CheckedConfiguration& question, Diagnosis& out) {
+void diagnose_effective_security(const CheckedConfiguration& question, Diagnosis& out) {
   Checks(question, out).run();
 }
 

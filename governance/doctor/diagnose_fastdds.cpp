@@ -1,7 +1,5 @@
 // Checks whether Fast DDS would start with a profile, and with security.
-#include <algorithm>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -202,6 +200,8 @@ bool may_set_default_participant(std::string_view text) {
   return !document || has_default_participant(document->root());
 }
 
-void check_profile(const CheckedProfile& question, Diagnosis& out) { Checks(question, out).run(); }
+void diagnose_profile(const CheckedProfile& question, Diagnosis& out) {
+  Checks(question, out).run();
+}
 
 }  // namespace ddssec::governance::doctor

@@ -156,7 +156,7 @@ std::string sentence(const Configuration& configuration, const NamedFile& named,
 
 // Measured with Cyclone DDS 0.10.2: its own access control leaves quotes and backslashes out of the
 // path of the permissions, or replaces them.
-void check_odd_path(const Configuration& configuration, Diagnosis& out) {
+void diagnose_odd_path(const Configuration& configuration, Diagnosis& out) {
   for (const auto& named : configuration.files) {
     const bool counts = named.role->judged == &Files::permissions && is_path(named);
     if (!counts || named.value.find_first_of("\"\\") == named.value.npos) continue;
@@ -200,7 +200,8 @@ std::string hint_for(const pki::ParticipantFolder& paths, const Configuration& c
   return fmt::format("{}; otherwise {}", kIfElsewhere, info(Rule::DOC008).hint);
 }
 
-void check_judged(const LoadedFolder& folder, const Configuration& configuration, Diagnosis& out) {
+void diagnose_judged(const LoadedFolder& folder, const Configuration& configuration,
+                     Diagnosis& out) {
   const auto& paths = folder.paths;
   out.pass(Rule::DOC008);
   const auto report = [&](std::string message) {
@@ -224,7 +225,7 @@ void check_judged(const LoadedFolder& folder, const Configuration& configuration
                       "not start; write file:{}",
                       configuration.name, named.value, named.role->property, named.value));
   }
-  if (!configuration.is_fastdds) check_odd_path(configuration, out);
+  if (!configuration.is_fastdds) diagnose_odd_path(configuration, out);
   const auto is_crl = [](const NamedFile& named) { return named.role->judged == &Files::crl; };
   if (!configuration.files.empty() && folder.has_crl_file &&
       std::ranges::none_of(configuration.files, is_crl))
@@ -258,8 +259,8 @@ void report_unreadable(std::string_view name, const fs::path& file, const Error&
               .document = file});
 }
 
-void check_other_folder(const LoadedFolder& folder, const char* name, std::string_view text,
-                        Diagnosis& out) {
+void diagnose_other_folder(const LoadedFolder& folder, const char* name, std::string_view text,
+                           Diagnosis& out) {
   out.pass(Rule::DOC007);
   const auto other = other_folder(text, folder.paths);
   if (!other) return;
@@ -301,43 +302,50 @@ bool is_complete(const EffectiveSecurity& security) {
   });
 }
 
-void check_cyclonedds(const LoadedFolder& folder, const Settings& settings, const fs::path& file,
-                      std::string_view text, Diagnosis& out) {
+void diagnose_cyclonedds(const LoadedFolder& folder, const Settings& settings, const fs::path& file,
+                         std::string_view text, Diagnosis& out) {
   const auto name = name_of(file);
   const auto security = effective_security(text, settings.domain, ConfigurationPlace::file);
-  check_judged(folder,
-               {name, file, kCycloneFails,
-                named_by_cyclonedds(without_comments(text), security, settings.domain), false,
-                settings.may_run_elsewhere},
-               out);
-  check_effective_security(
+  diagnose_judged(folder,
+                  {.name = name,
+                   .document = file,
+                   .outcomes = kCycloneFails,
+                   .files = named_by_cyclonedds(without_comments(text), security, settings.domain),
+                   .may_run_elsewhere = settings.may_run_elsewhere},
+                  out);
+  diagnose_effective_security(
       {name, file, folder, settings.domain, security, settings.may_run_elsewhere}, out);
 }
 
-void check_fastdds(const LoadedFolder& folder, const CheckedProfile& question, Diagnosis& out,
-                   bool may_run_elsewhere = false) {
-  check_judged(folder,
-               {question.name, question.document, kFastFails, named_by_fastdds(question.text), true,
-                may_run_elsewhere},
-               out);
-  check_profile(question, out);
+void diagnose_fastdds(const LoadedFolder& folder, const CheckedProfile& question, Diagnosis& out,
+                      bool may_run_elsewhere = false) {
+  diagnose_judged(folder,
+                  {.name = question.name,
+                   .document = question.document,
+                   .outcomes = kFastFails,
+                   .files = named_by_fastdds(question.text),
+                   .is_fastdds = true,
+                   .may_run_elsewhere = may_run_elsewhere},
+                  out);
+  diagnose_profile(question, out);
 }
 
 }  // namespace
 
-void check_profile_in_force(const LoadedFolder& folder, const fs::path& file,
-                            const Settings& settings, Diagnosis& out) {
+void diagnose_profile_in_force(const LoadedFolder& folder, const fs::path& file,
+                               const Settings& settings, Diagnosis& out) {
   std::error_code ignored;
   const auto version = settings.lineup.fastdds;
   const auto variable = profile_places(version).variable;
   const auto octets =
       ddssec::load_uri("file://" + fs::absolute(file, ignored).string(), "", kMaxOctets);
   const auto own = folder.paths.folder / "fastdds.xml";
-  if (octets && fs::equivalent(file, own, ignored)) return;  // check_configurations has checked it
+  if (octets && fs::equivalent(file, own, ignored))
+    return;  // diagnose_configurations has checked it
   if (octets) {
     const CheckedProfile question{fmt::format("the file that {} names", variable), file,
                                   as_text(*octets), version};
-    if (is_of(question, folder.paths)) return check_fastdds(folder, question, out);
+    if (is_of(question, folder.paths)) return diagnose_fastdds(folder, question, out);
   }
   if (folder.paths.layout == pki::FolderLayout::sros2 || !fs::exists(own, ignored)) return;
   out.report({},
@@ -353,8 +361,8 @@ void check_profile_in_force(const LoadedFolder& folder, const fs::path& file,
               .severity = Severity::warning});
 }
 
-void check_profile_of_working_directory(const LoadedFolder& folder, const Settings& settings,
-                                        Diagnosis& out) {
+void diagnose_profile_of_working_directory(const LoadedFolder& folder, const Settings& settings,
+                                           Diagnosis& out) {
   const char* const skip = std::getenv(kSkipVariable);
   const auto version = settings.lineup.fastdds;
   const fs::path file(profile_places(version).file);
@@ -367,7 +375,7 @@ void check_profile_of_working_directory(const LoadedFolder& folder, const Settin
   if (octets && !may_set_default_participant(as_text(*octets))) return;
   const CheckedProfile question{fmt::format("{} in the working directory", file.string()), file,
                                 octets ? as_text(*octets) : std::string_view(), version};
-  if (is_of(question, folder.paths)) return check_fastdds(folder, question, out);
+  if (is_of(question, folder.paths)) return diagnose_fastdds(folder, question, out);
   if (folder.paths.layout == pki::FolderLayout::sros2 || !fs::exists(own, ignored)) return;
   out.report(
       kFastFails,
@@ -382,8 +390,9 @@ void check_profile_of_working_directory(const LoadedFolder& folder, const Settin
            kSkipVariable)});
 }
 
-void check_configuration_in_force(const LoadedFolder& folder, const ConfigurationInForce& in_force,
-                                  const Settings& settings, Diagnosis& out) {
+void diagnose_configuration_in_force(const LoadedFolder& folder,
+                                     const ConfigurationInForce& in_force, const Settings& settings,
+                                     Diagnosis& out) {
   const auto text = in_force.text;
   const auto security =
       effective_security(text, settings.domain, ConfigurationPlace::variable, in_force.inline_from);
@@ -393,16 +402,16 @@ void check_configuration_in_force(const LoadedFolder& folder, const Configuratio
   const CheckedConfiguration question{configuration.name, configuration.document, folder,
                                       settings.domain, security};
   if (is_of(configuration.files, folder.paths)) {
-    check_judged(folder, configuration, out);
-    return check_effective_security(question, out);
+    diagnose_judged(folder, configuration, out);
+    return diagnose_effective_security(question, out);
   }
   // With a configuration that is broken or incomplete no participant starts.
   if (!security.problems.empty() || (security.applies && !is_complete(security)))
-    return check_effective_security(question, out);
+    return diagnose_effective_security(question, out);
   if (!security.applies) warn_of_unsecured_environment(question, out);
 }
 
-void check_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
+void diagnose_configurations(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   for (const auto* name : {"cyclonedds.xml", "fastdds.xml"}) {
     const auto file = folder.paths.folder / name;
     const bool is_cyclonedds = name == std::string_view("cyclonedds.xml");
@@ -414,14 +423,14 @@ void check_configurations(const LoadedFolder& folder, const Settings& settings, 
     if (!octets) continue;
     const auto text = as_text(*octets);
     if (is_cyclonedds)
-      check_cyclonedds(folder, settings, file, text, out);
+      diagnose_cyclonedds(folder, settings, file, text, out);
     else
-      check_fastdds(folder, {name, file, text, settings.lineup.fastdds}, out,
-                    settings.may_run_elsewhere);
+      diagnose_fastdds(folder, {name, file, text, settings.lineup.fastdds}, out,
+                       settings.may_run_elsewhere);
     if (settings.may_run_elsewhere) continue;
     const auto read = without_comments(text);
     const auto expanded = is_cyclonedds ? expanded_variables(read, settings.domain) : std::nullopt;
-    check_other_folder(folder, name, expanded.value_or(read), out);
+    diagnose_other_folder(folder, name, expanded.value_or(read), out);
   }
 }
 
