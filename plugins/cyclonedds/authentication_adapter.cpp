@@ -127,14 +127,28 @@ struct DiscoveredPeer {
   HandshakeWatch::CoreTimerState timer;
 };
 
+bool any_admits_unauthenticated(Adapter& adapter) {
+  return std::ranges::any_of(adapter.dispose_announcements().locals(), [](const auto& local) {
+    return admits_unauthenticated(local.handle);
+  });
+}
+
+// Does nothing in a process with one participant, which may ask about the peer again at once.
+void note_downgrade(Adapter& adapter, const Guid& peer) {
+  if (adapter.dispose_announcements().locals().size() > 1)
+    adapter.downgraded_peers().note(peer, adapter.host().clock().monotonic());
+}
+
 // Handles a remote participant that was not admitted, without an error for the host. An attacker
 // can announce something unreadable in a peer's name, and a full table or an outdated list is
 // temporary. An error would end the core's handshake for as long as the peer is present. So the
-// core asks again until the watch makes it discover the peer again. If governance admits
-// unauthenticated participants, the core treats the peer as one.
+// core asks again until the watch makes it discover the peer again. If the governance of any local
+// participant admits unauthenticated ones, the core may treat the peer as one of them for the whole
+// process (DowngradedPeers), so all get an error.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& discovered,
                              Error refusal, CIdentity& remote_handle) {
-  if (is_final(refusal) || admits_unauthenticated(identity(local)) ||
+  if (any_admits_unauthenticated(adapter)) note_downgrade(adapter, discovered.guid);
+  if (is_final(refusal) || any_admits_unauthenticated(adapter) ||
       adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
   const auto of_host = adapter.remotes().note_refused(discovered.guid);
@@ -145,8 +159,12 @@ Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Discovered
 
 // If governance admits unauthenticated participants, the host treats the peer as one of them after
 // an error, for all its participants.
-Status may_begin(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
-  if (!admits_unauthenticated(local) || !adapter.watch().was_unanswered(peer)) return {};
+Status may_begin(Adapter& adapter, const Guid& peer) {
+  if (!any_admits_unauthenticated(adapter)) return {};
+  if (adapter.downgraded_peers().contains(peer, adapter.host().clock().monotonic()))
+    return fail(Code::peer_refused_in_process, {.document = "a discovered participant"});
+  if (!adapter.watch().was_unanswered(peer)) return {};
+  note_downgrade(adapter, peer);
   return fail(Code::handshake_begun_again,
               {.document = "the handshake with a discovered participant",
                .expected = "that it ends",
@@ -169,7 +187,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const DiscoveredPeer discovered{
         guid_from(*remote_guid),
         adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
-    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), discovered.guid));
+    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, discovered.guid));
     // The peer's own auth_request is not used, because it can be forged. The plugin would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
     // of the handshake are sufficient proof. The core asks once, so the local auth_request is
