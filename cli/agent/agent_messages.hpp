@@ -45,7 +45,7 @@ struct DocumentRequest {
 
 /// Returns the value as one line, without a line break; json_from reads it.
 std::string to_line(const Json& value);
-/// Reads a line. Error: internal (not JSON).
+/// Reads a line. Error: internal (it is no JSON object).
 Result<Json> json_from(std::string_view line);
 
 /// Writes one line into a pipe. Returns 0, or 1 if no process reads it.
@@ -53,7 +53,7 @@ int send_line(int out, const Json& value);
 /// Returns the line that a process sends instead of a result.
 Json error_line(const Error& error);
 /// Adds the first notice of this process (frame/notices.hpp) as a member, if there is one and the
-/// line has no such member.
+/// line has no such member. Drops all other notices.
 void add_notice_to(Json& line, const std::string& member);
 
 /// Writes the request as a line that request_from reads.

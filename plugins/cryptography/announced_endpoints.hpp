@@ -22,7 +22,8 @@ namespace ddssec::cryptography {
 /// The account that the participants of one certificate share. Thread-safe.
 class AnnouncedOctets {
  public:
-  /// The limit in octets for all counted announcements, including kOfEach for each.
+  /// The limit in octets for all counted announcements, including kOfEach for each. It holds for
+  /// each of the two sums below.
   static constexpr std::size_t kMax = std::size_t{64} << 20;
   /// The octets that the core stores for an endpoint besides its announcement, approximately.
   static constexpr std::size_t kOfEach = 1024;

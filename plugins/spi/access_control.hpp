@@ -29,11 +29,13 @@ struct EndpointRequest {
 /// judgement of a remote identity belongs to one pair of a local and a remote identity.
 ///
 /// Thread-safe. A check returns success, or an error that names the document, line and rule that
-/// decided. After every error, except that of return_permissions_handle, an event was raised.
+/// decided. After every error an event was raised, except where a function says otherwise, and
+/// except by return_permissions_handle and by the defaults of optional functions here.
 ///
-/// Every function that takes a permissions handle fails with unknown_permissions_handle if the
-/// handle was never given out or was returned. Every check that takes a domain fails with
-/// other_domain if the handle belongs to another domain.
+/// Every function that takes a permissions handle and returns a Result or a Status, except
+/// note_presented, fails with unknown_permissions_handle if the handle was never given out or was
+/// returned. Every check that takes a domain fails with other_domain if the handle belongs to
+/// another domain.
 class AccessControl {
  public:
   virtual ~AccessControl() = default;
@@ -73,7 +75,8 @@ class AccessControl {
     return fail(Code::unknown_permissions_handle);
   }
   /// Notes that the peer has seen renewed permissions of the local identity: its session no longer
-  /// ends with the former. `facts` is from Authentication::note_renewal_accepted.
+  /// ends with the former. `facts` is from Authentication::note_renewal_accepted. Errors:
+  /// unknown_local_identity.
   virtual Status note_presented(PermissionsHandle, const SessionFacts&) { return {}; }
 
   /// Checks whether the local participant may join the domain (DDS-Security 1.2, clause 9.4.2.9.3).

@@ -69,8 +69,11 @@ class CryptoKeyFactory {
       ParticipantCryptoHandle participant, const PropertyList& properties,
       const EndpointSecurityAttributes& attributes) = 0;
   /// Registers a remote reader that matches a local writer (DDS-Security 1.2, clause 9.5.1.8.4).
-  /// Errors: crypto_not_matched (the two participants have no shared secret), those of
-  /// MatchGate::check, cipher_not_understood_by_peer, receiver_places_taken.
+  /// A reader that is relay-only must not get the key of payloads. The plugin of ddssec makes no
+  /// difference, because access control of ddssec admits no such reader
+  /// (AccessControlOptions::accept_relays). Errors: crypto_not_matched (the two participants have
+  /// no shared secret), those of MatchGate::check, cipher_not_understood_by_peer,
+  /// receiver_places_taken.
   virtual Result<DatareaderCryptoHandle> register_matched_remote_datareader(
       DatawriterCryptoHandle local_datawriter, ParticipantCryptoHandle remote_participant,
       const SharedSecret& shared_secret, bool is_relay_only) = 0;
