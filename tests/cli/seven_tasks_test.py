@@ -74,7 +74,7 @@ class SevenTasks(Transcript):
     def meet_fastdds(self, writer, reader):
         """ddssec and Fast DDS: the embedded participant with every version, the plugins in Cyclone DDS up to 2.9."""
         self.exchange(writer, reader, (("embedded", "fastdds"), ("fastdds", "embedded")))
-        plugins = (("ours", "fastdds"), ("fastdds", "ours"))
+        plugins = (("ddssec", "fastdds"), ("fastdds", "ddssec"))
         if MEETS_CYCLONE_DDS:
             return self.exchange(writer, reader, plugins)
         print(f"{VENDORS['fastdds']} must discover nothing of {VENDORS['cyclonedds']} with ddssec's plugins")
