@@ -127,9 +127,11 @@ struct DiscoveredPeer {
   HandshakeWatch::CoreTimerState timer;
 };
 
-bool any_admits_unauthenticated(Adapter& adapter) {
-  return std::ranges::any_of(adapter.dispose_announcements().locals(), [](const auto& local) {
-    return admits_unauthenticated(local.handle);
+// True if another local participant of the process has admitted the peer. An error for one that
+// admits unauthenticated participants would remove the state that the core has for both.
+bool is_admitted_elsewhere(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
+  return std::ranges::any_of(adapter.dispose_announcements().locals(), [&](const auto& other) {
+    return other.handle != local && adapter.remotes().has_discovered(other.handle, peer);
   });
 }
 
@@ -142,28 +144,32 @@ void note_downgrade(Adapter& adapter, const Guid& peer) {
 // Handles a remote participant that was not admitted, without an error for the host. An attacker
 // can announce something unreadable in a peer's name, and a full table or an outdated list is
 // temporary. An error would end the core's handshake for as long as the peer is present. So the
-// core asks again until the watch makes it discover the peer again. If the governance of any local
-// participant admits unauthenticated ones, the core may treat the peer as one of them for the whole
-// process (DowngradedPeers), so all get an error.
+// core asks again until the watch makes it discover the peer again. If governance admits
+// unauthenticated participants, the core treats the peer as one, for the whole process
+// (DowngradedPeers).
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& discovered,
                              Error refusal, CIdentity& remote_handle) {
-  if (any_admits_unauthenticated(adapter)) note_downgrade(adapter, discovered.guid);
-  if (is_final(refusal) || any_admits_unauthenticated(adapter) ||
-      adapter.remotes().has_ended(identity(local)))
+  const auto own = identity(local);
+  const bool admits = admits_unauthenticated(own);
+  const bool is_over = is_final(refusal) || admits || adapter.remotes().has_ended(own);
+  if (is_over && !(admits && is_admitted_elsewhere(adapter, own, discovered.guid))) {
+    if (admits) note_downgrade(adapter, discovered.guid);
     return std::unexpected(std::move(refusal));
+  }
   const auto of_host = adapter.remotes().note_refused(discovered.guid);
-  adapter.watch().note_not_admitted({identity(local), of_host}, discovered.guid, discovered.timer);
+  adapter.watch().note_not_admitted({own, of_host}, discovered.guid, discovered.timer);
   remote_handle = of_host.value;
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
 
 // If governance admits unauthenticated participants, the host treats the peer as one of them after
 // an error, for all its participants.
-Status may_begin(Adapter& adapter, const Guid& peer) {
-  if (!any_admits_unauthenticated(adapter)) return {};
+Status may_begin(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
   if (adapter.downgraded_peers().contains(peer, adapter.host().clock().monotonic()))
     return fail(Code::peer_refused_in_process, {.document = "a discovered participant"});
-  if (!adapter.watch().was_unanswered(peer)) return {};
+  if (!admits_unauthenticated(local) || !adapter.watch().was_unanswered(peer) ||
+      is_admitted_elsewhere(adapter, local, peer))
+    return {};
   note_downgrade(adapter, peer);
   return fail(Code::handshake_begun_again,
               {.document = "the handshake with a discovered participant",
@@ -187,7 +193,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const DiscoveredPeer discovered{
         guid_from(*remote_guid),
         adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
-    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, discovered.guid));
+    DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), discovered.guid));
     // The peer's own auth_request is not used, because it can be forged. The plugin would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
     // of the handshake are sufficient proof. The core asks once, so the local auth_request is
@@ -240,7 +246,11 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.plugin().begin_handshake_request(identity(initiator), remote, data);
     // The core gives up this peer. No attacker can cause that, so there is nothing to begin again.
-    if (!begun) adapter.watch().forget(identity(replier));
+    if (!begun) {
+      adapter.watch().forget(identity(replier));
+      const auto peer = adapter.remotes().guid(identity(replier));
+      if (peer && admits_unauthenticated(identity(initiator))) note_downgrade(adapter, *peer);
+    }
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     adapter.watch().note_progress({identity(initiator), identity(replier)}, step.handle);

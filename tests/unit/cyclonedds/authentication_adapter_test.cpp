@@ -289,14 +289,19 @@ TEST_F(AuthenticationAdapterTest, PeerRefusedWhereOneAdmitsUnauthenticatedOnes_I
     return c->validate_remote_identity(c, &handle, &request, nullptr, local, &token, &remote,
                                        &refusal);
   };
+  EXPECT_EQ(ask(1, unreadable, 3), DDS_SECURITY_VALIDATION_PENDING_RETRY);
+  EXPECT_EQ(ask(2, unreadable, 3), DDS_SECURITY_VALIDATION_FAILED);
   EXPECT_EQ(ask(1, unreadable, 3), DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(refusal.reason(), Code::peer_refused_in_process);
   EXPECT_EQ(ask(2, unreadable, 4), DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(ask(1, good, 4), DDS_SECURITY_VALIDATION_FAILED);
+  EXPECT_EQ(refusal.reason(), Code::peer_refused_in_process);
   EXPECT_CALL(plugin, validate_remote_identity(_, _, _, guid_of(5)))
       .WillOnce(Return(spi::Authentication::RemoteIdentity{
           {7}, spi::ValidationResult::pending_handshake_request, sample_token()}));
-  EXPECT_EQ(ask(1, good, 4), DDS_SECURITY_VALIDATION_FAILED);
-  EXPECT_EQ(refusal.reason(), Code::peer_refused_in_process);
   EXPECT_EQ(ask(1, good, 5), DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST);
+  EXPECT_EQ(ask(2, unreadable, 5), DDS_SECURITY_VALIDATION_PENDING_RETRY)
+      << "an error would remove the state that the first handshake uses";
   admits_in_access_control = 0;
 }
 
