@@ -73,7 +73,7 @@ class Discovery final : public MessageListener, public SecurityHost {
   void add(ParticipantData data, std::size_t octets);
   void on_announced_again(RemoteParticipant& remote, ParticipantData data, std::size_t octets);
   void on_dispose(const GuidPrefix& prefix);
-  /// Accepts a participant that authenticated. If it returns, what is known of it still counts.
+  /// Accepts a participant that authenticated. If it returns, the facts known about it still count.
   void join(RemoteParticipant& remote, bool returns);
   void on_endpoint(BuiltinTopic topic, const Change& change);
   void on_secure_participant(const Change& change);

@@ -16,7 +16,7 @@ class ParticipantLinks {
       : core_(core), remotes_(remotes), matcher_(matcher), builtin_(builtin) {}
 
   /// Accepts a participant that authenticated, or is admitted without authentication. From now on
-  /// its builtin endpoints may match. If it returns, what is known of it still counts.
+  /// its builtin endpoints may match. If it returns, the facts known about it still count.
   void accept(RemoteParticipant& remote, bool returns = false) {
     remotes_.accept(remote);
     builtin_.match(remote, returns);

@@ -10,8 +10,8 @@
 namespace ddssec::rtps {
 
 /// Common properties are counted, so that nothing is recomputed when a reader is added or removed.
-/// Readers whose participants AmplificationLimit limits are in no common destination. What is for
-/// all readers is sent to each of them by itself, so that its limit is charged.
+/// The common destinations leave out the readers of participants that AmplificationLimit limits. A
+/// message to all readers is sent to each of these readers separately, and charged to its limit.
 class MatchedReaders {
  public:
   using Proxies = std::map<Guid, ReaderProxy>;

@@ -40,7 +40,7 @@ class Forecast(Transcript):
         return {frozenset(pair) for pair in itertools.permutations(NAMES, 2)
                 if self.json("check", *map(self.place, pair), *words, *NOW, exit=None)["exit"] != 0}
 
-    def test_step_parts_whom_the_forecast_named(self):
+    def test_step_separates_the_participants_that_the_forecast_named(self):
         """One participant alone moves, as in a fleet that moves bit by bit."""
         for role in ROLES:
             for words in (("--overlap", "30d"), (self.place("talker"), "--move"), ("--move",), ("--end",)):

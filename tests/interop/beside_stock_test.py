@@ -89,7 +89,7 @@ def refused_by_permissions(world):
     refused = world.second_publisher("refused", Permissions(publish=("Elsewhere",), subscribe=("Elsewhere",)), NEW)
     world.until("the refusal", lambda: refused.ended)
     check(f"it ended with {refused.process.returncode}", refused.process.returncode == 3)
-    check("nobody says why", said(refused, "topic_not_allowed 1423" if world.kind != "ddssec-crypto" else TOPIC))
+    check("no log says why", said(refused, "topic_not_allowed 1423" if world.kind != "ddssec-crypto" else TOPIC))
     world.go_on(subscriber, FIRST)
     check("it was heard", not samples(subscriber, SECOND))
 

@@ -132,7 +132,7 @@ def revoked(world, publisher, subscriber, starts, policy):
     says.kill()
     again = world.join("publish", publisher, starts, policy)
     world.until("the refusal", lambda: again.ended)
-    check("nobody says why", said(again, "ocsp_revoked 1187"))
+    check("no log says why", said(again, "ocsp_revoked 1187"))
 
 
 def cases():
