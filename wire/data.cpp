@@ -1,5 +1,7 @@
 #include "wire/data.hpp"
 
+#include "wire/parameter_list.hpp"
+
 namespace ddssec::rtps {
 namespace {
 

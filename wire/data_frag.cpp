@@ -1,5 +1,9 @@
 #include "wire/data_frag.hpp"
 
+#include <algorithm>
+
+#include "wire/parameter_list.hpp"
+
 namespace ddssec::rtps {
 namespace {
 

@@ -8,6 +8,7 @@
 #include "base/renewal_refusals.hpp"
 #include "pki/document_parts.hpp"
 #include "pki/key_digests.hpp"
+#include "pki/withdrawn_authorities.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/renewal_list_places.hpp"
 
