@@ -12,6 +12,7 @@ from transcript import NOW, PROGRAM, Transcript, main
 
 CODES = (0, 1, 2, 3, 4, 5)
 LONG = 240  # seconds that nothing may take, on the slowest of machines
+OCTETS = int(os.environ.get("DDSSEC_DOCUMENT_OCTETS", "10000000"))  # of the largest documents
 
 HEAD = ('<dds><permissions><grant name="g"><subject_name>CN=a</subject_name><validity>'
         "<not_before>2020-01-01T00:00:00Z</not_before><not_after>2037-01-01T00:00:00Z</not_after></validity>")
@@ -54,21 +55,22 @@ class Extremes(Transcript):
 
     # Documents
 
-    def test_documents_of_ten_megabytes(self):
-        count = 10_000_000 // len(RULE)
-        (self.at / "p.xml").write_text(HEAD + "".join(RULE.format(i) for i in range(count)) + TAIL)
-        (self.at / "g.xml").write_text(GOVERNED.format("".join(TOPIC_RULE.format(i) for i in range(10_000_000 // len(TOPIC_RULE)))))
-        (self.at / "deep.xml").write_text("<dds>" * 1_500_000)
-        (self.at / "blank.xml").write_text(HEAD + " " * 10_000_000 + TAIL)
-        (self.at / "name.xml").write_text(HEAD + RULE.format("x" * 10_000_000) + TAIL)
+    def test_documents_of_many_octets(self):
+        (self.at / "p.xml").write_text(HEAD + "".join(RULE.format(i) for i in range(OCTETS // len(RULE))) + TAIL)
+        (self.at / "g.xml").write_text(
+            GOVERNED.format("".join(TOPIC_RULE.format(i) for i in range(OCTETS // len(TOPIC_RULE)))))
+        (self.at / "deep.xml").write_text("<dds>" * (OCTETS * 3 // 20))
+        (self.at / "blank.xml").write_text(HEAD + " " * OCTETS + TAIL)
+        (self.at / "name.xml").write_text(HEAD + RULE.format("x" * OCTETS) + TAIL)
         self.documents("p.xml", "g.xml", "deep.xml", "blank.xml", "name.xml")
 
-    def test_documents_of_a_hundred_thousand_rules(self):
-        (self.at / "p.xml").write_text(HEAD + "".join(RULE.format(i) for i in range(100_000)) + TAIL)
-        (self.at / "g.xml").write_text(GOVERNED.format("".join(TOPIC_RULE.format(i) for i in range(100_000))))
+    def test_documents_of_many_rules(self):
+        count = OCTETS // 100
+        (self.at / "p.xml").write_text(HEAD + "".join(RULE.format(i) for i in range(count)) + TAIL)
+        (self.at / "g.xml").write_text(GOVERNED.format("".join(TOPIC_RULE.format(i) for i in range(count))))
         grant = (HEAD + RULE.format("") + TAIL)[len("<dds><permissions>"):-len("</permissions></dds>")]
         (self.at / "grants.xml").write_text("<dds><permissions>" + "".join(
-            grant.replace("CN=a", f"CN=a{i}") for i in range(100_000)) + "</permissions></dds>")
+            grant.replace("CN=a", f"CN=a{i}") for i in range(count)) + "</permissions></dds>")
         self.documents("p.xml", "g.xml", "grants.xml")
 
     def documents(self, *files):

@@ -137,7 +137,7 @@ GuidPrefix identity(std::uint8_t number) {
   return out;
 }
 
-// Changes of several identities, ten in each commit.
+// Changes of several identities, `together` in each commit.
 struct ShareTest : StoreTest {
   static constexpr std::size_t kMax = std::size_t{4} << 20;
   void open() {
@@ -145,14 +145,15 @@ struct ShareTest : StoreTest {
     store.emplace(*IndexedStore::open(path, kMax));
     id = *store->stream(kMap, service);
   }
-  // Returns how many of the samples of that many octets are kept. There is a commit for each ten.
+  // Returns how many of the samples of that many octets are kept. The last commit has `together`
+  // samples, too, even if `count` says fewer.
   std::size_t fill(std::uint8_t who, std::size_t octets, std::size_t count,
                    std::size_t instances = 1) {
     const auto before = store->size(id);
     const Bytes payload(octets, who);
-    for (std::size_t i = 0; i < count; i += 10) {
+    for (std::size_t i = 0; i < count; i += together) {
       std::vector<StoredChange> group;
-      for (std::size_t n = i; n < i + 10; ++n) {
+      for (std::size_t n = i; n < i + together; ++n) {
         Change change;
         change.key_hash.emplace().fill(static_cast<std::uint8_t>(n % instances));
         change.payload = Payload::copy_of(payload);
@@ -163,6 +164,7 @@ struct ShareTest : StoreTest {
     }
     return store->size(id) - before;
   }
+  std::size_t together = 10;
   DurabilityService service = keep_all();
   std::optional<IndexedStore> store;
   StreamId id;
@@ -171,6 +173,7 @@ struct ShareTest : StoreTest {
 // One identity must not fill a store, or nothing of any topic would be kept from then on.
 TEST_F(ShareTest, OneIdentity_LeavesRoomForAnother) {
   for (const std::size_t octets : {0uz, 10uz, 1400uz, 2100uz, 5000uz, 60000uz}) {
+    together = octets < 1000 ? 100 : 10;
     std::filesystem::remove(path);
     open();
     const auto cost = StoreShares::cost(octets);
@@ -178,7 +181,7 @@ TEST_F(ShareTest, OneIdentity_LeavesRoomForAnother) {
     const auto first = fill(1, octets, most);
     EXPECT_LT(first * cost, kMax * 3 / 4) << octets;
     EXPECT_GT(first * cost, kMax / 5) << octets;
-    EXPECT_EQ(store->waited, (most + 9) / 10 * 10 - first);
+    EXPECT_EQ(store->waited, (most + together - 1) / together * together - first);
     EXPECT_EQ(fill(1, octets, 10), 0u);
     const auto second = fill(2, octets, most);
     EXPECT_GT(second * cost, kMax / 12) << octets;
