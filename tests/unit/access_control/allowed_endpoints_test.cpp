@@ -164,6 +164,13 @@ TEST(AllowedEndpoints, Lengths_AreBounded) {
   EXPECT_EQ(code("t", Partitions(kMaxPartitions + 1, "")), Code::length_out_of_range);
   EXPECT_EQ(code("t", Partitions(kMaxRequestOctets / kMaxNameOctets, longest)),
             Code::length_out_of_range);
+  // A data tag costs two octets besides its name and value.
+  std::vector<Property> tags(2, Property{"n", std::string((kMaxRequestOctets - 7) / 2, 'v')});
+  EXPECT_TRUE(check_lengths({.topic_name = "t", .data_tags = tags}));
+  tags[0].value += "vv";
+  const auto refused = check_lengths({.topic_name = "t", .data_tags = tags});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), Code::length_out_of_range);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ TEST(SendDatagram, GivenAddress_ReceivesIt) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in own{};
   own.sin_family = AF_INET;
-  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 1);
   socklen_t length = sizeof own;
   ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&own), length), 0);
   ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&own), &length), 0);
@@ -22,7 +22,7 @@ TEST(SendDatagram, GivenAddress_ReceivesIt) {
   ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   spi::UdpAddress to{.port = ntohs(own.sin_port)};
   to.address[12] = 127;
-  to.address[15] = 1;
+  to.address[15] = 2;
   send_datagram(as_bytes("reset"), {&to, 1});
   char octets[16];
   EXPECT_EQ(::recv(socket, octets, sizeof octets, 0), 5);

@@ -73,6 +73,19 @@ TEST(Pattern, RandomPatterns_AgreeWithFnmatch) {
   EXPECT_GT(matched, 10'000);
 }
 
+TEST(Pattern, EachCharacterClass_HasTheCharactersOfFnmatch) {
+  for (const std::string name : {"alpha", "digit", "alnum", "upper", "lower", "space", "blank",
+                                 "punct", "print", "graph", "cntrl", "xdigit"}) {
+    const auto expression = "[[:" + name + ":]]";
+    for (char c = 1; c < 127; ++c) {
+      const std::string character(1, c);
+      EXPECT_EQ(matches(expression, character),
+                fnmatch(expression.c_str(), character.c_str(), 0) == 0)
+          << expression << " on " << int{c};
+    }
+  }
+}
+
 TEST(Pattern, PatternsThatMatchNoName_AreKnown) {
   for (const auto* expression : {"[z-a]", "a[z-a]*", "a\\", "[!\x01-\xff]"})
     EXPECT_TRUE(Pattern(expression).matches_no_name()) << expression;
