@@ -64,16 +64,12 @@ def replace_file(path, octets):
     os.replace(part, path)
 
 
-def openssl(*words):
-    done = subprocess.run(["openssl", *map(str, words)], capture_output=True)
-    check(f"openssl {words}: {done.stderr}", done.returncode == 0)
-    return done.stdout
-
-
 class Folders:
-    """The CAs and the participants' folders that `ddssec init` makes, and what is written into them."""
+    """The CAs and the participants' folders that `ddssec init` makes, and what is written into them. `before`: words
+    before each command that signs."""
 
-    def __init__(self, build, at, names, topics, form):
+    def __init__(self, build, at, names, topics, form, before=()):
+        self.before = list(before)
         self.tool, self.at, self.names = build / "bin/ddssec", pathlib.Path(at), names
         self.topics, self.denied = list(topics), {}
         self.kinds = {"Raised": ("SIGN", "SIGN")}  # metadata and data; of the others NONE and ENCRYPT
@@ -99,9 +95,14 @@ class Folders:
 
     def ddssec(self, *words):
         began = time.monotonic()
-        done = subprocess.run([str(self.tool), *words], cwd=self.at, text=True, capture_output=True)
+        done = subprocess.run([*self.before, str(self.tool), *words], cwd=self.at, text=True, capture_output=True)
         self.slowest = max(self.slowest, time.monotonic() - began)
         check(f"ddssec {' '.join(words)}: {done.stdout}{done.stderr}", done.returncode == 0)
+        return done.stdout
+
+    def openssl(self, *words):
+        done = subprocess.run([*self.before, "openssl", *map(str, words)], capture_output=True)
+        check(f"openssl {words}: {done.stderr}", done.returncode == 0)
         return done.stdout
 
     def put_governance(self, names):
@@ -139,10 +140,10 @@ class Folders:
         text = CA_CONFIGURATION.format(folder=at).replace(f"{at}/cert.pem", f"{ca}/ca.pem")
         (at / "openssl.cnf").write_text(text.replace(f"{at}/key.pem", f"{ca}/ca.key.pem"))
         begin, end = (int(time.time()) + offset for offset in (-seconds // 8, seconds))
-        openssl("req", "-new", "-key", folder / "key.pem", "-subj", f"/CN={name}", "-out", at / "csr")
-        openssl("ca", "-batch", "-notext", "-config", at / "openssl.cnf", "-in", at / "csr", "-out", at / "cert.pem",
-                "-startdate", in_utc(begin, "%Y%m%d%H%M%SZ"), "-enddate", in_utc(end, "%Y%m%d%H%M%SZ"))
-        key = openssl("pkey", "-in", folder / "key.pem", "-pubout", "-outform", "DER")
+        self.openssl("req", "-new", "-key", folder / "key.pem", "-subj", f"/CN={name}", "-out", at / "csr")
+        self.openssl("ca", "-batch", "-notext", "-config", at / "openssl.cnf", "-in", at / "csr", "-out", at / "cert.pem",
+                     "-startdate", in_utc(begin, "%Y%m%d%H%M%SZ"), "-enddate", in_utc(end, "%Y%m%d%H%M%SZ"))
+        key = self.openssl("pkey", "-in", folder / "key.pem", "-pubout", "-outform", "DER")
         pem = (at / "cert.pem").read_text()
         line = {"event": "issued", "time": in_utc(time.time()), "serial": serial, "subject": f"CN={name}",
                 "not_after": in_utc(end), "sha256": hashlib.sha256(ssl.PEM_cert_to_DER_cert(pem)).hexdigest(),

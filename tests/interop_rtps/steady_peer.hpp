@@ -75,7 +75,10 @@ class Stream {
     ++received_;
     repeated_ += seen_[number];
     distinct_ += !seen_[number];
-    if (last_ns_ > 0) worst_gap_ns_ = std::max(worst_gap_ns_, now - last_ns_);
+    if (last_ns_ > 0 && now - last_ns_ > worst_gap_ns_) {
+      worst_gap_ns_ = now - last_ns_;
+      worst_gap_at_ns_ = now;
+    }
     last_ns_ = last_arrival_ns_ = now;
     std::int64_t sent = 0;
     std::memcpy(&sent, message.payload.data(), sizeof sent);
@@ -97,12 +100,13 @@ class Stream {
         << ", \"samples\": " << latencies_.size() << ", \"p50_ms\": " << at(50)
         << ", \"p99_ms\": " << at(99) << ", \"worst_gap_ms\": "
         << static_cast<double>(std::max(worst_gap_ns_, now_ns() - last_ns_)) / 1e6
+        << ", \"worst_gap_at_s\": " << std::to_string(static_cast<double>(worst_gap_at_ns_) / 1e9)
         << ", \"last_s\": " << std::to_string(static_cast<double>(last_arrival_ns_) / 1e9);
     return out.str();
   }
   void begin_phase() {
     latencies_.clear();
-    worst_gap_ns_ = 0;
+    worst_gap_ns_ = worst_gap_at_ns_ = 0;
     last_ns_ = now_ns();
   }
 
@@ -110,7 +114,7 @@ class Stream {
   std::vector<bool> seen_;
   std::vector<std::int64_t> latencies_;
   std::size_t first_ = 0, received_ = 0, repeated_ = 0, distinct_ = 0;
-  std::int64_t worst_gap_ns_ = 0, last_ns_ = 0, last_arrival_ns_ = 0;
+  std::int64_t worst_gap_ns_ = 0, worst_gap_at_ns_ = 0, last_ns_ = 0, last_arrival_ns_ = 0;
 };
 
 struct Writer {
