@@ -60,6 +60,16 @@ Error topic_in_use_error(const std::string& topic, const governance::TopicRule* 
   return Error(Code::governance_renewal_refused, std::move(details));
 }
 
+// Returns the error for a change that no running participant of the domain takes.
+Error not_live_error(const Error& why) {
+  auto details = why.details();
+  if (details.hint.empty())
+    details.hint =
+        "if it is not an old document that was put back, restart all participants of the domain "
+        "with it; ddssec governance diff OLD NEW says which of them match until all have it";
+  return Error(why.code(), std::move(details));
+}
+
 // `former` and `next` differ in more than a host can take that does not change what exists.
 Error not_at_once_error(const governance::CompiledGovernance& former,
                         const governance::CompiledGovernance& next) {
@@ -196,8 +206,9 @@ Result<LocalParticipant::Change> LocalParticipant::check(
     const governance::CompiledGovernance& next) const {
   const auto& former = *judging_documents_->governance;
   if (next.revision() < former.revision()) return std::unexpected(old_revision_error(former, next));
-  DDSSEC_ASSIGN_OR_RETURN(const auto change,
-                          governance::live_change(former.domain_rule(), next.domain_rule()));
+  const auto live = governance::live_change(former.domain_rule(), next.domain_rule());
+  if (!live) return std::unexpected(not_live_error(live.error()));
+  const auto& change = *live;
   if (!change.raised.empty()) DDSSEC_RETURN_IF_ERROR(check_has_revision(next, *change.raised[0]));
   for (const auto& kind : change.domain)
     DDSSEC_RETURN_IF_ERROR(check_has_revision(next, kind.line, std::string(kind.element)));

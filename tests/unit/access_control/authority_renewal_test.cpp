@@ -399,8 +399,8 @@ TEST_F(PermissionsCaRenewal, OtherProtectionKind_IsRefusedWithBothValues) {
   ASSERT_FALSE(log.all.empty());
   const auto& details = log.all.front().error.details();
   EXPECT_EQ(details.field, "rtps_protection_kind");
-  EXPECT_EQ(details.expected, "ENCRYPT");
-  EXPECT_EQ(details.found, "SIGN");
+  EXPECT_EQ(details.expected + " to " + details.found, "ENCRYPT to SIGN");
+  EXPECT_THAT(details.hint, HasSubstr("restart all participants of the domain"));
 }
 
 TEST_F(PermissionsCaRenewal, GovernanceOfAnotherCa_IsRefused) {

@@ -142,13 +142,13 @@ TEST_F(BadList, EmptyFile_IsRefused) {
 
 TEST_F(BadList, MissingFile_IsRefused) {
   remove();
-  expect_refused("");
+  expect_refused("the file does not exist");
 }
 
 TEST_F(BadList, Folder_IsRefused) {
   remove();
   ::mkdir(path().c_str(), 0700);
-  expect_refused("");
+  expect_refused("expected a regular file");
 }
 
 TEST_F(BadList, Socket_IsRefused) {
@@ -157,7 +157,7 @@ TEST_F(BadList, Socket_IsRefused) {
   sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
   std::strncpy(address.sun_path, path().c_str(), sizeof address.sun_path - 1);
   ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  expect_refused("");
+  expect_refused("the file cannot be read");
   ::close(socket);
 }
 
@@ -176,7 +176,7 @@ TEST_F(BadList, Gigabytes_AreRefused) {
   remove();
   put("");
   ASSERT_EQ(::truncate(path().c_str(), off_t{4} << 30), 0);
-  expect_refused("");
+  expect_refused("the file is larger than any such document may be");
 }
 
 TEST_F(BadList, ThousandsOfEntries_AreRefused) {
@@ -196,7 +196,7 @@ TEST_F(BadList, EntryOfAnotherCa_IsRefused) {
 TEST_F(BadList, EntryOfACaOfTheSameName_IsRefused) {
   const auto other = make_ca();
   put(list_of({bob_with(kNext, 1, other).certificate}));
-  expect_refused("");
+  expect_refused("no configured CA issued the certificate");
 }
 
 TEST_F(Listed, EntriesOfAnotherCa_AreCountedAndPassedOver) {
