@@ -1,4 +1,4 @@
-// What can stand in the place of a document and is none.
+// What can stand in the place of a document and is none, and a folder that cannot be entered.
 #pragma once
 
 #include <array>
@@ -62,6 +62,26 @@ class BadFile {
 
   const std::filesystem::path path_;
   int socket_ = -1;
+  bool was_root_ = false;
+};
+
+/// While this object lives, the process cannot enter the folder. It is another user if it was root,
+/// because root can enter all folders.
+class ClosedFolder {
+ public:
+  explicit ClosedFolder(std::filesystem::path path) : path_(std::move(path)) {
+    ::chmod(path_.c_str(), 0);
+    was_root_ = ::geteuid() == 0 && ::seteuid(65534) == 0;
+  }
+  ~ClosedFolder() {
+    if (was_root_) (void)!::seteuid(0);
+    ::chmod(path_.c_str(), 0700);
+  }
+  ClosedFolder(const ClosedFolder&) = delete;
+  ClosedFolder& operator=(const ClosedFolder&) = delete;
+
+ private:
+  const std::filesystem::path path_;
   bool was_root_ = false;
 };
 
