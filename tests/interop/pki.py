@@ -145,15 +145,17 @@ class Pki:
                 file.write("".join(texts))
         return self._once(path, make)
 
-    def leaf(self, common_name, kind, ca, expired=False, until=None):
-        """A participant certificate signed by the CA folder `ca`; `until` is a UTC datetime."""
+    def leaf(self, common_name, kind, ca, expired=False, until=None, key=None):
+        """A participant certificate signed by the CA folder `ca`; `until` is a UTC datetime, and `key` the file of
+        another key than key(common_name, kind)."""
         label = f"{common_name}-{kind}-under-{os.path.basename(ca)}"
         label += "-expired" if expired else f"-{until:%H%M%S%f}" if until else ""
+        label += f"-{os.path.basename(key)}" if key else ""
         path = self._path(f"{label}.pem")
 
         def make():
             request = self._path(f"{label}.csr")
-            self._openssl("req", "-new", "-key", self.key(common_name, kind), "-subj",
+            self._openssl("req", "-new", "-key", key or self.key(common_name, kind), "-subj",
                           f"/O={ORGANIZATION}/CN={common_name}", "-out", request)
             dates = (["-startdate", "20200101000000Z", "-enddate", "20210101000000Z"] if expired
                      else ["-enddate", f"{until:%Y%m%d%H%M%SZ}"] if until else ["-days", "365"])

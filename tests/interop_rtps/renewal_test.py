@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Certificates and permissions of seconds are renewed while their participants run, in the embedded
-participant and in Cyclone DDS with our plugins, also beside stock plugins. Prints how long nothing came at each former
-end. The cases "measure" run only on request.
+participant and in Cyclone DDS with our plugins, also beside stock plugins; in one case with a new key each time. Prints
+how long nothing came at each former end. The cases "measure" run only on request.
 Usage: renewal_test.py BUILD [FILTER]"""
 
 import datetime
@@ -42,6 +42,7 @@ class Documents:
         self.folder.mkdir()
         self.identity, self.authority = pki.ca("identity", "ec"), pki.ca("permissions", "ec")
         self.signer = f"{self.authority}/cert.pem", f"{self.authority}/key.pem"
+        self.rekeys, self.keys = False, 1
         self.began = time.time()
         for document, source in {"identity_ca.pem": f"{self.identity}/cert.pem", "key.pem": pki.key(name, "ec"),
                                  "permissions_ca.pem": self.signer[0],
@@ -51,13 +52,20 @@ class Documents:
         (self.folder / "security.properties").write_text(f"org.ddssec.files_poll_interval = {LOOKS}\n")
 
     def put(self, after, certificate=CERTIFICATE, permissions=PERMISSIONS):
-        """Documents that are valid for so long after `after`, counted from the first ones."""
+        """Documents that are valid for so long after `after`, counted from the first ones; with another key, if
+        `rekeys`."""
         def end(seconds):
             return datetime.datetime.fromtimestamp(self.began + after + seconds, datetime.timezone.utc)
+        new, key = {}, None
+        if self.rekeys:
+            self.keys += 1
+            new["key.pem"] = key = self.pki.key(f"{self.name}-{self.keys}", "ec")
         document = Permissions((TOPIC,), (TOPIC,), "", DOMAIN, not_after=f"{end(permissions):%Y-%m-%dT%H:%M:%S}")
-        for file, source in (("cert.pem", self.pki.leaf(self.name, "ec", self.identity, until=end(certificate))),
-                             ("permissions.p7s", self.pki.sign(document.xml(self.name), *self.signer))):
+        new["cert.pem"] = self.pki.leaf(self.name, "ec", self.identity, until=end(certificate), key=key)
+        new["permissions.p7s"] = self.pki.sign(document.xml(self.name), *self.signer)
+        for file, source in new.items():
             shutil.copy(source, self.folder / (file + ".new"))
+        for file in new:
             os.replace(self.folder / (file + ".new"), self.folder / file)
 
     def cyclone(self, build, stock):
@@ -201,6 +209,7 @@ def cases():
     yield "renewed/embedded/stock", "embedded", "stock", True, "both"
     yield "renewed/stock/embedded", "stock", "embedded", True, "both"
     yield "renewed/best_effort/embedded/embedded", "embedded", "embedded", False, "both"
+    yield "rekeyed/embedded/embedded", "embedded", "embedded", True, "rekeyed"
     yield "ends/embedded/embedded", "embedded", "embedded", True, "none"
     yield "ends/ddssec/ddssec", "ddssec", "ddssec", True, "none"
     yield "measure/ddssec/stock", "ddssec", "stock", True, "measure"
@@ -235,10 +244,12 @@ def play(story, case):
         return not_renewed(story, story.documents[0], story.publisher)
     whose = [i for i in (0, 1) if i not in lasting(case)]
     strict = "gapless" if (publisher, subscriber) == ("embedded", "embedded") and reliable else what == "both"
+    for i in whose:
+        story.documents[i].rekeys = what == "rekeyed"
     note = renewed_twice(story, [story.documents[i] for i in whose], strict)
-    if what == "both":
+    if what != "measure":
         check_events(story, whose, strict)
-    return note
+    return note + (f"; {story.documents[0].keys} keys each" if what == "rekeyed" else "")
 
 
 def chosen():
@@ -247,4 +258,4 @@ def chosen():
 
 
 if __name__ == "__main__":
-    sys.exit(story_cases.run(chosen(), begin, play, at_once=9))
+    sys.exit(story_cases.run(chosen(), begin, play, at_once=10))
