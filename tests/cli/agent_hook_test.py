@@ -2,11 +2,18 @@
 """ddssec agent --hook: what the program that signs gets, and what of its answer is taken."""
 
 import pathlib
+import re
 import shutil
 import time
+import unittest
 
 from agent_folders import SIGN, AgentTest
-from transcript import main
+from est_server import EstServer
+from transcript import DATA, main
+
+PAGE = DATA.parent.parent / "docs/agent.md"
+# A request as Go's encoder writes names: what fits into a PrintableString is one.
+PRINTABLE = "[req]\nprompt=no\nstring_mask=pkix\ndistinguished_name=dn\n[dn]\nCN=talker\n"
 
 
 class Hooks(AgentTest):
@@ -88,12 +95,55 @@ class Hooks(AgentTest):
                                                                          "/CN=admin"), *self.LATER)
         self.assertIn("CN=admin", event["message"])
 
-    def test_the_same_subject_in_another_encoding(self):
+    def printable_request(self):
         request = self.at / "other.csr"
-        (self.at / "cnf").write_text("[req]\nprompt=no\nstring_mask=pkix\ndistinguished_name=dn\n[dn]\nCN=talker\n")
+        (self.at / "cnf").write_text(PRINTABLE)
         self.openssl("req", "-new", "-config", "cnf", "-key", self.talker / "key.pem", "-out", request)
-        event = self.refused("renewal_unfit", "--hook", self.signing_hook("-days", "400", "-in", str(request)), *self.LATER)
+        return str(request)
+
+    def test_the_same_subject_in_another_encoding(self):
+        hook = self.signing_hook("-days", "400", "-in", self.printable_request())
+        event = self.refused("renewal_unfit", "--hook", hook, *self.LATER)
         self.assertIn("encoding", event["message"])
+
+    def test_a_ca_that_writes_names_in_another_way_renews_what_it_issued(self):
+        """As step-ca and Vault do: the first certificate and the next have the same octets."""
+        request = self.printable_request()
+        first = self.openssl("x509", "-req", "-in", request, "-CA", self.ca / "ca.pem", "-CAkey", self.ca / "ca.key.pem",
+                             "-set_serial", "0x55", "-days", "365")
+        (self.talker / "cert.pem").write_text(first)
+        event, = self.once("--hook", self.signing_hook("-days", "400", "-in", request), *self.LATER)
+        self.assertEqual(event["event"], "renewed")
+        told = self.openssl("x509", "-in", self.talker / "cert.pem", "-noout", "-subject", "-nameopt", "multiline,show_type")
+        self.assertIn("PRINTABLESTRING:talker", told)
+        self.run_program("doctor", "demo/talker", "--now", "+301d")
+
+    def est_hook(self, server, options=""):
+        """The line of docs/agent.md."""
+        line, = re.findall(r"(?m)^\| EST \(RFC 7030\) \| `(.*)` \|$", PAGE.read_text())
+        return self.hook(f"URL={server.url}\n" + line.replace(r"\|", "|").replace("curl -sf", "curl -sf" + options))
+
+    @unittest.skipUnless(shutil.which("curl"), "there is no curl")
+    def test_the_page_s_line_for_est_renews(self):
+        server = EstServer(self.at, self.ca)
+        self.addCleanup(server.close)
+        key = self.public_key()
+        server.refuses = True
+        self.refused("hook_failed", "--hook", self.est_hook(server), *self.LATER)
+        server.refuses = False
+        event, = self.once("--hook", self.est_hook(server), *self.LATER)
+        self.assertEqual((event["event"], self.public_key(), len(server.subjects)), ("renewed", key, 1))
+        self.run_program("doctor", "demo/talker", "--now", "+301d")
+
+    @unittest.skipUnless(shutil.which("curl"), "there is no curl")
+    def test_an_est_server_that_asks_for_a_certificate(self):
+        server = EstServer(self.at, self.ca, has_tls=True)
+        self.addCleanup(server.close)
+        trust = f" --cacert {server.certificate}"
+        self.refused("hook_failed", "--hook", self.est_hook(server, trust), *self.LATER)
+        options, = re.findall(r"add `(--cert .*? --key .*?)`", PAGE.read_text().replace("\n", " "))
+        self.once("--hook", self.est_hook(server, f"{trust} {options}"), *self.LATER)
+        self.assertEqual(server.subjects, [((("commonName", "talker"),),)])
 
     def test_another_key(self):
         request = self.at / "other.csr"
