@@ -34,10 +34,10 @@ class Variant(NamedTuple):
 
     def __str__(self):
         return ", ".join([self.make, *(["secured"] if self.secured else []),
-                          *([] if self.make == "UDP" else ["reliable" if self.is_reliable else "best effort"]), self.mode])
+                          *([] if self.make == "UDP" else ["reliable" if self.reliable else "best effort"]), self.mode])
 
     def arguments(self):
-        return (["--waiting"] if self.mode == "wait" else ["--listener"]) + ([] if self.is_reliable else ["--best-effort"])
+        return (["--waiting"] if self.mode == "wait" else ["--listener"]) + ([] if self.reliable else ["--best-effort"])
 
     def of(self, make):
         return self._replace(make=make)
@@ -50,7 +50,7 @@ def variants(options):
     out = [Variant(make, secured, reliable, mode) for secured in (False, True) for mode in ("wait", "listener")
            for reliable in (False, True) for make in ("ddssec", "Cyclone")]
     if options.loss:  # a best-effort answer that is lost ends a listener's chain
-        out = [v for v in out if v.is_reliable or v.mode == "wait"]
+        out = [v for v in out if v.reliable or v.mode == "wait"]
     else:
         out.insert(0, FLOOR)
     return [v for v in out if re.search(options.only, str(v))]

@@ -38,9 +38,9 @@ def panel(title, lines, low, high):
     for x, (_, name) in zip(xs, PERCENTILES):
         out.append(f'<text x="{x:.1f}" y="{HEIGHT + 16}" text-anchor="middle">{name}</text>')
     for i, (variant, found) in enumerate(lines):
-        dash = "" if variant.is_reliable or variant.make == "UDP" else ' stroke-dasharray="5 3"'
+        dash = "" if variant.reliable or variant.make == "UDP" else ' stroke-dasharray="5 3"'
         points = " ".join(f"{x:.1f},{y(found[key]):.1f}" for x, (key, _) in zip(xs, PERCENTILES))
-        name = "UDP" if variant.make == "UDP" else f"{variant.make}, {'reliable' if variant.is_reliable else 'best effort'}"
+        name = "UDP" if variant.make == "UDP" else f"{variant.make}, {'reliable' if variant.reliable else 'best effort'}"
         out.append(f'<polyline points="{points}" fill="none" stroke="{COLORS[variant.make]}" stroke-width="1.5"{dash}/>'
                    f'<path d="M8 {12 + 14 * i}h22" stroke="{COLORS[variant.make]}" stroke-width="1.5"{dash}/>'
                    f'<text x="34" y="{16 + 14 * i}">{escape(name)}</text>')
