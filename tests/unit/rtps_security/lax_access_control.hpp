@@ -8,7 +8,7 @@
 
 namespace ddssec::rtps::testing {
 
-class LaxAccessControl final : public spi::AccessControl {
+class LaxAccessControl : public spi::AccessControl {
  public:
   explicit LaxAccessControl(std::unique_ptr<spi::AccessControl> real) : real_(std::move(real)) {}
 

@@ -1,21 +1,16 @@
 // Which participants read shared memory, until when, and what a peer may keep of it.
 #include "rtps/security/written_memory.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <map>
 #include <sstream>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/file_descriptor.hpp"
 #include "rtps/participant/shared_memory.hpp"
 #include "rtps/security/memory_exchange.hpp"
 #include "tests/unit/rtps_memory/hostile_sockets.hpp"
-#include "tests/unit/rtps_security/key_thief.hpp"
+#include "tests/unit/rtps_security/memory_trio.hpp"
 #include "tests/unit/rtps_security/segments.hpp"
-#include "tests/unit/rtps_security/shared_memory_fixture.hpp"
 
 namespace ddssec::rtps {
 namespace {
@@ -26,96 +21,8 @@ using enum ProtectionKind;
 
 // ---- participants that may read
 
-// A reader's participant that keeps its mappings: a copy of each segment of this process.
-struct KeptMapping {
-  KeptMapping() {
-    auto* const folder = ::opendir("/proc/self/fd");
-    while (const auto* entry = ::readdir(folder)) {
-      const auto path = std::string("/proc/self/fd/") + entry->d_name;
-      std::array<char, 256> target{};
-      if (::readlink(path.c_str(), target.data(), target.size() - 1) < 0 ||
-          std::string_view(target.data()).find("memfd:ddssec") == std::string_view::npos)
-        continue;
-      const FileDescriptor copy(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-      struct stat info {};
-      if (!copy || ::fstat(copy.number(), &info) != 0) continue;
-      const auto size = static_cast<std::size_t>(info.st_size);
-      auto* const at = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, copy.number(), 0);
-      if (at == MAP_FAILED) continue;
-      kept.emplace_back(static_cast<const std::uint8_t*>(at), size);
-    }
-    ::closedir(folder);
-  }
-  ~KeptMapping() {
-    for (const auto& one : kept) ::munmap(const_cast<std::uint8_t*>(one.data()), one.size());
-  }
-  Bytes all() const {
-    Bytes out;
-    for (const auto& one : kept) out.insert(out.end(), one.begin(), one.end());
-    return out;
-  }
-  bool has_needle() const {
-    const auto octets = all();
-    return !std::ranges::search(octets, kNeedle).empty();
-  }
-  std::vector<BytesView> kept;
-};
-
-struct Three {
-  explicit Three(const Rules& rules)
-      : carol(Pair::both(member("carol", rules), shm())),
-        a(1, Pair::both(list.watched_by(member("alice", rules)), shm()), 3),
-        b(2, Pair::both(list.watched_by(member("bob", rules)), shm()), 3),
-        c(3, carol, 3) {
-    world.nodes = {&a, &b, &c};
-    auto qos = default_writer_qos();
-    qos.history.kind = HistoryKind::keep_all;
-    writer = a->create_writer(square(qos), a.listener, world.now).value();
-    for (auto* node : {&b, &c}) {
-      auto reading = default_reader_qos();
-      reading.reliability.kind = ReliabilityKind::reliable;
-      reading.history.kind = HistoryKind::keep_all;
-      readers.push_back((*node)->create_reader(square(reading), node->listener, world.now).value());
-    }
-    EXPECT_TRUE(world.run_until([&] { return a.listener.matched == 2; }));
-    for (int i = 0; i < 3; ++i) write();
-    EXPECT_EQ(a.events.count(Code::rtps_memory_used), 2) << a.events.text();
-  }
-  void write(std::size_t size = kLarge, std::uint8_t content = 0x5a) {
-    Change change;
-    change.payload = payload(size);
-    std::ranges::fill(change.payload.fill().subspan(4), content);
-    a->local_endpoints().writer(writer)->write(std::move(change), world.now);
-    ++written;
-    world.run(100);
-  }
-  // Carol's process keeps her mapping, and finds nothing new there. Bob uses new memory from then
-  // on.
-  void expect_carol_sees_nothing_more(const std::function<void()>& end) {
-    const KeptMapping kept;
-    ASSERT_EQ(kept.kept.size(), 1u);
-    end();
-    const auto before = kept.all();
-    for (int i = 0; i < 5; ++i) write();
-    EXPECT_EQ(kept.all(), before);
-    EXPECT_TRUE(world.run_until([&] { return b.listener.changes.size() == written; }));
-    Volume volume(world);
-    write();
-    EXPECT_LT(volume.take(), kLarge / 4);
-    EXPECT_EQ(kept.all(), before);
-  }
-
-  const spi::PropertyList carol;
-  RevocationFile list;
-  Node a, b, c;
-  World world;
-  Guid writer;
-  std::vector<Guid> readers;
-  std::size_t written = 0;
-};
-
 TEST(SharedMemory, ReaderUnmatched_SeesNothingMore) {
-  Three three({.metadata = sign});
+  MemoryTrio three({.metadata = sign});
   three.expect_carol_sees_nothing_more([&] {
     three.c->remove(three.readers[1], three.world.now);
     three.world.run(50);
@@ -124,7 +31,7 @@ TEST(SharedMemory, ReaderUnmatched_SeesNothingMore) {
 
 // A hostile peer may fetch the memory and deny it.
 TEST(SharedMemory, ReaderDeniesToHaveMemory_SeesNothingMore) {
-  Three three({.metadata = sign});
+  MemoryTrio three({.metadata = sign});
   auto& carols = memory_of(three.c->remote_participants().core())->mapped();
   three.expect_carol_sees_nothing_more([&] {
     carols.remove_reader(three.writer, three.readers[1].entity);
@@ -141,7 +48,7 @@ TEST(SharedMemory, ReaderDeniesToHaveMemory_SeesNothingMore) {
 }
 
 TEST(SharedMemory, PeerRevoked_SeesNothingMore) {
-  Three three({.metadata = sign});
+  MemoryTrio three({.metadata = sign});
   three.expect_carol_sees_nothing_more([&] {
     three.list.revoke(three.carol);
     for (auto* node : {&three.a, &three.b}) node->clock.advance(1s);
@@ -150,7 +57,7 @@ TEST(SharedMemory, PeerRevoked_SeesNothingMore) {
 }
 
 TEST(SharedMemory, PeerIgnored_SeesNothingMore) {
-  Three three({.metadata = sign});
+  MemoryTrio three({.metadata = sign});
   three.expect_carol_sees_nothing_more([&] {
     three.a->ignore_participant(three.c->prefix());
     three.world.run(50);
@@ -177,8 +84,8 @@ std::size_t octets_in_memory() {
 }
 
 // Carol's reader comes and goes, and her process unmaps nothing.
-struct Churn : Three {
-  Churn() : Three({.metadata = sign}), before(octets_in_memory()) {}
+struct Churn : MemoryTrio {
+  Churn() : MemoryTrio({.metadata = sign}), before(octets_in_memory()) {}
   void leave(Node& node, Guid& reader) {
     node->remove(reader, world.now);
     world.run(50);
