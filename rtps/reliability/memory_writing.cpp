@@ -12,11 +12,13 @@ void MemoryWriting::set_reading(const GuidPrefix& participant, bool in_memory) {
 
 // A change that a reliable reader has not acknowledged, and that the history still holds, may be
 // requested. It is then sent in messages, which costs more. So its place in memory is not used for
-// another change before.
+// another change before. A reader that does not acknowledge in time no longer counts, so that it
+// takes no place from the others.
 std::optional<MemoryReference> MemoryWriting::store(const Change& change, MonotonicTime now) {
   if (memory_ == nullptr) return std::nullopt;
+  readers_.update_timeliness(history_.last(), now);
   const auto acknowledged =
-      readers_.acknowledged().lowest().value_or(change.sequence_number.previous());
+      readers_.acknowledged_in_time().lowest().value_or(change.sequence_number.previous());
   return memory_->store(change, std::max(acknowledged.next(), history_.first()), now);
 }
 

@@ -154,6 +154,39 @@ TEST(MemoryWriting, SamplesAreNeeded_UntilTheSlowestHasThem) {
   EXPECT_EQ(it.memory.needed, (std::vector<std::int64_t>{1, 1, 1, 1, 1, 3, 7}));
 }
 
+TEST(MemoryWriting, ReaderThatStops_HoldsNoPlaceAfterTheBound) {
+  Writing it;
+  it.write();
+  it.acknowledge(it.b, 2);
+  it.now += Timeliness::kMaxDelay - std::chrono::milliseconds(1);
+  it.write();
+  it.acknowledge(it.b, 3);
+  it.now += MatchedReaders::kCheckPeriod;
+  it.write();
+  EXPECT_EQ(it.memory.needed, (std::vector<std::int64_t>{1, 1, 3}));
+}
+
+TEST(MemoryWriting, AllReadersStop_NoPlaceIsHeldAfterTheBound) {
+  Writing it;
+  it.write();
+  it.now += Timeliness::kMaxDelay;
+  it.write();
+  EXPECT_EQ(it.memory.needed, (std::vector<std::int64_t>{1, 2}));
+}
+
+TEST(MemoryWriting, StoppedReaderCatchesUp_HoldsPlacesAgain) {
+  Writing it;
+  it.write();
+  it.acknowledge(it.b, 2);
+  it.now += Timeliness::kMaxDelay;
+  it.write();
+  it.acknowledge(it.b, 3);
+  it.acknowledge(it.c, 2);
+  it.now += MatchedReaders::kCheckPeriod;
+  it.write();
+  EXPECT_EQ(it.memory.needed, (std::vector<std::int64_t>{1, 2, 2}));
+}
+
 TEST(MemoryWriting, Filtered_EachGetsWhatPassesInItsForm) {
   Writing it(std::make_shared<Odd>(), std::make_shared<Odd>());
   it.write(1);

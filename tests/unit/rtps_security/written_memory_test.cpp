@@ -205,6 +205,49 @@ TEST(SharedMemory, PeerPassesAnotherDescriptor_ItsIdentityIsAskedForNoOther) {
   EXPECT_THAT(pair.a.events.text(), HasSubstr("not of memory that can be sealed"));
 }
 
+// ---- readers that stop
+
+// Loses all messages of that node from now on: it receives, and acknowledges nothing.
+void silence(World& world, const Node& whom) {
+  world.filter = [&whom](const Node& from, Bytes datagram) {
+    return &from == &whom ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+}
+
+// Eight samples in 10 ms: more than the slots hold in the time after which a slot is used again.
+void burst(MemoryTrio& three, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      Change change;
+      change.payload = payload(WrittenMemory::kMin);
+      three.a->local_endpoints().writer(three.writer)->write(std::move(change), three.world.now);
+      ++three.written;
+    }
+    three.world.run(1);
+  }
+}
+
+TEST(SharedMemory, OneOfTwoReadersStops_OtherStillReadsMemory) {
+  MemoryTrio three({.metadata = sign});
+  silence(three.world, three.c);
+  burst(three, 60);  // longer than an acknowledgment may take
+  std::size_t octets = 0;
+  three.world.filter = [&](const Node& from, Bytes datagram) {
+    if (&from == &three.c) return std::vector<Bytes>{};
+    octets += datagram.size();
+    return one(std::move(datagram));
+  };
+  const auto before = three.written;
+  burst(three, 40);
+  EXPECT_LT(octets, (three.written - before) * WrittenMemory::kMin / 4);
+  EXPECT_EQ(three.a.listener.matched, 2);
+  three.world.filter = {};
+  EXPECT_TRUE(three.world.run_until([&] {
+    return three.b.listener.changes.size() == three.written &&
+           three.c.listener.changes.size() == three.written;
+  }));
+}
+
 // ---- events
 
 TEST(SharedMemory, FirstOfferIsTooLate_NoEventSaysThatMemoryIsUnused) {
