@@ -274,10 +274,26 @@ std::optional<MemoryReference> WrittenMemory::store(const Change& change,
   return mapped_ == 0 ? std::nullopt : put(change, needed_from, now);
 }
 
+// A burst may find all slots in use for a moment, so only a series of samples is reported.
+void WrittenMemory::note_full(MonotonicTime now) {
+  full_ = std::min(full_ + 1, kReportedFull);
+  if (full_ < kReportedFull || !core_.full_events.try_spend(now)) return;
+  core_.security.events.raise(Event(
+      Error(Code::rtps_memory_unused,
+            {.document = "shared memory of writer " + id().to_string(),
+             .found = std::string(memory::to_string(memory::MemoryRefusal::full)),
+             .note = "a reliable reader counts until it has not acknowledged for half a second; "
+                     "there is at most one such event a minute"})));
+}
+
 std::optional<MemoryReference> WrittenMemory::put(const Change& change, SequenceNumber needed_from,
                                                   MonotonicTime now) {
   const auto place = slots_->begin(needed_from, now);
-  if (!place) return std::nullopt;
+  if (!place) {
+    note_full(now);
+    return std::nullopt;
+  }
+  full_ = 0;
   const auto payload = change.payload.view();
   auto size = payload.size();
   if (form_ != Form::plain) {

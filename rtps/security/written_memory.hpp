@@ -25,6 +25,7 @@ struct MemoryCore {
   /// Segments that are being prepared, that others have, and for which no writer waits any longer.
   std::set<std::uint64_t> orphans = {};
   std::set<GuidPrefix> reported = {};  ///< peers about which an event told why memory is not used
+  WorkBudget full_events{1, std::chrono::minutes(1), {}};  ///< events about full memory
 
   /// Raises an event, once for each peer.
   void report(const GuidPrefix& peer, std::string_view why);
@@ -46,6 +47,8 @@ class WrittenMemory final : public SampleMemory {
   static constexpr MonotonicTime kMaxPause = std::chrono::minutes(1);
   /// The number of refusals that may pass by after which an event reports them.
   static constexpr int kReportedTries = 3;
+  /// The number of samples in a row without a free slot after which an event reports it.
+  static constexpr int kReportedFull = 16;
 
   /// Both must outlive this object.
   WrittenMemory(MemoryCore& core, StatefulWriter& writer) : core_(core), writer_(writer) {}
@@ -106,6 +109,7 @@ class WrittenMemory final : public SampleMemory {
                     memory::MemoryRefusal why, MonotonicTime now);
   void set_mapped(const GuidPrefix& prefix, ReadingParticipant& reading);
   void set_waiting(const GuidPrefix& prefix, ReadingParticipant& reading);
+  void note_full(MonotonicTime now);
   std::optional<MemoryReference> put(const Change& change, SequenceNumber needed_from,
                                      MonotonicTime now);
 
@@ -120,6 +124,7 @@ class WrittenMemory final : public SampleMemory {
   bool may_reuse_ = false;   ///< a participant was added since reuse() was tried
   std::size_t largest_ = 0;  ///< the largest payload of any segment until now
   Form form_ = Form::none;   ///< the form of the payloads in the slots
+  int full_ = 0;             ///< samples in a row that found no free slot
   /// When the next one may be requested after one could not be made.
   MonotonicTime next_segment_ = {};
   /// Limits the segments, because a peer whose readers come and go costs one each time.

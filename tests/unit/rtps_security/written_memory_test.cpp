@@ -248,6 +248,35 @@ TEST(SharedMemory, OneOfTwoReadersStops_OtherStillReadsMemory) {
   }));
 }
 
+TEST(SharedMemory, AllSlotsNeeded_EventSaysSoOnceInAMinute) {
+  MemoryTrio three({.metadata = sign});
+  for (int round = 0; round < 2; ++round) {
+    silence(three.world, three.c);
+    burst(three, 20);
+    EXPECT_EQ(three.a.events.count(Code::rtps_memory_unused), 1) << three.a.events.text();
+    three.world.filter = {};
+    ASSERT_TRUE(three.world.run_until([&] {
+      return three.b.listener.changes.size() == three.written &&
+             three.c.listener.changes.size() == three.written;
+    }));
+  }
+  EXPECT_THAT(three.a.events.text(), HasSubstr("readers still need all of the memory"));
+  for (int i = 0; i < 60; ++i) three.world.run(100);
+  silence(three.world, three.c);
+  burst(three, 20);
+  EXPECT_EQ(three.a.events.count(Code::rtps_memory_unused), 2) << three.a.events.text();
+}
+
+TEST(SharedMemory, AllSlotsNeededForAMoment_NoEvent) {
+  MemoryTrio three({.metadata = sign});
+  silence(three.world, three.c);
+  burst(three, 9);  // eight more than the 64 slots
+  three.world.filter = {};
+  three.world.run(100);
+  burst(three, 9);
+  EXPECT_EQ(three.a.events.count(Code::rtps_memory_unused), 0) << three.a.events.text();
+}
+
 // ---- events
 
 TEST(SharedMemory, FirstOfferIsTooLate_NoEventSaysThatMemoryIsUnused) {
