@@ -28,7 +28,42 @@ MESSAGES = Governance(rtps="ENCRYPT")
 ALLOWED = Permissions(domain=3, publish=("*",), subscribe=("*",), partition="*")
 LARGE = 200_000
 NEEDLE = b"\x5a" * 256  # what ddssec-peer writes
+OTHER = ("setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups")
 
+# A process that tries tokens at local sockets, which it is told after the id of a process.
+TOKENS = """
+for name in sys.argv[2:]:
+    for say in (b'', bytes(32), bytes(33), b'x'):
+        s = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        s.settimeout(5)
+        s.connect('\\0' + name)
+        data, fds = b'', []
+        try:
+            if say:
+                s.send(say)
+            data, fds, flags, _ = socket.recv_fds(s, 64, 4)
+        except (ConnectionResetError, BrokenPipeError):
+            pass
+        if data or fds:
+            print('LEAK', data, fds)
+"""
+# A process that looks into the segments of that process.
+LOOK = """
+opened = plain = 0
+for fd in range(256):
+    path = f'/proc/{sys.argv[1]}/fd/{fd}'
+    try:
+        if 'memfd:ddssec' not in os.readlink(path):
+            continue
+        memory = os.open(path, os.O_RDONLY)
+        opened += 1
+        plain += bytes([0x5a] * 256) in os.pread(memory, os.fstat(memory).st_size, 0)
+        os.pwrite(os.open(path, os.O_RDWR), b'x', 0)
+        print('WROTE')
+    except OSError:
+        pass
+print(opened > 0, plain > 0)
+"""
 # A process that sends each local socket TCP sockets that linger. The process that closes the last copy waits.
 SLOW = """
 import threading
@@ -246,22 +281,12 @@ class SharedMemory(PeerProcesses):
                                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
     def test_stranger_learns_nothing(self):
-        probe = ("for name in sys.argv[2:]:\n"
-                 "    for say in (b'', bytes(32), bytes(33), b'x'):\n"
-                 "        s = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)\n"
-                 "        s.settimeout(5); s.connect('\\0' + name)\n"
-                 "        data, fds = b'', []\n"
-                 "        try:\n"
-                 "            if say: s.send(say)\n"
-                 "            data, fds, flags, _ = socket.recv_fds(s, 64, 4)\n"
-                 "        except (ConnectionResetError, BrokenPipeError): pass\n"
-                 "        if data or fds: print('LEAK', data, fds)\n"
-                 "for fd in range(256):\n"
-                 "    for what in (f'fd/{fd}', 'mem'):\n"
-                 "        try:\n"
-                 "            open(f'/proc/{sys.argv[1]}/{what}', 'rb').close(); print('OPENED', what)\n"
-                 "        except OSError: pass\n"
-                 "print('done')\n")
+        probe = TOKENS + ("for fd in range(256):\n"
+                          "    for what in (f'fd/{fd}', 'mem'):\n"
+                          "        try:\n"
+                          "            open(f'/proc/{sys.argv[1]}/{what}', 'rb').close(); print('OPENED', what)\n"
+                          "        except OSError: pass\n"
+                          "print('done')\n")
         for more in ("", "\norg.ddssec.shm.other_users = true"):
             pub, _ = self.stream(shm="on" + more)
             self.uses_memory(pub)
@@ -292,14 +317,33 @@ class SharedMemory(PeerProcesses):
             stranger.kill()
             stranger.communicate(timeout=20)
 
+    def test_same_user_opens_ciphertext_only(self):
+        """A process of the user of both peers, without their keys. It can also read what the governance does not
+        encrypt (docs/shared-memory.md), but write nothing."""
+        if os.geteuid() != 0:
+            self.skipTest("cannot become another user")
+        os.chmod(self.folder.name, 0o755)
+        for governance, expected in ((ENCRYPT, "True False"), (SIGN, "True True")):
+            sub, pub = [self.start(role, governance, "--size", str(LARGE), *more, prefix=OTHER, owner=65534)
+                        for role, more in (("tput-sub", ()), ("tput-pub", ("--duration", "30")))]
+            self.uses_memory(pub)
+            time.sleep(0.5)
+            for process in (pub, sub):
+                pid = self.real_pid(process)
+                out, _ = self.stranger(TOKENS + LOOK, str(pid), *self.names_of(pid)).communicate(timeout=60)
+                # A reader keeps no descriptor of what it has mapped.
+                self.assertEqual(out.strip(), expected if process is pub else "False False", governance)
+                self.assertIsNone(process.poll())
+            self.tearDown()
+            self.setUp()
+
     def test_other_users(self):
         """Two processes of different users share memory if both say so."""
         if os.geteuid() != 0:
             self.skipTest("cannot become another user")
-        other = ("setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups")
         os.chmod(self.folder.name, 0o755)
         for more, expected in (("", False), ("\norg.ddssec.shm.other_users = true", True)):
-            self.start("tput-sub", ENCRYPT, "--size", str(LARGE), shm="on" + more, prefix=other, owner=65534)
+            self.start("tput-sub", ENCRYPT, "--size", str(LARGE), shm="on" + more, prefix=OTHER, owner=65534)
             pub = self.start("tput-pub", ENCRYPT, "--size", str(LARGE), "--duration", "8", shm="on" + more)
             self.assertEqual(pub.wait(60), 0)
             self.assertEqual(self.has_event(pub, "rtps_memory_used"), expected, pub.log.read_text())
