@@ -268,6 +268,42 @@ class SharedMemory(PeerProcesses):
         self.assertTrue(self.has_event(pub, "rtps_memory_unused") and self.has_event(sub, "rtps_memory_unused"))
         self.assertFalse(self.has_event(pub, "rtps_memory_used"))
 
+    def expect_all_arrive(self, prefix, through_memory, why=""):
+        """`prefix` is that of the writer. One event says whether its samples go through memory."""
+        sub = self.start("tput-sub", ENCRYPT, "--size", str(LARGE))
+        pub = self.start("tput-pub", ENCRYPT, "--size", str(LARGE), "--duration", "2", prefix=prefix)
+        self.assertEqual((pub.wait(60), sub.wait(60)), (0, 0))
+        (tput,) = self.said(sub, "tput")
+        self.assertEqual(tput["samples"], tput["sent"])
+        self.assertGreater(tput["samples"], 10)
+        lines = pub.log.read_text().splitlines()
+        said = [sum(name in line for line in lines) for name in ("rtps_memory_used", "rtps_memory_unused")]
+        self.assertEqual(said, [1, 0] if through_memory else [0, 1], pub.log.read_text())
+        self.assertIn(why, pub.log.read_text())
+
+    def test_system_gives_no_memory_all_goes_by_network(self):
+        """The largest file that the writer may make is smaller than a segment."""
+        self.expect_all_arrive(("prlimit", "--fsize=1000000"), False, "the system gave no memory")
+
+    def test_no_descriptor_is_left_all_goes_by_network(self):
+        """The writer has descriptors for all but the memory."""
+        pub, _ = self.stream()
+        self.uses_memory(pub)
+        pid = self.real_pid(pub)
+        numbers = [int(one) for one in os.listdir(f"/proc/{pid}/fd")]
+        memory = [n for n in numbers if "memfd:ddssec" in os.readlink(f"/proc/{pid}/fd/{n}")]
+        self.assertTrue(memory)
+        self.tearDown()
+        self.setUp()
+        self.expect_all_arrive(("prlimit", f"--nofile={min(memory)}"), False, "the system gave no memory")
+
+    def test_folder_of_shared_memory_is_full_or_another_one_memory_is_used(self):
+        """The writer is in a mount namespace of its own, whose /dev/shm has no room: segments need no file there."""
+        if os.geteuid() != 0:
+            self.skipTest("cannot mount")
+        fill = "mount -t tmpfs -o size=4k none /dev/shm && ! cat /dev/zero 2>/dev/null >/dev/shm/full && exec \"$@\""
+        self.expect_all_arrive(("unshare", "--mount", "sh", "-c", fill, "sh"), True)
+
     def names_of(self, pid):
         """The local sockets in the namespace of the process."""
         return sorted(set(re.findall(r"@(ddssec-[0-9a-f]{32})", pathlib.Path(f"/proc/{pid}/net/unix").read_text())))
