@@ -155,10 +155,11 @@ Status AnyDataReader::wait_for_historical_data(std::chrono::nanoseconds timeout)
   return fail(Code::rtps_timeout, {.document = "reader " + guid_.to_string()});
 }
 
-bool AnyDataReader::wait_for_unread(std::chrono::nanoseconds timeout) {
-  auto held = lock();
-  return context_.wait(
-      held, timeout, [&] { return reception_.cache().any({.sample = SampleState::not_read}); },
+bool wait_for_samples(AnyDataReader& reader, const States& states,
+                      std::chrono::nanoseconds timeout) {
+  auto held = reader.lock();
+  return reader.context_.wait(
+      held, timeout, [&] { return reader.reception_.cache().any(states); },
       ServingTurn::WaitReason::data);
 }
 

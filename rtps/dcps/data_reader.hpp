@@ -63,7 +63,12 @@ class AnyDataReader : public Endpoint {
   /// Waits until the reader holds unread samples. Returns false if there are none after `timeout`,
   /// and at once within a listener if there are none. A waiting thread may serve the participant's
   /// sockets meanwhile.
-  bool wait_for_unread(std::chrono::nanoseconds timeout);
+  bool wait_for_unread(std::chrono::nanoseconds timeout) {
+    return wait_for_samples(*this, {.sample = SampleState::not_read}, timeout);
+  }
+  /// As AnyDataReader::wait_for_unread, for samples in these states.
+  friend bool wait_for_samples(AnyDataReader& reader, const States& states,
+                               std::chrono::nanoseconds timeout);
 
   /// Each returns a status of DDS 1.4, 2.2.4.1, and resets its change counts.
   DeadlineMissedStatus requested_deadline_missed_status() { return read_deadline_status(); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -73,10 +74,10 @@ class Samples {
 /// replaces the contents of the collection.
 ///
 /// All calls replace the contents of `out` and return the number of samples found: 0 if there are
-/// none (NO_DATA), at most `max_samples`. None of them waits. A read marks samples as read, a take
-/// removes them from the reader. Errors: rtps_not_enabled, rtps_bad_parameter (no such instance),
-/// rtps_precondition_not_met (the condition belongs to another reader, or GROUP access without
-/// begin_access).
+/// none (NO_DATA), at most `max_samples`. Only those with a timeout wait. A read marks samples as
+/// read, a take removes them from the reader. Errors: rtps_not_enabled, rtps_bad_parameter (no such
+/// instance), rtps_precondition_not_met (the condition belongs to another reader, or GROUP access
+/// without begin_access).
 template <class Reader, class Collection>
 class SampleAccess {
  public:
@@ -91,6 +92,19 @@ class SampleAccess {
   Count take(Collection& out, std::int32_t max_samples = kLengthUnlimited,
              const States& states = {}) {
     return find(out, max_samples, {.states = states, .take = true});
+  }
+  /// As read and take, but first wait until the reader holds samples in these states, as
+  /// wait_for_samples does. The number is 0 after the timeout, and if another thread took the
+  /// samples meanwhile.
+  Count read(Collection& out, std::chrono::nanoseconds timeout,
+             std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+    wait_for_samples(static_cast<Reader&>(*this), states, timeout);
+    return read(out, max_samples, states);
+  }
+  Count take(Collection& out, std::chrono::nanoseconds timeout,
+             std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+    wait_for_samples(static_cast<Reader&>(*this), states, timeout);
+    return take(out, max_samples, states);
   }
   /// Selects the samples for which the condition is triggered.
   Count read_w_condition(Collection& out, const ReadCondition& condition,

@@ -133,6 +133,24 @@ TEST_P(DcpsParticipants, AWaitSet_WakesForDataForStatusesAndForTheApplication) {
   other.join();
 }
 
+TEST_P(DcpsParticipants, ReadAndTakeWithATimeout_WaitForSamplesInTheseStates) {
+  auto& writer = a.writer(reliable());
+  auto& reader = b.reader(reliable());
+  ASSERT_TRUE(match(writer, reader));
+  Samples<Reading> samples;
+  EXPECT_EQ(reader.take(samples, 1ms), 0u);
+  std::thread other([&] {
+    std::this_thread::sleep_for(20ms);
+    EXPECT_TRUE(writer.write({"a", 1}));
+  });
+  EXPECT_EQ(reader.read(samples, 10s), 1u);
+  other.join();
+  EXPECT_EQ(samples[0].data.value, 1);
+  EXPECT_EQ(reader.take(samples, 1ms, kLengthUnlimited, {.sample = SampleState::not_read}), 0u);
+  EXPECT_EQ(reader.take(samples, 10s), 1u) << "one that was read";
+  EXPECT_EQ(reader.take(samples, 1ms), 0u);
+}
+
 TEST_P(DcpsParticipants, ManyThreads_MayCreateWriteTakeAndDelete) {
   auto& reader = b.reader(reliable());
   std::atomic<int> received = 0;
