@@ -58,7 +58,7 @@ class PkiDh final : public spi::Authentication {
       HandshakeHandle handshake) override;
   Result<Token> authenticated_peer_credential_token(HandshakeHandle handshake) override;
   std::string authenticated_subject(HandshakeHandle handshake) override;
-  Result<std::optional<Token>> offer_renewal(HandshakeHandle handshake) override;
+  Result<std::optional<spi::OfferedRenewal>> offer_renewal(HandshakeHandle handshake) override;
   Result<Token> judge_renewal(HandshakeHandle handshake, const Token& offer) override;
   Result<Token> accept_renewal(HandshakeHandle handshake, const Token& offer) override;
   Result<spi::SessionFacts> note_renewal_accepted(HandshakeHandle handshake,

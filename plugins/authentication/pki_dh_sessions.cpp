@@ -57,12 +57,12 @@ void PkiDh::drop_credentials_given_out() {
 
 // ---- renewed documents within a session
 
-Result<std::optional<Token>> PkiDh::offer_renewal(HandshakeHandle handle) {
-  using Offered = Result<std::optional<Token>>;
+Result<std::optional<spi::OfferedRenewal>> PkiDh::offer_renewal(HandshakeHandle handle) {
+  using Offered = Result<std::optional<spi::OfferedRenewal>>;
   return with_session(
       handle,
       [&](const IdentityPair& pair, PairHandshake& handshake, EstablishedSession& done) -> Offered {
-        return next_offer(done, *pair.local, handshake.offer, services_.clock.calendar_seconds());
+        return next_offer(done, *pair.local, handshake.offer, services_.clock);
       });
 }
 

@@ -39,13 +39,15 @@ spi::Token answer_to(const Sha256Digest& digest) {
 
 }  // namespace
 
-Result<std::optional<spi::Token>> next_offer(const EstablishedSession& session,
-                                             const OwnIdentity& local,
-                                             std::optional<RenewalOffer>& last, WallTime now) {
+Result<std::optional<spi::OfferedRenewal>> next_offer(const EstablishedSession& session,
+                                                      const OwnIdentity& local,
+                                                      std::optional<RenewalOffer>& last,
+                                                      const Clock& clock) {
   auto own = local.presented();
   if (own == session.own) return std::nullopt;
   const bool is_new = !last || last->documents != own;
-  if (!is_new && last->times >= spi::Authentication::kMaxOffers) return std::nullopt;
+  const auto now = clock.monotonic();
+  if (!is_new && now < last->next) return std::nullopt;
   const auto certificate = own->certificate.pem();
   const auto octets =
       signed_octets(session, local.guid(), {as_bytes(certificate), own->permissions});
@@ -53,12 +55,13 @@ Result<std::optional<spi::Token>> next_offer(const EstablishedSession& session,
   spi::Token offer{std::string(class_id_of(TokenClass::renewal))};
   add_field(offer, kCertificate.name, as_bytes(certificate));
   add_field(offer, kPermissions.name, own->permissions);
-  if (const auto ocsp = local.ocsp_response_for(own->certificate, now))
+  if (const auto ocsp = local.ocsp_response_for(own->certificate, clock.calendar_seconds()))
     add_field(offer, kOcspStatus.name, ocsp->octets);
   add_field(offer, kSignature.name, signature);
   if (is_new) last = RenewalOffer{std::move(own), sha256(octets)};
   ++last->times;
-  return offer;
+  last->next = now + spi::renewal_offer_interval(last->times);
+  return spi::OfferedRenewal{std::move(offer), last->times};
 }
 
 Result<JudgedOffer> judge_offer(const EstablishedSession& session, const spi::Token& offer,

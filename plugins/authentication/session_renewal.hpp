@@ -9,16 +9,18 @@ namespace ddssec::authentication {
 /// The documents that one side of a session presents again.
 struct RenewalOffer {
   std::shared_ptr<const PresentedDocuments> documents;
-  Sha256Digest digest;  ///< digest of the signed octets
-  int times = 0;        ///< the number of times that it was sent
+  Sha256Digest digest;   ///< digest of the signed octets
+  int times = 0;         ///< the number of times that it was sent
+  MonotonicTime next{};  ///< earliest time to send it again
 };
 
 /// Returns the next token for the peer of `session`, and records it in `last`. Empty if the session
-/// was made with the documents that `local` presents now, or if these were offered as often as is
-/// sensible. Errors: those of pki::sign.
-Result<std::optional<spi::Token>> next_offer(const EstablishedSession& session,
-                                             const OwnIdentity& local,
-                                             std::optional<RenewalOffer>& last, WallTime now);
+/// was made with the documents that `local` presents now, or if it is too early to offer them
+/// again. Errors: those of pki::sign.
+Result<std::optional<spi::OfferedRenewal>> next_offer(const EstablishedSession& session,
+                                                      const OwnIdentity& local,
+                                                      std::optional<RenewalOffer>& last,
+                                                      const Clock& clock);
 
 /// A peer's offer that was found to be genuine.
 struct JudgedOffer {

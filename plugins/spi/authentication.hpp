@@ -1,6 +1,8 @@
 // The Authentication interface (DDS-Security 1.2, clause 9.3.2.11), independent of the host.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -30,6 +32,26 @@ enum class ValidationResult : std::uint8_t {
 /// ends when some of them leave.
 inline bool refusal_passes(Code code) {
   return code == Code::too_many_remote_identities || code == Code::too_many_identities_of_subject;
+}
+
+/// Renewed documents for a peer, and the number of times that they were offered to it, this offer
+/// included.
+struct OfferedRenewal {
+  Token token;
+  int times;
+};
+
+/// The same documents are offered to a peer this many times at the shortest interval.
+inline constexpr int kPromptRenewalOffers = 3;
+/// Returns the time between an offer and the next one of the same documents to a peer that does not
+/// accept them: 10 s, and after the prompt offers 1 min, doubled each time, at most 10 min. `times`
+/// counts the offers so far.
+constexpr std::chrono::seconds renewal_offer_interval(int times) {
+  using std::chrono::minutes;
+  if (times < kPromptRenewalOffers) return std::chrono::seconds(10);
+  constexpr int kMaxDoublings = 4;
+  const auto doublings = std::min(times - kPromptRenewalOffers, kMaxDoublings);
+  return std::min(minutes(1 << doublings), minutes(10));
 }
 
 /// Authentication for one or several local identities. All state about a remote participant belongs
@@ -167,9 +189,11 @@ class Authentication {
 
   /// Returns a token that shows the peer of a finished handshake the certificate and the
   /// permissions that the local identity presents now, signed with that certificate's key for this
-  /// session alone. Empty if the peer has them, or if they were offered kMaxOffers times. Errors,
-  /// without an event: handshake_not_finished, those of pki::sign.
-  virtual Result<std::optional<Token>> offer_renewal(HandshakeHandle) { return std::nullopt; }
+  /// session alone. Empty if the peer has them, or if it is too early to offer them again: see
+  /// renewal_offer_interval. Errors, without an event: handshake_not_finished, those of pki::sign.
+  virtual Result<std::optional<OfferedRenewal>> offer_renewal(HandshakeHandle) {
+    return std::nullopt;
+  }
   /// Judges such a token of the peer and changes nothing. Returns the credential for
   /// AccessControl::renew_remote_permissions. Errors: handshake_not_finished, those of the token's
   /// form, those of the peer's certificate, guid_not_bound_to_subject (another subject),
@@ -212,8 +236,6 @@ class Authentication {
   /// If `local` is not nil, only that identity and its remote ones are checked, for a host that
   /// must not touch other users of the plugin.
   virtual std::vector<IdentityHandle> poll(IdentityHandle local = {}) = 0;
-  /// The number of times that the same documents are offered to a peer that does not answer.
-  static constexpr int kMaxOffers = 3;
 };
 
 }  // namespace ddssec::spi

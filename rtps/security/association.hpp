@@ -33,11 +33,8 @@ struct Association {
   PeerPermissions permissions = {};
   std::string subject = {};  ///< of its certificate
   Cleanup place = {};        ///< returns its share of the places for its certificate
-  struct Renewal {
-    MonotonicTime next_offer{};  ///< earliest time for the next offer to the peer
-    WorkBudget judgements{3, std::chrono::seconds(5), {}};  ///< of offers of the peer
-  };
-  Renewal renewal = {};  ///< see DocumentRenewal
+  /// For judging the peer's renewed documents; see DocumentRenewal.
+  WorkBudget renewal_judgements{3, std::chrono::seconds(5), {}};
   GovernanceOfPeer governance = {};
   MonotonicTime former_keys_end = kNever;  ///< of the keys that it has revised
   /// The peer has revised its keys. Before that, another participant could end the peer's endpoints

@@ -19,15 +19,26 @@ void DocumentRenewal::offer_to_all() {
 
 // Does nothing if the plugin cannot make the offer; the next try follows in a second.
 void DocumentRenewal::offer_to(Peer& peer) {
-  auto& next_offer = peer.state.association()->renewal.next_offer;
-  if (core_.now < next_offer || !exchange_.has_room(peer)) return;
+  if (!exchange_.has_room(peer)) return;
   auto& authentication = core_.own->plugins().authentication;
   auto offer = authentication.offer_renewal(peer.state.handshake()->handle());
   if (!offer || !*offer) return;
-  next_offer = core_.now + kOfferPeriod;
-  if (spi::binary_octets(**offer) > CryptoTokenExchange::kMaxDocumentOctets)
-    return report_too_large(peer, **offer);
-  exchange_.send_token(peer, message_class::kRenewal, **std::move(offer));
+  auto& [token, times] = **offer;
+  if (spi::binary_octets(token) > CryptoTokenExchange::kMaxDocumentOctets) {
+    if (times == 1) report_too_large(peer, token);
+    return;
+  }
+  if (times == spi::kPromptRenewalOffers + 1) report_not_accepted(peer);
+  exchange_.send_token(peer, message_class::kRenewal, std::move(token));
+}
+
+void DocumentRenewal::report_not_accepted(const Peer& peer) {
+  core_.raise(
+      Error(Code::renewal_not_accepted,
+            {.document = "renewed certificate and permissions",
+             .expected = "that the peer accepts them",
+             .found = "no answer to " + std::to_string(spi::kPromptRenewalOffers) + " offers"}),
+      peer, EventOrigin::its_keys);
 }
 
 void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer) {
@@ -44,7 +55,7 @@ void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer
 
 void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
   auto& association = *peer.state.association();
-  if (!association.renewal.judgements.try_spend(core_.now)) return;
+  if (!association.renewal_judgements.try_spend(core_.now)) return;
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
   const auto handshake = peer.state.handshake()->handle();
   const auto permissions = association.permissions.handle;
@@ -81,9 +92,8 @@ void DocumentRenewal::on_accepted(Peer& peer, const spi::Token& answer) {
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
   const auto facts = authentication.note_renewal_accepted(peer.state.handshake()->handle(), answer);
   if (!facts) return;
-  auto& association = *peer.state.association();
-  association.renewal.next_offer = {};
-  static_cast<void>(access_control.note_presented(association.permissions.handle, *facts));
+  const auto permissions = peer.state.association()->permissions.handle;
+  static_cast<void>(access_control.note_presented(permissions, *facts));
 }
 
 }  // namespace ddssec::rtps

@@ -10,9 +10,6 @@ namespace ddssec::rtps {
 /// Offers renewed documents of one local participant to its peers, and judges what they offer.
 class DocumentRenewal {
  public:
-  /// A peer that does not answer is shown the documents again after this time.
-  static constexpr MonotonicTime kOfferPeriod = std::chrono::seconds(10);
-
   DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange, KeyReviser& key_reviser);
 
   /// Shows the peers the documents that were renewed. Call it once a second.
@@ -26,6 +23,7 @@ class DocumentRenewal {
  private:
   void offer_to(Peer& peer);
   void report_too_large(const Peer& peer, const spi::Token& offer);
+  void report_not_accepted(const Peer& peer);
   void on_offer(Peer& peer, const spi::Token& offer);
   void rematch_endpoints_of(const GuidPrefix& prefix);
   void on_accepted(Peer& peer, const spi::Token& answer);

@@ -59,7 +59,11 @@ class SessionRenewal : public testing::Test {
       alice()->poll();
     }
   }
-  std::optional<Token> offer() { return alice()->offer_renewal(at_alice_).value(); }
+  std::optional<Token> offer() {
+    auto offered = alice()->offer_renewal(at_alice_).value();
+    if (!offered) return std::nullopt;
+    return std::move(offered->token);
+  }
   // Does what both hosts do for a renewal.
   void renew() {
     const auto shown = offer();
@@ -116,12 +120,31 @@ TEST_F(SessionRenewal, NotAnswered_EndsWithTheFormerCertificateOnBothSides) {
   EXPECT_THAT(ended(bob(), after), testing::SizeIs(1));
 }
 
-TEST_F(SessionRenewal, TheSameDocuments_AreOfferedAFewTimesOnly) {
+TEST_F(SessionRenewal, TheSameDocuments_AreOfferedAtGrowingIntervals) {
   put(renewed(3));
-  for (int i = 0; i < spi::Authentication::kMaxOffers; ++i) EXPECT_TRUE(offer());
-  EXPECT_FALSE(offer());
+  int times = 0;
+  for (const auto interval : {10s, 10s, 60s, 120s, 240s, 480s, 600s, 600s}) {
+    const auto offered = alice()->offer_renewal(at_alice_).value();
+    ASSERT_TRUE(offered) << times;
+    EXPECT_EQ(offered->times, ++times);
+    EXPECT_FALSE(offer());
+    alice().clock.advance(interval - 1s);
+    EXPECT_FALSE(offer()) << interval.count() << " s after offer " << times;
+    alice().clock.advance(1s);
+  }
   put(renewed(4, {kNow + 1s, kNow + days(200)}));
-  EXPECT_TRUE(offer());
+  EXPECT_EQ(alice()->offer_renewal(at_alice_).value()->times, 1);
+  EXPECT_FALSE(offer());
+}
+
+TEST_F(SessionRenewal, AfterManyOffersWithoutAnAnswer_ThePeerStillAccepts) {
+  put(renewed(3));
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(offer()) << i;
+    alice().clock.advance(600s);
+  }
+  renew();
+  EXPECT_EQ(bob()->next_expiry(), kLong.not_after);
 }
 
 TEST_F(SessionRenewal, SecondRenewal_IsTakenToo) {

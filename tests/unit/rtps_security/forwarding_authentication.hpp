@@ -60,7 +60,8 @@ class ForwardingAuthentication : public spi::Authentication {
   std::string authenticated_subject(spi::HandshakeHandle handshake) override {
     return real_->authenticated_subject(handshake);
   }
-  Result<std::optional<spi::Token>> offer_renewal(spi::HandshakeHandle handshake) override {
+  Result<std::optional<spi::OfferedRenewal>> offer_renewal(
+      spi::HandshakeHandle handshake) override {
     return real_->offer_renewal(handshake);
   }
   Result<spi::Token> judge_renewal(spi::HandshakeHandle handshake,
