@@ -9,6 +9,7 @@
 
 #include "base/hash.hpp"
 #include "base/stable_sort.hpp"
+#include "base/time_left.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/documents/documents.hpp"
@@ -341,12 +342,18 @@ std::string_view state_of(const ExpiringItem& item, WallTime now, WallTime horiz
   return item.not_after <= std::min(horizon, soon_from(item, now, horizon)) ? "soon" : "ok";
 }
 
+// The words of the events in which running participants report the same.
+std::string_view shown(std::string_view state) {
+  return state == "soon" ? "ends soon" : state == "expired" ? "ended" : state;
+}
+
 struct ExpiryEntry {
   std::string state, kind, subject;
   WallTime not_after;
   std::int64_t days_left;
   fs::path file;
   std::size_t places;
+  std::string when = {};  // the end and its distance
   bool is_quiet = false;  // --quiet leaves this line out
 
   static constexpr auto fields() {
@@ -358,9 +365,8 @@ struct ExpiryEntry {
         field<&Self::file>(), field<&Self::places>({.note = "how many files have it", .min = 1}));
   }
   std::string text() const {
-    return fmt::format("{:<8} {:<16} {}  {:>6} d  {}  {}{}\n", state, kind, date(not_after),
-                       days_left, subject, file.string(),
-                       places > 1 ? fmt::format(" and {} more", places - 1) : "");
+    return fmt::format("{:<9} {:<15} {:<35}  {}  {}{}\n", shown(state), kind, when, subject,
+                       file.string(), places > 1 ? fmt::format(" and {} more", places - 1) : "");
   }
 };
 
@@ -402,6 +408,7 @@ Result<Answer<Expiry>> expiry(const Arguments& arguments, const Context& context
          .days_left = std::chrono::floor<std::chrono::days>(item.not_after - now).count(),
          .file = item.file,
          .places = item.places,
+         .when = in_time(item.not_after, now),
          .is_quiet = by_time == "ok" && arguments.has("--quiet")});
   }
   auto& report = out.report;

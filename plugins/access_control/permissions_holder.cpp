@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/time_left.hpp"
 #include "governance/grant.hpp"
 #include "plugins/access_control/listed_permissions.hpp"
 
@@ -171,9 +172,8 @@ std::optional<Error> PermissionsHolder::ends_soon(WallTime now) {
   const std::lock_guard lock(mutex_);
   if (!warning_.is_due(grant_->grant().validity.not_before, *end, now)) return std::nullopt;
   if (grant_in(*document_, *end)) return std::nullopt;
-  return Error(
-      Code::permissions_end_soon,
-      {.document = document_name_, .field = "not_after", .found = spi::in_time(*end, now)});
+  return Error(Code::permissions_end_soon,
+               {.document = document_name_, .field = "not_after", .found = in_time(*end, now)});
 }
 
 std::string PermissionsHolder::text() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/time_left.hpp"
 #include "pki/document_parts.hpp"
 #include "plugins/authentication/adjusted_guid.hpp"
 #include "plugins/authentication/document_errors.hpp"
@@ -57,13 +58,13 @@ std::vector<Error> OwnIdentity::ends_soon(WallTime now) {
   if (certificate_warning_.is_due(chain->certificate().not_before(), end, now))
     out.emplace_back(Code::identity_ends_soon, ErrorDetails{.document = chain->first_to_expire(),
                                                             .field = "notAfter",
-                                                            .found = spi::in_time(end, now)});
+                                                            .found = in_time(end, now)});
   const auto* const list = revocation_lists_.first_to_end(chain->crl_next_update());
   if (list != nullptr && list_warning_.is_due(list->this_update(), *list->next_update(), now))
     out.emplace_back(Code::crl_ends_soon,
                      ErrorDetails{.document = revocation_lists_.path(),
                                   .field = "nextUpdate",
-                                  .found = spi::in_time(*list->next_update(), now)});
+                                  .found = in_time(*list->next_update(), now)});
   return out;
 }
 

@@ -6,8 +6,6 @@
 #include <ranges>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "plugins/spi/property_names.hpp"
 
 namespace ddssec::spi {
@@ -63,19 +61,6 @@ bool EndWarning::is_due(WallTime begin, WallTime end, WallTime now) {
   if (late == days_.rend() || (last_day_ && *last_day_ <= *late)) return false;
   last_day_ = *late;
   return true;
-}
-
-std::string in_time(WallTime end, WallTime now) {
-  const auto left = end - now;
-  const auto in = [&](auto unit, const std::string& name) {
-    const auto whole = left / unit;
-    return fmt::format("{}, in {} {}{}", ddssec::to_string(end), whole, name,
-                       whole == 1 ? "" : "s");
-  };
-  if (left >= days(1)) return in(days(1), "day");
-  if (left >= std::chrono::hours(1)) return in(std::chrono::hours(1), "hour");
-  if (left >= std::chrono::minutes(1)) return in(std::chrono::minutes(1), "minute");
-  return in(std::chrono::seconds(1), "second");
 }
 
 }  // namespace ddssec::spi

@@ -37,8 +37,4 @@ class EndWarning {
   std::optional<std::chrono::days> last_day_;  ///< the last day for which a warning was due
 };
 
-/// Returns the text for the "found" of a warning: "2026-12-04T03:00:00Z, in 6 days"; in hours,
-/// minutes or seconds if there is no whole day left.
-std::string in_time(WallTime end, WallTime now);
-
 }  // namespace ddssec::spi

@@ -87,7 +87,18 @@ class Expiry(Transcript):
         self.assertEqual(self.run_program("expiry", "-q", "demo", *NOW).stdout, "")
         told = self.run_program("expiry", "-q", "demo", "--now", "2027-05-01T00:00:00Z", exit=1).stdout
         self.assertEqual(len(told.splitlines()), 1)
-        self.assertIn("soon     revocation list  2027-05-20      19 d  CN=demo Identity CA", told)
+        self.assertIn("ends soon revocation list 2027-05-20T00:00:00Z, in 19 days     CN=demo Identity CA  ", told)
+
+    def test_the_time_left_is_in_the_words_of_the_events(self):
+        # tests/unit/base/time_left_test.cpp has the words; plugins put them into "ends soon" of 1369, 1370 and 1434.
+        for now, state, words in (("2027-11-14T23:00:00Z", "ends soon", "in 6 days"),
+                                  ("2027-11-20T00:00:01Z", "ends soon", "in 23 hours"),
+                                  ("2027-11-20T23:58:01Z", "ends soon", "in 1 minute"),
+                                  ("2027-11-24T01:00:00Z", "ended", "3 days ago"), ("2026-12-01T00:00:00Z", "ok", "in 355 days")):
+            line = self.run_program("expiry", "demo/talker/cert.pem", "--now", now, exit=0 if state == "ok" else 1).stdout
+            self.assertRegex(line, rf"^{state} +certificate +2027-11-21T00:00:00Z, {words} +CN=talker  demo/talker/cert\.pem\n$")
+        for code in ("1369", "1370", "permissions_end_soon"):
+            self.assertRegex(self.run_program("explain", code).stdout, "ends? soon")
 
     def test_without_a_path_this_folder_and_links_count_once(self):
         (self.at / "again").symlink_to("demo")

@@ -102,13 +102,5 @@ TEST(EndWarning, WarningWithoutDays_IsNeverDue) {
   EXPECT_FALSE(EndWarning({}).is_due(kBegin, kEnd, kEnd - 1s));
 }
 
-TEST(EndWarning, Words_SayEndAndDaysLeft) {
-  EXPECT_EQ(in_time(kEnd, kEnd - days(6) - 1h), "2027-01-01T00:00:00Z, in 6 days");
-  EXPECT_EQ(in_time(kEnd, kEnd - days(1)), "2027-01-01T00:00:00Z, in 1 day");
-  EXPECT_EQ(in_time(kEnd, kEnd - 23h), "2027-01-01T00:00:00Z, in 23 hours");
-  EXPECT_EQ(in_time(kEnd, kEnd - 119s), "2027-01-01T00:00:00Z, in 1 minute");
-  EXPECT_EQ(in_time(kEnd, kEnd - 59s), "2027-01-01T00:00:00Z, in 59 seconds");
-}
-
 }  // namespace
 }  // namespace ddssec::spi
