@@ -53,6 +53,8 @@ std::string_view to_string(DocumentKind kind) {
       return "permissions CA";
     case DocumentKind::permissions:
       return "permissions";
+    case DocumentKind::listed_permissions:
+      return "listed permissions";
     case DocumentKind::governance:
       return "governance";
   }

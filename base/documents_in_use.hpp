@@ -28,6 +28,7 @@ enum class DocumentKind : std::uint8_t {
   ocsp_response,
   permissions_ca,
   permissions,
+  listed_permissions,  ///< permissions of peers on the renewal list
   governance
 };
 /// Returns "identity certificate", "revocation list" and so on.

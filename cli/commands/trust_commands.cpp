@@ -108,14 +108,25 @@ bool has_ended(const ShownDocumentPart& part, const std::string& now) {
   return part.until && *part.until < now;
 }
 
-// The entries of a renewal list are certificates of participants, with their ends left out.
-bool is_renewal_list(const RunningDocument& document) {
-  return document.kind == to_string(DocumentKind::renewal_list);
+bool is_kind(const RunningDocument& document, DocumentKind kind) {
+  return document.kind == to_string(kind);
+}
+
+// The entries of a renewal list are documents of peers. One that has ended needs no attention.
+bool is_of_renewal_list(const RunningDocument& document) {
+  return is_kind(document, DocumentKind::renewal_list) ||
+         is_kind(document, DocumentKind::listed_permissions);
 }
 
 std::string end_of(const ShownDocumentPart& part, const std::string& now) {
   return part.until ? fmt::format("{} {}", has_ended(part, now) ? "ENDED" : "until", *part.until)
                     : std::string("no end");
+}
+
+// Does the same for an entry of a renewal list. ddssec 0.3 does not report when one ends.
+std::string end_of_entry(const ShownDocumentPart& part, const std::string& now) {
+  return part.until ? fmt::format("{} {}", has_ended(part, now) ? "ended" : "until", *part.until)
+                    : std::string();
 }
 
 std::string line_of(const ShownDocumentPart& part, std::string end) {
@@ -133,16 +144,15 @@ bool waits(const StatusRefusal& refused) { return refused.stands && refused.wait
 std::string text_of(const RunningDocument& document, const std::string& now) {
   auto out = fmt::format("  {:<21} {}\n    in force since {}\n", document.kind, document.file,
                          document.since);
-  if (is_renewal_list(document))
-    out +=
-        "    a session goes on after a certificate ends if its successor is here; permissions in "
-        "the "
-        "list are not shown\n";
-  for (const auto& part : document.in_force)
-    out += "      " + line_of(part, is_renewal_list(document) ? std::string() : end_of(part, now)) +
-           '\n';
-  if (document.in_force.empty())
-    out += is_renewal_list(document) ? "      no certificates\n" : "      none\n";
+  if (is_of_renewal_list(document))
+    out += fmt::format(
+        "    a session goes on after a peer's {} if its successor is here\n",
+        is_kind(document, DocumentKind::renewal_list) ? "certificate ends" : "permissions end");
+  for (const auto& part : document.in_force) {
+    const auto end = is_of_renewal_list(document) ? end_of_entry(part, now) : end_of(part, now);
+    out += "      " + line_of(part, end) + '\n';
+  }
+  if (document.in_force.empty()) out += "      none\n";
   if (document.more != 0) out += fmt::format("      and {} more\n", document.more);
   if (document.waiting)
     out += "    waits for peers, to come into force: " +
@@ -170,8 +180,9 @@ bool is_well(const Participant& participant, const std::string& now) {
          std::ranges::none_of(participant.documents, [&](const auto& document) {
            const auto& refused = document.refused;
            return (refused && refused->stands && !waits(*refused)) ||
-                  std::ranges::any_of(document.in_force,
-                                      [&](const auto& part) { return has_ended(part, now); });
+                  (!is_of_renewal_list(document) &&
+                   std::ranges::any_of(document.in_force,
+                                       [&](const auto& part) { return has_ended(part, now); }));
          });
 }
 

@@ -61,7 +61,7 @@ struct RunningDocument {
     return std::tuple(
         field<&Self::kind>(
             {.words = "identity certificate|identity CA|revocation list|renewal list|OCSP "
-                      "response|permissions CA|permissions|governance"}),
+                      "response|permissions CA|permissions|listed permissions|governance"}),
         field<&Self::file>({.def = "path"}), field<&Self::since>({.def = "time"}),
         field<&Self::in_force>(), field<&Self::more>({"how many more"}),
         field<&Self::waiting>(

@@ -443,7 +443,7 @@ void AccessControlPlugin::note_end(const PermissionsHolder& local, const Error& 
 
 void AccessControlPlugin::forget_documents(const PermissionsHolder& gone) {
   constexpr std::array kOwnDocuments = {DocumentKind::permissions_ca, DocumentKind::permissions,
-                                        DocumentKind::governance};
+                                        DocumentKind::listed_permissions, DocumentKind::governance};
   if (services_.documents == nullptr || gone.remote()) return;
   const std::scoped_lock lock(noting_mutex_);
   services_.documents->forget(gone.participant()->identity.value, kOwnDocuments);

@@ -55,6 +55,7 @@ class PermissionsDocument {
   /// certificate_not_yet_valid for the CA certificate that signed.
   Result<SharedGrant> grant_for(const pki::SubjectName& subject, std::string_view shown,
                                 DomainId domain, const std::string& tag, WallTime now);
+  const governance::Permissions& permissions() const { return *permissions_; }
   /// True if it has a grant for the subject, whatever its validity.
   bool has_grant_for(const pki::SubjectName& subject) const;
   /// Success while the signer's certificate is valid. Errors: certificate_expired,

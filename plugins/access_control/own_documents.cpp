@@ -65,6 +65,17 @@ Error renewed_event(const std::string& file, const DocumentPart& permissions) {
                                      permissions.sha256.substr(0, kShownDigits))});
 }
 
+// A document ends with its last grant, or with the certificate that signed it.
+DocumentPart listed_part(const PermissionsDocument& document, const Sha256Digest& file) {
+  const auto& grants = document.permissions().grants;
+  auto until = WallTime::min();
+  for (const auto& grant : grants) until = std::max(until, grant.validity.not_after);
+  DocumentPart out{.until = std::min(until, document.signer_not_after()), .sha256 = to_hex(file)};
+  if (!grants.empty()) out.subject = grants.front().subject_name;
+  if (grants.size() > 1) out.subject += fmt::format(" and {} more", grants.size() - 1);
+  return out;
+}
+
 }  // namespace
 
 struct OwnDocuments::Renewal {
@@ -121,20 +132,34 @@ std::vector<DocumentState> OwnDocuments::states(const LocalParticipant& particip
   std::optional<DocumentPart> waiting;
   if (const auto pending = participant.pending(); pending && governance_waiting_)
     waiting = part_of(*pending->governance, *governance_waiting_);
-  return {{.kind = DocumentKind::permissions_ca,
-           .file = authorities_.name(),
-           .parts = pki::parts_of(documents->ca->verifier().permissions_cas()),
-           .refused = authorities_.refused()},
-          {.kind = DocumentKind::permissions,
-           .file = permissions_.name(),
-           .parts = {std::move(permissions)},
-           .refused = permissions_.refused(),
-           .begins_later = permissions_.begins_later()},
-          {.kind = DocumentKind::governance,
-           .file = governance_.name(),
-           .parts = {part_of(*documents->governance, governance_in_force_)},
-           .refused = governance_.refused(),
-           .waiting = std::move(waiting)}};
+  std::vector<DocumentState> out = {
+      {.kind = DocumentKind::permissions_ca,
+       .file = authorities_.name(),
+       .parts = pki::parts_of(documents->ca->verifier().permissions_cas()),
+       .refused = authorities_.refused()},
+      {.kind = DocumentKind::permissions,
+       .file = permissions_.name(),
+       .parts = {std::move(permissions)},
+       .refused = permissions_.refused(),
+       .begins_later = permissions_.begins_later()},
+      {.kind = DocumentKind::governance,
+       .file = governance_.name(),
+       .parts = {part_of(*documents->governance, governance_in_force_)},
+       .refused = governance_.refused(),
+       .waiting = std::move(waiting)}};
+  if (auto listed = state_of_list()) out.push_back(*std::move(listed));
+  return out;
+}
+
+// Authentication shows a list that cannot be read.
+std::optional<DocumentState> OwnDocuments::state_of_list() const {
+  auto refused = list_refused_when_verified_;
+  if (!refused && is_list_refused_) refused = renewal_list_.refused();
+  if (!had_listed_ && !refused) return std::nullopt;
+  return DocumentState{.kind = DocumentKind::listed_permissions,
+                       .file = renewal_list_.path(),
+                       .parts = listed_parts_,
+                       .refused = std::move(refused)};
 }
 
 std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, LocalParticipant& participant,
@@ -356,10 +381,16 @@ void OwnDocuments::verify_some(const Renewal& now, ListedFiles& list) const {
   if (list.waiting.empty() && list.counts()) list.former.clear();
 }
 
-void OwnDocuments::use_list(const Renewal& now) const {
+void OwnDocuments::use_list(const Renewal& now) {
   ListedPermissions::Documents documents;
+  std::vector<DocumentPart> parts;
   for (const auto* const all : {&listed_.verified, &listed_.former})
-    for (const auto& one : *all) documents.push_back(one.document);
+    for (const auto& one : *all) {
+      documents.push_back(one.document);
+      parts.push_back(listed_part(*one.document, one.file));
+    }
+  listed_parts_ = std::move(parts);
+  had_listed_ = had_listed_ || !listed_parts_.empty();
   now.participant.set_listed(std::make_shared<const ListedPermissions>(std::move(documents)));
 }
 
@@ -373,6 +404,7 @@ Status OwnDocuments::adopt_list(const Renewal& now, const pki::RenewalList& list
   }
   verify_some(now, next);
   if (!next.counts()) return std::unexpected(*next.fault);
+  list_refused_when_verified_.reset();
   listed_ = std::move(next);
   use_list(now);
   return {};
@@ -388,6 +420,7 @@ std::optional<Error> OwnDocuments::continue_list(const Renewal& now) {
     out = renewal_refused_error(
         Code::renewal_list_permissions_refused, *listed_.fault, renewal_list_.path(),
         listed_.former.empty() ? "" : "the list read before stays in force");
+    list_refused_when_verified_ = out;
     listed_ = {.verified = std::move(listed_.former)};
   }
   use_list(now);
@@ -398,7 +431,9 @@ void OwnDocuments::renew_list(const Renewal& now, std::vector<Error>& events) {
   bool was_read = false;
   const auto taken = renewal_list_.poll(now.clock.monotonic(), [&](const pki::RenewalList& list) {
     was_read = true;
-    return adopt_list(now, list);
+    auto status = adopt_list(now, list);
+    is_list_refused_ = !status;
+    return status;
   });
   if (!taken && was_read) events.push_back(taken.error());
   if (!was_read)

@@ -48,8 +48,8 @@ class OwnDocuments {
   /// Notes that these octets are in force.
   void note_read(Bytes governance, BytesView permissions);
 
-  /// Returns the CAs, permissions and governance in force, and the refused ones. `permissions` is
-  /// the part that is in force.
+  /// Returns the CAs, permissions and governance in force, the permissions on the renewal list, and
+  /// the refused ones. `permissions` is the part that is in force.
   std::vector<DocumentState> states(const LocalParticipant& participant,
                                     DocumentPart permissions) const;
 
@@ -97,7 +97,8 @@ class OwnDocuments {
   };
   void verify_some(const Renewal& now, ListedFiles& list) const;
   Status adopt_list(const Renewal& now, const pki::RenewalList& list);
-  void use_list(const Renewal& now) const;
+  void use_list(const Renewal& now);
+  std::optional<DocumentState> state_of_list() const;
   std::optional<Error> continue_list(const Renewal& now);
   Status adopt_authorities(const Renewal& now, const std::vector<pki::Certificate>& next);
   /// A governance document that may replace the one in force.
@@ -122,6 +123,10 @@ class OwnDocuments {
   DocumentWatch identity_authorities_;
   pki::RenewalListWatch renewal_list_;
   ListedFiles listed_;
+  std::vector<DocumentPart> listed_parts_;  ///< one for each document that counts
+  bool had_listed_ = false;                 ///< the list has had permissions that count
+  bool is_list_refused_ = false;            ///< none of the permissions of the file counts
+  std::optional<Error> list_refused_when_verified_;
   bool verifies_all_ = false;
   Bytes governance_in_force_;
   std::optional<Bytes> governance_waiting_;

@@ -181,13 +181,10 @@ std::optional<DocumentState> ListedRenewals::state() const {
   const std::scoped_lock lock(mutex_);
   const auto refused = refused_when_verified_ ? refused_when_verified_ : watch_.refused();
   if (list_.usable.empty() && list_.permissions == 0 && !refused) return std::nullopt;
-  DocumentState out{.kind = DocumentKind::renewal_list,
-                    .file = watch_.path(),
-                    .parts = pki::parts_of(list_.usable),
-                    .refused = refused};
-  // The end of an entry needs no attention, so it is not shown.
-  for (auto& part : out.parts) part.until.reset();
-  return out;
+  return DocumentState{.kind = DocumentKind::renewal_list,
+                       .file = watch_.path(),
+                       .parts = pki::parts_of(list_.usable),
+                       .refused = refused};
 }
 
 }  // namespace ddssec::authentication

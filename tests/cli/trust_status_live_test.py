@@ -19,6 +19,7 @@ from transcript import PROGRAM, Transcript, main  # noqa: E402
 
 LONGEST = 60  # seconds until a change is seen: files are looked at every second, and a refusal takes two looks
 KINDS = {"identity certificate", "identity CA", "revocation list", "permissions CA", "permissions", "governance"}
+BESIDE = {"renewal list", "listed permissions", "OCSP response"}
 
 
 class Running(Transcript):
@@ -80,6 +81,17 @@ class Running(Transcript):
                                 and d["permissions"]["since"] > first["permissions"]["since"], "--pid", process.pid)
         self.assertGreater(renewed["identity certificate"]["since"], first["identity certificate"]["since"])
 
+        self.run_program("identity", "renew", "demo/listener", "--ca", "demo", "--permissions", "--days", "700")
+        self.run_program("crl", "distribute", "--ca", "demo")
+        self.put("ocsp.der", self.ocsp_response())
+        more, documents = self.until("the renewal list and the OCSP response", lambda d: BESIDE <= set(d), "demo/talker")
+        self.assertEqual(more["exit"], 0)
+        for kind, file in (("renewal list", "renewed.pem"), ("listed permissions", "renewed.pem"), ("OCSP response", "ocsp.der")):
+            self.assertEqual(os.path.realpath(documents[kind]["file"]), str(self.folder / file))
+            self.assertTrue(all(part["until"] for part in documents[kind]["in_force"]), documents[kind])
+        for kind in ("renewal list", "listed permissions"):
+            self.assertIn("CN=listener", {part["subject"] for part in documents[kind]["in_force"]})
+
         good = {name: (self.folder / name).read_bytes() for name in ("permissions.p7s", "identity_ca.pem")}
         self.put("permissions.p7s", b"broken")
         self.put("identity_ca.pem", (self.folder / "permissions_ca.pem").read_bytes())
@@ -115,6 +127,17 @@ class Running(Transcript):
         process.wait(timeout=30)
         self.assertEqual(list(self.status.iterdir()), [], "it left its socket")
         self.refused_now("status_process_ended", process.pid)
+
+    def ocsp_response(self):
+        """Of the identity CA, about the talker's certificate."""
+        serial = self.json("identity", "show", "demo/talker")["result"]["serial"]
+        (self.at / "index").write_text(f"V\t400101000000Z\t\t{serial.replace(':', '')}\tunknown\t/CN=talker\n")
+        ca = self.at / "demo/ca/identity"
+        issuer = ca / "ca.pem"
+        subprocess.run(["openssl", "ocsp", "-index", "index", "-CA", issuer, "-rsigner", issuer, "-rkey", ca / "ca.key.pem",
+                        "-issuer", issuer, "-cert", self.folder / "cert.pem", "-no_nonce", "-rmd", "sha256", "-ndays", "1",
+                        "-respout", "ocsp.der"], cwd=self.at, check=True, capture_output=True)
+        return (self.at / "ocsp.der").read_bytes()
 
     def refused_now(self, code, pid):
         told = self.run_program("trust", "status", "--pid", pid, "--status-dir", "status", exit=3).stderr

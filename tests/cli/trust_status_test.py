@@ -60,18 +60,23 @@ class TrustStatus(Transcript):
         with running_participant(self.status, self.folder, answer(later)):
             self.assertIn("REFUSED at", self.run_program(*ASK, "--pid", self.pid, exit=1).stdout)
 
-    def test_renewal_list_is_explained_and_its_entries_have_no_end(self):
-        entries = document(self.folder, "renewal list", "renewed.pem", until=None)
-        well = answer(participant(self.folder, certificate(self.folder), document(self.folder), entries))
-        with running_participant(self.status, self.folder, well):
-            told = self.run_program(*ASK).stdout
-            self.assertIn("    a session goes on after a certificate ends if its successor is here; permissions in the list "
-                          "are not shown\n      CN=talker  number 1A\n", told)
+    def test_renewal_list_is_explained_and_an_entry_that_has_ended_is_no_fault(self):
+        entries = document(self.folder, "renewal list", "renewed.pem")
+        listed = document(self.folder, "listed permissions", "renewed.pem", until="2026-11-20T00:00:00Z")
+        for until, shown in (("2027-11-21T00:00:00Z", "until 2027-11-21T00:00:00Z  CN=talker"), (None, "CN=talker")):
+            entries["in_force"][0]["until"] = until  # a process with ddssec 0.3.0 does not say it
+            well = answer(participant(self.folder, certificate(self.folder), document(self.folder), entries, listed))
+            with running_participant(self.status, self.folder, well):
+                told = self.run_program(*ASK).stdout
+            self.assertIn("    a session goes on after a peer's certificate ends if its successor is here\n"
+                          f"      {shown}  number 1A\n", told)
+            self.assertIn("    a session goes on after a peer's permissions end if its successor is here\n"
+                          "      ended 2026-11-20T00:00:00Z  CN=talker  number 1A\n", told)
             self.assertNotIn("no end", told)
         entries["in_force"] = []
         well = answer(participant(self.folder, certificate(self.folder), document(self.folder), entries))
         with running_participant(self.status, self.folder, well):
-            self.assertIn("not shown\n      no certificates\n", self.run_program(*ASK).stdout)
+            self.assertIn("is here\n      none\n", self.run_program(*ASK).stdout)
 
     def test_exit_is_0_while_all_is_well(self):
         well = answer(participant(self.folder, certificate(self.folder),

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "pki/renewal_list.hpp"
+#include "tests/support/recorded_document.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/access_control_fixture.hpp"
 #include "tests/unit/access_control/listed_peers.hpp"
@@ -165,6 +166,45 @@ TEST_F(ListedPeers, AListThatCannotBeRead_ChangesNothing) {
   folder_.replace("renewed.pem", "garbage");
   EXPECT_THAT(pass_the_end(), IsEmpty());
   EXPECT_THAT(log.all, IsEmpty());
+}
+
+// ---- the record of documents in use
+
+TEST_F(ListedPeers, Record_HasTheListedPermissionsWithTheirEnd) {
+  const auto recorded = [&] { return test::recorded_document(documents, "listed permissions"); };
+  EXPECT_TRUE(recorded().is_null());
+  const auto good = document({"t"}, 0s, 12h);
+  put({good});
+  poll();
+  EXPECT_EQ(recorded()["file"], path_);
+  ASSERT_EQ(recorded()["in_force"].size(), 1u);
+  EXPECT_EQ(recorded()["in_force"][0]["subject"], kListener);
+  EXPECT_EQ(recorded()["in_force"][0]["until"], to_string(kNow + 12h));
+  EXPECT_EQ(recorded()["in_force"][0]["sha256"], to_hex(sha256(as_bytes(good))));
+  EXPECT_TRUE(recorded()["refused"].is_null());
+
+  auto two = grant(kTalker, {publish_rule(true, {"t"})}), later = two;
+  later.subject_name = kListener;
+  later.validity.not_after = kNow + 48h;
+  put({signed_by(authorities().other_ca,
+                 governance::to_xml(governance::Permissions{.grants = {two}}))});
+  codes_after_looking();
+  EXPECT_EQ(recorded()["refused"]["name"], "renewal_list_permissions_refused");
+  EXPECT_EQ(recorded()["refused"]["stands"], true);
+  EXPECT_EQ(recorded()["in_force"].size(), 1u);
+
+  put({good, signed_permissions({two, later})});
+  codes_after_looking();
+  EXPECT_EQ(recorded()["refused"]["stands"], false);
+  ASSERT_EQ(recorded()["in_force"].size(), 2u);
+  EXPECT_EQ(recorded()["in_force"][1]["subject"], std::string(kTalker) + " and 1 more");
+  EXPECT_EQ(recorded()["in_force"][1]["until"], to_string(kNow + 48h));
+
+  put({});
+  codes_after_looking();
+  EXPECT_EQ(recorded()["in_force"].size(), 0u);
+  (void)plugin->return_permissions_handle(own_);
+  EXPECT_TRUE(recorded().is_null());
 }
 
 // ---- our own permissions, which the peer has seen

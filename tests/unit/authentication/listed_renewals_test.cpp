@@ -214,6 +214,7 @@ TEST_F(Listed, TheRecord_HasTheListAndWhatWasRefused) {
   const auto taken = plugin().documents.to_json();
   EXPECT_THAT(taken, HasSubstr("renewal list"));
   EXPECT_THAT(taken, HasSubstr(path()));
+  EXPECT_THAT(taken, HasSubstr(to_string(kNext.not_after)));
   put("garbage");
   poll();
   poll();
