@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rtps/security/leaving.hpp"
 #include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
@@ -127,6 +128,7 @@ void Announcer::announce_securely(bool leaving) {
 }
 
 void Announcer::leave(const RemoteParticipants& remotes) {
+  if (core_.security) announce_leaving(core_.security->core(), core_.security->exchange());
   announce_securely(true);
   std::array<std::uint8_t, 64> buffer;
   SpanWriter payload(buffer);

@@ -113,14 +113,10 @@ void CryptoTokenExchange::probe(Peer& peer) {
   ask(peer);
 }
 
-void CryptoTokenExchange::ask(Peer& peer) {
+void CryptoTokenExchange::send_notice(Peer& peer, std::string_view message_class) {
   GenericMessage message;
-  message.message_class = message_class::kAreYouThere;
+  message.message_class = message_class;
   send(peer, std::move(message));
-}
-
-void CryptoTokenExchange::ask_for_sign_of_life(Peer& peer) {
-  if (is_trusted(peer)) peer.state.association()->volatile_writer->request_acknowledgments(true);
 }
 
 void CryptoTokenExchange::send_tokens(Peer& peer, std::string_view message_class, const Guid& from,
@@ -349,17 +345,8 @@ bool CryptoTokenExchange::on_message(const GuidPrefix& prefix, const Change& cha
   if (message->identity.source.prefix != prefix ||
       message->destination_participant != core_.own->guid())
     return true;
-  if (message->message_class == message_class::kRenewal ||
-      message->message_class == message_class::kRenewalAccepted) {
-    renewal_listener_(*peer, *message);
-    return true;
-  }
-  if (message->message_class == message_class::kGovernance) {
-    governance_listener_(*peer, *message);
-    return true;
-  }
-  if (message->message_class == message_class::kMemory) {
-    if (memory_listener_) memory_listener_(*peer, *message);
+  if (const auto known = listeners_.find(message->message_class); known != listeners_.end()) {
+    known->second(*peer, *message);
     return true;
   }
   if (size > kMaxTokenOctets) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <functional>
+#include <map>
 
+#include "rtps/security/generic_message.hpp"
 #include "rtps/security/security_core.hpp"
 
 namespace ddssec::rtps {
@@ -37,22 +39,24 @@ class CryptoTokenExchange {
   /// Sends a message that only the peer itself can acknowledge.
   void probe(Peer& peer);
   /// Sends a new message, whatever else the peer has not acknowledged.
-  void ask(Peer& peer);
+  void ask(Peer& peer) { send_notice(peer, message_class::kAreYouThere); }
   /// Sends a query that leaves nothing stored: a HEARTBEAT that every reader must answer.
-  void ask_for_sign_of_life(Peer& peer);
+  void ask_for_sign_of_life(Peer& peer) {
+    if (is_trusted(peer)) peer.state.association()->volatile_writer->request_acknowledgments(true);
+  }
 
   /// True if the peer has acknowledged enough of what was sent before.
   bool has_room(const Peer& peer) const;
   /// Sends a message with one token.
   void send_token(Peer& peer, std::string_view message_class, spi::Token token);
-  /// Receives messages with renewed documents, and answers to them.
-  using RenewalListener = std::function<void(Peer&, const GenericMessage&)>;
-  void on_renewal(RenewalListener listener) { renewal_listener_ = std::move(listener); }
-  /// As on_renewal, for messages about governance documents.
-  void on_governance(RenewalListener listener) { governance_listener_ = std::move(listener); }
-
-  /// As on_renewal, for messages about shared memory.
-  void on_memory(RenewalListener listener) { memory_listener_ = std::move(listener); }
+  /// Sends a message without content.
+  void send_notice(Peer& peer, std::string_view message_class);
+  /// Receives the messages of these classes, which this class does not understand itself. Only the
+  /// peer can have sent them.
+  using Listener = std::function<void(Peer&, const GenericMessage&)>;
+  void listen(std::initializer_list<std::string_view> message_classes, const Listener& listener) {
+    for (const auto& message_class : message_classes) listeners_[message_class] = listener;
+  }
 
   /// Sends messages that waited until the peer acknowledged something.
   void note_acknowledged(Peer& peer);
@@ -117,7 +121,7 @@ class CryptoTokenExchange {
   SecurityCore& core_;
   std::int64_t last_number_ = 0;
   bool is_revising_ = false;
-  RenewalListener renewal_listener_, governance_listener_, memory_listener_;
+  std::map<std::string_view, Listener> listeners_;  ///< by the class of the message
   /// Peers for whose messages there is room, because early tokens of theirs were taken since the
   /// last tick.
   std::vector<GuidPrefix> have_room_;

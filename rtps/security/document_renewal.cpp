@@ -5,11 +5,12 @@ namespace ddssec::rtps {
 DocumentRenewal::DocumentRenewal(SecurityCore& core, CryptoTokenExchange& exchange,
                                  KeyReviser& key_reviser)
     : core_(core), exchange_(exchange), key_reviser_(key_reviser) {
-  exchange.on_renewal([this](Peer& peer, const GenericMessage& message) {
+  const auto listener = [this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() != 1 || peer.state.joined() == nullptr) return;
     if (message.message_class == message_class::kRenewal) return on_offer(peer, message.data[0]);
     on_accepted(peer, message.data[0]);
-  });
+  };
+  exchange.listen({message_class::kRenewal, message_class::kRenewalAccepted}, listener);
 }
 
 void DocumentRenewal::offer_to_all() {

@@ -23,6 +23,8 @@ namespace message_class {
 using namespace spi::message_class;
 /// Specific to ddssec: a message without content, which the peer only has to acknowledge.
 inline constexpr std::string_view kAreYouThere = "org.ddssec.are_you_there";
+/// Specific to ddssec: a message without content. The participant leaves (leaving.hpp).
+inline constexpr std::string_view kLeaving = "org.ddssec.leaving";
 /// Specific to ddssec: documents that were renewed (DocumentRenewal), and the answer.
 inline constexpr std::string_view kRenewal = "org.ddssec.renewed_documents";
 inline constexpr std::string_view kRenewalAccepted = "org.ddssec.renewed_documents_taken";

@@ -45,8 +45,12 @@ std::optional<GovernanceReport> report_in(const spi::Token& token) {
 GovernanceTransition::GovernanceTransition(GovernanceChangeState& state, SecurityCore& core,
                                            Admission& admission, CryptoTokenExchange& exchange,
                                            KeyReviser& key_reviser)
-    : state_(state), core_(core), admission_(admission), exchange_(exchange), key_reviser_(key_reviser) {
-  exchange.on_governance([this](Peer& peer, const GenericMessage& message) {
+    : state_(state),
+      core_(core),
+      admission_(admission),
+      exchange_(exchange),
+      key_reviser_(key_reviser) {
+  exchange.listen({message_class::kGovernance}, [this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() == 1) on_message(peer, message.data[0]);
   });
 }

@@ -30,7 +30,7 @@ MemoryExchange::MemoryExchange(SecurityCore& core, CryptoTokenExchange& exchange
                          "the writer's participant offers no memory: the property org.ddssec.shm "
                          "is off there, or event 1792 of that participant says why");
           }) {
-  exchange.on_memory([this](Peer& peer, const GenericMessage& message) {
+  exchange.listen({message_class::kMemory}, [this](Peer& peer, const GenericMessage& message) {
     if (message.data.size() == 1 && peer.state.joined() != nullptr)
       on_message(peer, message.data[0]);
   });

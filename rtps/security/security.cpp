@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rtps/security/leaving.hpp"
 #include "rtps/security/memory_exchange.hpp"
 
 namespace ddssec::rtps {
@@ -45,7 +46,9 @@ constexpr MonotonicTime kExpiryPeriod = std::chrono::seconds(1);
 
 Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, TimerQueue& timers,
                    SecurityHost& host, EventSink& events)
-    : core_(std::move(own), {sender, timers, host, events}, governance_change_) {}
+    : core_(std::move(own), {sender, timers, host, events}, governance_change_) {
+  listen_for_leaving(core_, exchange_);
+}
 
 // Peers are removed one after the other, because each one flushes the messages that need its keys.
 Security::~Security() {
@@ -66,7 +69,7 @@ Status Security::start() {
   core_.sender.protect_with(core_.keyring);
   const auto& shared = core_.own->shared_memory();
   if (!shared.is_on) {
-    exchange_.on_memory([this](Peer& peer, const GenericMessage& message) {
+    exchange_.listen({message_class::kMemory}, [this](Peer& peer, const GenericMessage& message) {
       decline_memory(exchange_, peer, message);
     });
     return {};

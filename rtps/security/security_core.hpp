@@ -40,7 +40,8 @@ class SecurityHost {
   /// Called when the peer's permissions, or the local ones, were renewed: endpoints may match that
   /// did not, or no longer match. Returns true if any no longer match.
   virtual bool on_rights_changed(const GuidPrefix& peer) = 0;
-  /// Called when the peer's identity or permissions, or the local ones, expired or were revoked.
+  /// Called when the peer's identity or permissions, or the local ones, expired or were revoked, or
+  /// when the peer reports that it leaves.
   virtual void on_ended(const GuidPrefix& peer) = 0;
 };
 

@@ -104,6 +104,25 @@ TEST_P(ForgedLeave, DisposeAgainAndAgain_KeepsNoPairApart) {
   EXPECT_EQ(matched, 600) << "tenths of a second of one minute";
 }
 
+// What a participant sends when it leaves is recorded, and sent again when it has come back.
+TEST_P(ForgedLeave, RecordingOfAnEarlierSession_EndsNoSession) {
+  ASSERT_TRUE(pair.match());
+  pair.world.run(200);
+  pair.b->leave();
+  const auto recorded = pair.b.post.sent;
+  ASSERT_FALSE(recorded.empty());
+  pair.b->change_own({}, pair.world.now);  // announces itself again: it does not leave after all
+  pair.world.run(1);
+  ASSERT_FALSE(pair.a.knows(pair.b));
+  ASSERT_TRUE(pair.world.run_until([&] { return pair.a.knows(pair.b); }, 3000));
+  pair.world.run(200);
+  for (const auto& [port, datagram] : recorded)
+    pair.a->receive(datagram, pair.world.now, *Locator::parse("127.0.0.9", 0));
+  pair.world.run(10);
+  EXPECT_TRUE(pair.a.knows(pair.b));
+  EXPECT_EQ(pair.a.events.count(Code::rtps_peer_authenticated), 2) << pair.a.events.text();
+}
+
 INSTANTIATE_TEST_SUITE_P(Governances, ForgedLeave, ::testing::ValuesIn(governances()),
                          [](const auto& info) { return std::to_string(info.index); });
 
