@@ -7,6 +7,9 @@
 namespace ddssec::rtps {
 namespace {
 
+// Stands in WaitingTokens for the participant's own keys, and is sent before those of endpoints.
+constexpr EntityId kNoEndpoint{};
+
 Qos volatile_qos() {
   auto qos = default_writer_qos();
   qos.history.kind = HistoryKind::keep_all;
@@ -254,17 +257,21 @@ void CryptoTokenExchange::set_revising(bool revising) {
 
 void CryptoTokenExchange::send_revised(Peer& peer) {
   if (!is_trusted(peer)) return;
-  auto own = core_.keyring.participant_tokens(peer.prefix(), 0, spi::KeyStage::revised);
-  if (!own) return core_.raise(own.error(), peer, EventOrigin::its_keys);
-  send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
   auto& association = *peer.state.association();
-  auto& phases = core_.keyring.phases();
-  const auto next = phases.messages().next_id();
-  if (next != phases.messages().id() && association.governance.message_keys == next)
-    send_message_keys(peer, next, spi::KeyStage::revised);
+  add_waiting(association, kNoEndpoint, {peer.prefix(), {}}, spi::KeyStage::revised);
   for (const auto& [local, remote] : core_.keyring.pairs_with_keys(peer.prefix()))
     add_waiting(association, local, remote, spi::KeyStage::revised);
   send_waiting(peer);
+}
+
+void CryptoTokenExchange::send_participant_tokens(Peer& peer, spi::KeyStage stage) {
+  auto own = core_.keyring.participant_tokens(peer.prefix(), 0, stage);
+  if (!own) return core_.raise(own.error(), peer, EventOrigin::its_keys);
+  send_tokens(peer, message_class::kParticipantTokens, {}, {}, std::move(*own));
+  const auto& messages = core_.keyring.phases().messages();
+  const auto next = messages.next_id();
+  if (next != messages.id() && peer.state.association()->governance.message_keys == next)
+    send_message_keys(peer, next, stage);
 }
 
 // ---- waiting messages
@@ -282,7 +289,7 @@ void CryptoTokenExchange::add_waiting(Association& association, const EntityId& 
                                       const Guid& remote, std::optional<spi::KeyStage> stage) {
   association.waiting.add(local, remote, stage);
   association.waiting.forget_unless([this](const EntityId& ours, const Guid& theirs) {
-    return core_.keyring.is_pair_registered(ours, theirs);
+    return ours == kNoEndpoint || core_.keyring.is_pair_registered(ours, theirs);
   });
 }
 
@@ -294,6 +301,10 @@ void CryptoTokenExchange::send_waiting(Peer& peer) {
     const auto next = association.waiting.take();
     if (!next) return;
     const auto& [local, remote, stage] = *next;
+    if (local == kNoEndpoint) {
+      send_participant_tokens(peer, *stage);
+      continue;
+    }
     if (!keyring.is_pair_registered(local, remote)) continue;
     if (!stage) {
       send(peer, tokens_wanted({core_.own->guid().prefix, local}, remote));

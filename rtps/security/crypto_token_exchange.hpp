@@ -83,6 +83,7 @@ class CryptoTokenExchange {
   /// Notes whether a revision is under way. While one is, new peers and endpoints also get the
   /// revised keys.
   void set_revising(bool revising);
+  /// The keys are sent as far as there is room, those of messages first.
   void send_revised(Peer& peer);
   /// True if the peer has the local keys and gets the next ones.
   static bool is_trusted(const Peer& peer);
@@ -101,6 +102,8 @@ class CryptoTokenExchange {
   bool complete_message_keys(Peer& peer);
   /// Returns false if there are none.
   bool send_message_keys(Peer& peer, ProtectionId protection, spi::KeyStage stage);
+  /// Sends the keys of messages of that stage, also those of the protection that comes into force.
+  void send_participant_tokens(Peer& peer, spi::KeyStage stage);
   void add_waiting(Association& association, const EntityId& local, const Guid& remote,
                    std::optional<spi::KeyStage> stage);
   void send_waiting(Peer& peer);

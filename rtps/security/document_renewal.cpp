@@ -56,7 +56,8 @@ void DocumentRenewal::report_too_large(const Peer& peer, const spi::Token& offer
 
 void DocumentRenewal::on_offer(Peer& peer, const spi::Token& offer) {
   auto& association = *peer.state.association();
-  if (!association.renewal_judgements.try_spend(core_.now)) return;
+  // A peer that acknowledges nothing gets no answers; it offers again.
+  if (!exchange_.has_room(peer) || !association.renewal_judgements.try_spend(core_.now)) return;
   auto& [authentication, access_control, cryptography] = core_.own->plugins();
   const auto handshake = peer.state.handshake()->handle();
   const auto permissions = association.permissions.handle;

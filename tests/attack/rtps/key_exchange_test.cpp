@@ -1,5 +1,6 @@
 // The channel for keys: a peer that announces much loses none of its keys, and a peer that
 // acknowledges nothing takes little memory.
+#include "tests/attack/rtps/participant_access.hpp"
 #include "tests/support/counted_memory.hpp"
 #include "tests/support/seeded_random.hpp"
 #include "tests/unit/rtps_security/security_fixture.hpp"
@@ -116,6 +117,34 @@ TEST(UnacknowledgedKeys, KeysOfEndpointsThatCameAndWent_TakeABoundedPlace) {
   const auto before = counted_memory::octets();
   a.participant.reset();
   EXPECT_LT(before - counted_memory::octets(), std::int64_t{2} << 20) << "of all that it holds";
+}
+
+// The keys of messages are revised again and again. Without the bound, each revision left some more
+// octets until the peer acknowledged them.
+TEST(UnacknowledgedKeys, KeysOfMessagesInManyRevisions_TakeABoundedPlace) {
+  Pair pair({.rtps = kEncrypt, .metadata = kEncrypt, .revises_keys = true});
+  ASSERT_TRUE(pair.match()) << pair.a.events.text();
+  pair.world.run(100);
+  pair.world.filter = [&](const Node& from, Bytes datagram) {
+    return &from == &pair.b ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  ASSERT_TRUE(pair.a->revise_keys());
+  pair.world.run(5);
+  auto& security = *ParticipantAccess::core(*pair.a.participant).security;
+  auto& peer = *security.core().find(pair.b->prefix());
+  const auto unacknowledged = [&] {
+    return security.exchange().volatile_writer(pair.b->prefix())->history().octets();
+  };
+  ASSERT_GT(unacknowledged(), 0u);
+  for (int i = 0; i < 2000; ++i) security.exchange().send_revised(peer);
+  constexpr auto kMax = CryptoTokenExchange::kMaxUnacknowledgedOctets;
+  EXPECT_LT(unacknowledged(), kMax + CryptoTokenExchange::kMaxTokenOctets);
+  pair.world.filter = {};
+  EXPECT_TRUE(pair.world.run_until([&] { return CryptoTokenExchange::is_up_to_date(peer); }, 500));
+  pair.world.run(20);
+  pair.write();
+  EXPECT_TRUE(pair.world.run_until([&] { return pair.b.listener.changes.size() == 1; }, 100))
+      << pair.a.events.text() << pair.b.events.text();
 }
 
 TEST(UnacknowledgedKeys, PeerAcknowledgesEarlierOnes_LaterKeysAreMade) {

@@ -157,6 +157,30 @@ TEST(DocumentRenewal, PeerThatGetsTheCaLater_AcceptsTheRenewal) {
   EXPECT_EQ(two.a.events.count(Code::renewal_not_accepted), 1) << two.text();
 }
 
+// An insider that acknowledges nothing must not have answers pile up. It offers again later.
+TEST(DocumentRenewal, APeerThatAcknowledgesNothing_IsAnsweredOnceItDoes) {
+  Renewed two(Short::permissions);
+  two.world.run(100);
+  // The offers are large, and the acknowledgments are small.
+  two.world.filter = [&](const Node& from, Bytes datagram) {
+    const bool is_lost = &from == &two.a && datagram.size() < 1000;
+    return is_lost ? std::vector<Bytes>{} : one(std::move(datagram));
+  };
+  auto& security = *const_cast<ParticipantCore&>(two.b->remote_participants().core()).security;
+  auto& exchange = security.exchange();
+  auto& peer = *security.core().find(two.a->prefix());
+  while (exchange.has_room(peer)) exchange.send_notice(peer, message_class::kAreYouThere);
+  const auto octets = exchange.volatile_writer(two.a->prefix())->history().octets();
+  two.put(member("alice", two.rules));
+  EXPECT_FALSE(two.b.events.has(Code::peer_permissions_renewed)) << two.text();
+  EXPECT_EQ(exchange.volatile_writer(two.a->prefix())->history().octets(), octets);
+  two.world.filter = {};
+  EXPECT_TRUE(
+      two.world.run_until([&] { return two.b.events.has(Code::peer_permissions_renewed); }, 1500))
+      << two.text();
+  EXPECT_TRUE(two.one_session()) << two.text();
+}
+
 TEST(DocumentRenewal, OnALossyNetwork_TheyArrive) {
   Renewed two(Short::certificate);
   two.world.filter = [random = std::minstd_rand(7)](const Node&, Bytes datagram) mutable {
