@@ -33,6 +33,19 @@ void make_room_for_answer(SecurityCore& core, const HandshakeAccount& account) {
   }
 }
 
+// Of this data, the plugin has read only what it decides about itself.
+Result<ParticipantData> read_signed_data(const Peer& peer) {
+  const auto document = "the participant data that " + peer.name() + " signed";
+  auto data = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
+  if (!data) return std::unexpected(data.error().with_default_document(document));
+  if (data->guid != peer.data.guid)
+    return fail(Code::rtps_parameter_invalid, {.document = document,
+                                               .field = "PARTICIPANT_GUID",
+                                               .expected = peer.data.guid.to_string(),
+                                               .found = data->guid.to_string()});
+  return data;
+}
+
 MonotonicTime pause_after_refusal(const Peer& peer) {
   constexpr int kMaxDoublings = 4;
   const auto pause = Handshakes::kMinRefusedPause * (1 << std::min(peer.refusals, kMaxDoublings));
@@ -362,12 +375,15 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
   return {};
 }
 
-// Both sides have signed this data, whereas unprotected announcements can be forged.
+// Both sides have signed this data, whereas unprotected announcements can be forged. So if it
+// cannot be read, the peer is refused; what was announced does not take its place.
 Status Handshakes::adopt_proven_data(Peer& peer) {
   peer.answers_key_requests = false;
-  const auto proven = read_participant_list(peer.state.handshake()->peer_data(), Endian::big);
-  if (!proven || proven->guid != peer.data.guid)
-    return {};  // without signed data, the announced data counts
+  const auto proven = read_signed_data(peer);
+  if (!proven) {
+    core_.raise(proven.error(), peer, EventOrigin::its_keys);
+    return std::unexpected(proven.error());
+  }
   DDSSEC_RETURN_IF_ERROR(admission_.check_proven(*proven));
   if (proven->vendor != VendorId{}) peer.data.vendor = proven->vendor;
   // The version that was the first to mark ends was also the first to answer.

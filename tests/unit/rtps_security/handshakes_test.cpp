@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/unit/rtps_security/attacker.hpp"
+#include "tests/unit/rtps_security/deaf_pair.hpp"
 #include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
@@ -84,6 +85,32 @@ TEST(Handshake, WhatThePeerSigned_ReplacesTheNamesOfAForgedFirstAnnouncement) {
   EXPECT_EQ(known.front().user_data, Bytes{});
   EXPECT_EQ(known.front().entity_name, "");
   EXPECT_EQ(known.front().vendor_version, "");
+}
+
+// The plugin skips what it does not need. What was announced must not count in its place.
+TEST(Handshake, SignedDataThatCannotBeRead_RefusesThePeer) {
+  const auto without_sentinel = [](Bytes data) {
+    data.resize(data.size() - 4);
+    return data;
+  };
+  const auto with_two_leases = [](Bytes data) {
+    const Bytes lease{0x00, 0x02, 0x00, 0x08, 0, 0, 0, 9, 0, 0, 0, 0};
+    data.insert(data.begin(), lease.begin(), lease.end());
+    return data;
+  };
+  const std::pair<std::function<Bytes(Bytes)>, Code> cases[] = {
+      {without_sentinel, Code::truncated}, {with_two_leases, Code::rtps_parameter_invalid}};
+  for (const auto& [change, code] : cases) {
+    Pair pair({});
+    auto& core = core_of(pair.b);
+    core.set_own_data(change(*core.own_data()));
+    pair.world.run(500);
+    EXPECT_FALSE(pair.a.knows(pair.b));
+    ASSERT_GE(pair.a.events.count(code), 1) << pair.a.events.text();
+    EXPECT_TRUE(pair.a.events.text().contains("the participant data that "))
+        << pair.a.events.text();
+    EXPECT_TRUE(pair.a.events.text().contains("CN=bob")) << pair.a.events.text();
+  }
 }
 
 // A participant that starts again has another GUID, and the lease of the old one ends.
