@@ -31,6 +31,10 @@ bool MessageSender::protects_payload(const EntityId& writer) const {
   return protection_ != nullptr && !is_builtin(writer) && protection_->levels(writer).payload;
 }
 
+std::size_t MessageSender::fragments_left(const Destination& to) {
+  return limit_.left(to.charged.is_zero() ? to.prefix : to.charged, to.locators) / fragment_size_;
+}
+
 void MessageSender::begin(const Destination& to, const SendProtection::Levels& levels) {
   const auto wrap = levels.message;
   const auto& charged = to.charged.is_zero() ? to.prefix : to.charged;

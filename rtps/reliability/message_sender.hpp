@@ -81,6 +81,8 @@ class MessageSender {
   /// Returns the limits on the octets that are sent to unproven participants. A message above the
   /// limit is not sent.
   AmplificationLimit& amplification_limit() { return limit_; }
+  /// Returns how many fragments may be sent there before the limit is reached.
+  std::size_t fragments_left(const Destination& to);
   /// Sends everything that was added. While a GatheringScope exists, this happens at its end.
   void flush();
   /// Sends a whole message without changes.

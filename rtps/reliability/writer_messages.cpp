@@ -56,7 +56,9 @@ void WriterMessages::change(const Receiver& receiver, const Change& change,
   if (payload.size() > sender_.fragment_size()) {
     const auto total =
         DataFrag::fragments_of(static_cast<std::uint32_t>(payload.size()), sender_.fragment_size());
-    for (std::uint32_t number = 1; number <= std::min(total, max_fragments); ++number)
+    const auto count =
+        std::min<std::size_t>({total, max_fragments, sender_.fragments_left(receiver.to)});
+    for (std::uint32_t number = 1; number <= count; ++number)
       fragment(receiver, change, {number}, filters);
     return;
   }

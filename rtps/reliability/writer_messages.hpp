@@ -39,7 +39,8 @@ class WriterMessages {
   std::uint16_t fragment_size() const { return sender_.fragment_size(); }
 
   /// Sends a change in DATA or, if it is too large, its first `max_fragments` fragments in
-  /// DATA_FRAG. `filters` has the results of the receivers' content filters.
+  /// DATA_FRAG. No fragments are written for which AmplificationLimit leaves the receiver nothing.
+  /// `filters` has the results of the receivers' content filters.
   void change(const Receiver& receiver, const Change& change,
               std::span<const FilterResult> filters = {},
               std::uint32_t max_fragments = kAllFragments);
