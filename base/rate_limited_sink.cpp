@@ -49,10 +49,10 @@ void RateLimitedSink::pass_if_new(const Event& event) {
                 : is_proven ? share_of(code + "\n" + certificate_of(event), now)
                             : ours_;
   const auto limit = is_claimed ? kMaxClaimed : is_proven ? kMaxOfAPeer : kMaxRemembered;
-  const bool passes = has_room(share, limit, reason, now)
-                          ? may_pass(share, reason, now)
-                          : may_pass(crowded_out_, code + (is_claimed ? " claimed" : ""), now);
-  if (passes) next_.raise(event);
+  if (has_room(share, limit, reason, now))
+    pass_if_due(event, share, reason, now);
+  else
+    pass_if_due(event, crowded_out_, code + (is_claimed ? " claimed" : ""), now);
 }
 
 // Returns the share of a peer. If there are too many peers, all others use one common share that
@@ -75,12 +75,17 @@ bool RateLimitedSink::has_room(Times& share, std::size_t limit, const std::strin
   return share.size() < limit;
 }
 
-bool RateLimitedSink::may_pass(Times& share, const std::string& reason,
-                               std::chrono::nanoseconds now) const {
+// An event that was lost must not suppress the next one.
+void RateLimitedSink::pass_if_due(const Event& event, Times& share, const std::string& reason,
+                                  std::chrono::nanoseconds now) {
   const auto [known, is_new] = share.try_emplace(reason, now);
-  if (!is_new && now - known->second < interval_) return false;
+  if (!is_new && now - known->second < interval_) return;
   known->second = now;
-  return true;
+  try {
+    next_.raise(event);
+  } catch (...) {
+    share.erase(known);
+  }
 }
 
 void RateLimitedSink::forget_old(Times& share, std::chrono::nanoseconds now) const {

@@ -14,7 +14,7 @@ namespace ddssec {
 
 /// Passes an event on, unless an event with the same reason about the same peer was passed on less
 /// than `interval` ago. Lets no exception through: if memory runs out or `next` throws, the event
-/// is lost. Thread-safe.
+/// is lost, and the next one is passed on. Thread-safe.
 ///
 /// The reason consists of the code and the document. The field and the expected value also count if
 /// no unauthenticated peer can have chosen them. The found value and names that are only claimed
@@ -47,7 +47,8 @@ class RateLimitedSink final : public EventSink {
   Times& share_of(const std::string& peer, std::chrono::nanoseconds now);
   bool has_room(Times& share, std::size_t limit, const std::string& reason,
                 std::chrono::nanoseconds now) const;
-  bool may_pass(Times& share, const std::string& reason, std::chrono::nanoseconds now) const;
+  void pass_if_due(const Event& event, Times& share, const std::string& reason,
+                   std::chrono::nanoseconds now);
   void forget_old(Times& share, std::chrono::nanoseconds now) const;
 
   EventSink& next_;
