@@ -20,11 +20,14 @@ from scenarios import EO, SROS2  # noqa: E402
 
 PASSING = 20   # readers
 PATIENCE = 25  # seconds
-SOON = 8       # seconds; a reader is asked for four, and a lease is ten
+SOON = 5       # seconds, if the embedded participant ends, which proves it
+ASKED = 8      # seconds; a reader is asked for four, and a lease is ten
 STAYS = 3      # seconds in which nothing else may be heard
 GOVERNANCES = {"sros2": SROS2, "everything": EVERYTHING,
                "origin": Governance(discovery=EO, liveliness=EO, rtps=EO, metadata=EO, data="ENCRYPT"),
                "discovery": Governance(discovery="ENCRYPT", read=False, write=False)}
+
+DATA_ONLY = Governance(data="ENCRYPT")
 
 
 class Ends(World):
@@ -74,7 +77,14 @@ def process_ends(world, kind):
     writer, reader = world.writer(kind), world.honest("subscribe", True)
     world.until("the two talking", lambda: len(samples(reader, HONEST)) >= 3, PATIENCE)
     reader.stop()
-    world.until("the writer hearing of the end", lambda: matched(writer) == 0, SOON)
+    world.until("the writer hearing of the end", lambda: matched(writer) == 0, SOON if world.kind == "embedded" else ASKED)
+
+
+def writer_ends(world, kind):
+    writer, reader = world.writer(kind), world.honest("subscribe", True)
+    world.until("the two talking", lambda: len(samples(reader, HONEST)) >= 3, PATIENCE)
+    writer.stop()
+    world.until("the reader hearing of the end", lambda: matched(reader) == 0, SOON)
 
 
 def attempt(case):
@@ -95,6 +105,9 @@ def cases():
         yield f"end/{name}/embedded<stock", they_end, "embedded", governance, "stock"
         for readers in ("ddssec", "stock"):
             yield f"process/{name}/embedded<{readers}", process_ends, "embedded", governance, readers
+    for name, governance in (GOVERNANCES | {"data": DATA_ONLY}).items():
+        yield f"process/{name}/embedded<embedded", process_ends, "embedded", governance, "embedded"
+        yield f"writer/{name}/embedded>embedded", writer_ends, "embedded", governance, "embedded"
     for name in ("sros2", "everything"):
         yield f"ended/{name}/ddssec", they_have_ended, "ddssec", GOVERNANCES[name], "ddssec"
     for kind in ("stock", "fast", "embedded"):
