@@ -1,5 +1,7 @@
 #include "rtps/dcps/data_writer.hpp"
 
+#include <fmt/format.h>
+
 #include "rtps/dcps/count_status.hpp"
 #include "rtps/dcps/domain_participant.hpp"
 #include "rtps/dcps/participant_parts.hpp"
@@ -18,6 +20,26 @@ std::unexpected<Error> bad_parameter_error(std::string field, std::string expect
                                          .field = std::move(field),
                                          .expected = std::move(expected),
                                          .found = std::move(found)});
+}
+
+// If readers hold up the writer, names the one that has acknowledged least. A writer that keeps
+// what is acknowledged, for late joiners, waits for no reader.
+Error history_full_error(const StatefulWriter& writer, const ParticipantCore& participant) {
+  const auto document = "writer " + writer.guid().to_string();
+  const ReaderProxy* last = nullptr;
+  for (const auto& [guid, proxy] : writer.readers().all())
+    if (proxy.acknowledges() && (last == nullptr || proxy.acknowledged() < last->acknowledged()))
+      last = &proxy;
+  if (last == nullptr || writer.qos().durability >= DurabilityKind::transient_local)
+    return {Code::rtps_history_full, {.document = document}};
+  const auto& reader = last->reader().guid;
+  const auto subject = participant.subject_of(reader.prefix);
+  return {
+      Code::rtps_history_full,
+      {.document = document,
+       .expected = fmt::format("an acknowledgment up to sample {}", writer.history().first().value),
+       .found = fmt::format("reader {}{} has acknowledged up to {}", reader.to_string(),
+                            subject.empty() ? "" : " of " + subject, last->acknowledged().value)}};
 }
 
 }  // namespace
@@ -168,7 +190,8 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
   // Room is checked last, because other threads write while this one waits.
   const auto room = [&] { return protocol().history().has_room(change.payload.size(), key); };
   if (context_.wait(lock, timeout, room)) return {};
-  return fail(Code::rtps_history_full, {.document = "writer " + guid_.to_string()});
+  return std::unexpected(
+      history_full_error(protocol(), context_.protocol().remote_participants().core()));
 }
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {

@@ -29,10 +29,14 @@ void raise_joined(const DomainParticipantOptions& options, const ParticipantSock
   const std::string_view multicast = sockets.has_joined() ? "with multicast" : "without multicast";
   const bool alone = std::ranges::all_of(
       sockets.interfaces(), [](const auto& interface) { return interface.address.is_loopback(); });
-  events.raise(Event(Error(Code::rtps_joined,
-                           {.note = fmt::format("domain {} on {}, {}{}", options.domain_id,
-                                                to_string(sockets.interfaces()), multicast,
-                                                alone ? "; no other machine is reached" : "")})));
+  auto note =
+      fmt::format("domain {} on {}, {}{}", options.domain_id, to_string(sockets.interfaces()),
+                  multicast, alone ? "; no other machine is reached" : "");
+  if (sockets.index() >= DomainParticipant::kAnnouncedIndexes)
+    note += fmt::format(
+        "; participant index {}: participants that name this machine in `peers` do not find it",
+        sockets.index());
+  events.raise(Event(Error(Code::rtps_joined, {.note = std::move(note)})));
 }
 
 Status announce_by_multicast(ParticipantSockets& sockets, ParticipantConfig& config,

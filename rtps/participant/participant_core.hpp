@@ -65,6 +65,11 @@ struct ParticipantCore {
     if (is_authenticated(peer)) std::ranges::fill(std::span(out.octets).subspan(6), 0);
     return out;
   }
+  /// Returns the subject of the participant's certificate; empty if it has not authenticated.
+  std::string subject_of(const GuidPrefix& peer) const {
+    const auto* known = security ? security->core().find(peer) : nullptr;
+    return known == nullptr ? "" : security->core().proven_subject(*known).value_or("");
+  }
   /// Returns the address without its port. All addresses of this machine are one host.
   Locator host_of(const Locator& address) const;
   /// Returns the digest of the keys (see Keyring); empty without security.

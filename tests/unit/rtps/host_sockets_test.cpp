@@ -50,6 +50,25 @@ TEST_F(NetworkTrouble, AllPortsTaken_IsSaid) {
   EXPECT_TRUE(create({.domain_id = 74, .interfaces = {address}}));
 }
 
+// Without multicast, others announce themselves to the first ports of a machine only.
+TEST_F(NetworkTrouble, AnIndexThatPeersDoNotTry_IsSaid) {
+  const auto octet = [](int shift) { return std::to_string(::getpid() >> shift & 0xff); };
+  const auto address = "127.75." + octet(8) + "." + octet(0);
+  const auto note_at = [&](int index) {
+    std::vector<UdpSocket> taken;
+    for (int i = 0; i < index; ++i)
+      taken.push_back(*UdpSocket::bind(
+          *Locator::parse(address, static_cast<std::uint16_t>(ports::user(74, i)))));
+    const auto made = create({.domain_id = 74, .interfaces = {address}, .multicast = false});
+    EXPECT_TRUE(made && (*made)->index() == index);
+    return events.all.back().error.details().note;
+  };
+  constexpr int kFirst = DomainParticipant::kAnnouncedIndexes;
+  EXPECT_THAT(note_at(kFirst - 1), ::testing::Not(::testing::HasSubstr("participant index")));
+  EXPECT_THAT(note_at(kFirst), ::testing::HasSubstr("participant index 10: participants that name "
+                                                    "this machine in `peers` do not find it"));
+}
+
 // Returns the masks of blocked signals of all threads except the calling one.
 std::vector<std::uint64_t> masks_of_other_threads() {
   std::vector<std::uint64_t> out;
