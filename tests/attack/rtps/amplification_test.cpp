@@ -6,6 +6,7 @@
 #include "wire/acknack.hpp"
 #include "wire/heartbeat.hpp"
 #include "wire/info_source.hpp"
+#include "wire/nack_frag.hpp"
 #include "wire/span_writer.hpp"
 
 namespace ddssec::rtps {
@@ -96,16 +97,20 @@ TEST(Amplification, OneAnnouncementWithoutSecurity_IsBelowThree) {
   }
 }
 
-// Returns one datagram: a participant with the victim's addresses, and its best-effort reader.
-Bytes participant_and_reader(const GuidPrefix& name, VendorId vendor) {
+constexpr EntityId kAnnouncedReader{{0, 0, 1, 0x07}};
+
+// Returns one datagram: a participant with the victim's addresses, and its reader.
+Bytes participant_and_reader(const GuidPrefix& name, VendorId vendor,
+                             ReliabilityKind reliability = ReliabilityKind::best_effort) {
   auto participant = Reflection::data_of(name, vendor);
   participant.identity_token = participant.permissions_token = {};
   participant.lease_duration = kDurationInfinite;
   EndpointData reader;
-  reader.guid = {name, {{0, 0, 1, 0x07}}};
+  reader.guid = {name, kAnnouncedReader};
   reader.topic_name = "Square";
   reader.type_name = "ShapeType";
   reader.qos = default_reader_qos();
+  reader.qos.reliability.kind = reliability;
   reader.unicast = participant.default_unicast;
   Bytes first(4096), second(4096);
   SpanWriter of_participant(first), of_reader(second);
@@ -138,6 +143,51 @@ TEST(Amplification, SamplesForAnAnnouncedReader_AreBelowThree) {
       reflection.run(1);
     }
     expect_below_three(reflection);
+  }
+}
+
+// Requests of a reliable reader ask for repairs: of samples, and of fragments. Each has another
+// base and another count, so that none is a repetition. They are the smallest that ask for much.
+void send_requests(Reflection& reflection, const GuidPrefix& name, const EntityId& writer, int i) {
+  SequenceNumberSet missing(SequenceNumber{1 + i % 2});
+  for (std::int64_t number = 2; number < 60; ++number) missing.insert(SequenceNumber{number});
+  FragmentNumberSet fragments(FragmentNumber{1});
+  for (std::uint32_t number = 1; number < 30; ++number) fragments.insert(FragmentNumber{number});
+  reflection.send(forged(name, AckNack{kAnnouncedReader, writer, missing, i, false}));
+  reflection.send(
+      forged(name, NackFrag{kAnnouncedReader, writer, SequenceNumber{60}, fragments, i}));
+}
+
+void expect_requests_below_three(Node node, VendorId vendor) {
+  auto qos = default_writer_qos();
+  qos.durability = DurabilityKind::transient_local;
+  qos.history.kind = HistoryKind::keep_all;
+  const auto writer = node->create_writer(square(qos), node.listener, 1s).value();
+  Reflection reflection(node);
+  const auto write = [&](std::size_t octets) {
+    Change change;
+    change.payload = payload(octets);
+    node->local_endpoints().writer(writer)->write(std::move(change), reflection.now());
+  };
+  for (int i = 0; i < 59; ++i) write(4'000);
+  write(1'000'000);
+  reflection.send(participant_and_reader(name_of(1), vendor, ReliabilityKind::reliable));
+  reflection.run(12'000);  // where participants authenticate, until this one is admitted without
+  ASSERT_EQ(node.listener.matched, 1) << node.events.text();
+  for (int i = 1; i <= 500; ++i) {
+    send_requests(reflection, name_of(1), writer.entity, i);
+    reflection.run(1);
+  }
+  reflection.run(3'000);
+  expect_below_three(reflection);
+}
+
+// Once without security, and once where participants need not authenticate.
+TEST(Amplification, RequestsOfAnAnnouncedReader_AreBelowThree) {
+  for (const auto& vendor : kVendors) {
+    expect_requests_below_three(Node(2), vendor);
+    expect_requests_below_three(secured_node({.allow_unauthenticated = true, .open_topics = true}),
+                                vendor);
   }
 }
 

@@ -14,6 +14,21 @@ using namespace testing;
 constexpr auto kSign = ProtectionKind::sign;
 constexpr auto kEncrypt = ProtectionKind::encrypt;
 
+// For instance, the MACs of all readers do not fit a datagram. MessageSender calls this, as
+// message_sender_test.cpp shows.
+TEST(KeyringTransform, MessageThatCannotBeProtected_IsCountedAndReported) {
+  Protected pair({.metadata = kEncrypt});
+  auto& keyring =
+      const_cast<ParticipantCore&>(pair.a->remote_participants().core()).security->keyring();
+  const auto before = pair.a->protection_counters().unsendable;
+  keyring.on_unprotectable(Error(Code::length_out_of_range, {.document = "receiver MACs"}));
+  EXPECT_EQ(pair.a->protection_counters().unsendable, before + 1);
+  EXPECT_EQ(pair.a.events.count(Code::length_out_of_range), 1);
+  keyring.on_unprotectable(Error(Code::crypto_not_matched));  // too early, not too large
+  EXPECT_EQ(pair.a->protection_counters().unsendable, before + 2);
+  EXPECT_FALSE(pair.a.events.has(Code::crypto_not_matched));
+}
+
 TEST(KeyringTransform, ClearSubmessagesOfProtectedEndpoints_AreDroppedAndCounted) {
   for (const auto& rules : {Rules{.metadata = kSign}, Rules{.rtps = kSign}}) {
     Protected pair(rules);
