@@ -21,6 +21,7 @@ Usage: stranger.py request                an empty request to the participant th
        stranger.py parting-both           the same to each of the two
        stranger.py removing               to each of two that talk, clear announcements in the other's name that dispose of its
                                           endpoints and of its secure discovery, or put its readers elsewhere
+       stranger.py removing-later         the same, when a line comes
        stranger.py redirecting PREFIX     what the participant whose GUIDs begin with PREFIX (hexadecimal) says to each
                                           other one under protected submessages, to all the others, for 2 s from when a
                                           line comes
@@ -395,7 +396,9 @@ def main():
         first, second = network.announcements
         message = FORGERIES[mode](network.announcements[first])
         network.repeat(0.01, 0.002, lambda: network.send(second, message))
-    elif mode == "removing":
+    elif mode in ("removing", "removing-later"):
+        if mode == "removing-later":
+            sys.stdin.readline()
         for of, to in ((begins, answers), (answers, begins)):
             for message in removals(of, to):
                 network.send(to, message)
