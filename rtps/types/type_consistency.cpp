@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "base/reader.hpp"
@@ -147,11 +149,13 @@ class Comparison {
       : writer_(writer), reader_(reader), policy_(policy) {}
 
   bool assignable(const EquivalenceHash& writer, const EquivalenceHash& reader, int depth = 0) {
-    if (writer == reader) return true;
+    if (writer == reader || assignable_.contains({writer, reader})) return true;
     const auto from = writer_.find(writer);
     const auto to = reader_.find(reader);
-    return depth < kMaxTypeDepth && from != writer_.end() && to != reader_.end() &&
-           assignable(from->second, to->second, depth);
+    const bool out = depth < kMaxTypeDepth && from != writer_.end() && to != reader_.end() &&
+                     assignable(from->second, to->second, depth);
+    if (out) assignable_.emplace(writer, reader);
+    return out;
   }
   std::string_view refused_by() const { return refused_by_; }
 
@@ -226,6 +230,10 @@ class Comparison {
   const Structures& reader_;
   const TypeConsistency& policy_;
   std::string_view refused_by_;
+  // The pairs that were found assignable. Each is compared once, however often the types contain
+  // it: otherwise small TypeObjects that contain each other often take years to compare. The first
+  // pair that is not assignable ends the comparison.
+  std::set<std::pair<EquivalenceHash, EquivalenceHash>> assignable_;
 };
 
 TypeJudgement unknown(const TypeConsistency& policy) {
