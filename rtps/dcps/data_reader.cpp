@@ -52,7 +52,9 @@ Result<Guid> AnyDataReader::create(EndpointDescription request) {
 }
 
 void AnyDataReader::on_matched(const EndpointData& remote) {
-  liveliness_.add_writer(remote.guid, remote.qos.liveliness.lease_duration, context_.now());
+  const auto& core = context_.protocol().remote_participants().core();
+  liveliness_.add_writer(remote.guid, remote.qos.liveliness.lease_duration, context_.now(),
+                         core.identity_of(remote.guid.prefix));
   reception_.add_writer(remote);
   Endpoint::on_matched(remote);
 }

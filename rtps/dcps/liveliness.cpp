@@ -27,14 +27,26 @@ bool WriterLease::expire(MonotonicTime now) {
   return true;
 }
 
-MonotonicTime LivelinessMonitor::Writer::end() const {
-  if (lease == kNever) return kNever;
-  return (signal ? std::max(asserted, signal->latest()) : asserted) + std::max(lease, kMinLease);
+void LivelinessMonitor::set_lease(Writer& writer, MonotonicTime lease) {
+  const bool counted = writer.lease != kNever;
+  writer.lease = lease;
+  if (counted == (lease != kNever)) return;
+  auto& of_identity = of_identity_[writer.identity];
+  counted ? --of_identity : ++of_identity;
+  if (of_identity == 0) of_identity_.erase(writer.identity);
+}
+
+MonotonicTime LivelinessMonitor::end_of(const Writer& writer) const {
+  if (writer.lease == kNever) return kNever;
+  const auto writers = static_cast<std::int64_t>(of_identity_.at(writer.identity));
+  const auto asserted =
+      writer.signal ? std::max(writer.asserted, writer.signal->latest()) : writer.asserted;
+  return asserted + std::max({writer.lease, kMinLease, kMinLeasePerWriter * writers});
 }
 
 void LivelinessMonitor::schedule(const Guid& guid, Writer& writer) {
   unschedule(guid, writer);
-  writer.noted_end = writer.end();
+  writer.noted_end = end_of(writer);
   if (writer.noted_end != kNever) ends_.insert({writer.noted_end, guid});
 }
 
@@ -52,10 +64,12 @@ void LivelinessMonitor::count(const Guid& writer, int alive, int not_alive) {
   has_changed_ = true;
 }
 
-void LivelinessMonitor::add(const Guid& writer, Duration lease, MonotonicTime now) {
+void LivelinessMonitor::add(const Guid& writer, Duration lease, MonotonicTime now,
+                            const std::optional<GuidPrefix>& identity) {
   const auto [at, is_new] = writers_.try_emplace(writer);
-  at->second.lease = lease_of(lease);
+  if (is_new) at->second.identity = identity.value_or(writer.prefix);
   if (is_new) at->second.asserted = now;
+  set_lease(at->second, lease_of(lease));
   if (at->second.is_alive) schedule(writer, at->second);
   if (is_new) count(writer, 1, 0);
 }
@@ -72,6 +86,7 @@ void LivelinessMonitor::remove(const Guid& writer) {
   if (at == writers_.end()) return;
   const bool was_alive = at->second.is_alive;
   unschedule(writer, at->second);
+  set_lease(at->second, kNever);
   writers_.erase(at);
   count(writer, was_alive ? -1 : 0, was_alive ? 0 : -1);
 }

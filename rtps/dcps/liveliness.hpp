@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "base/clock.hpp"
@@ -40,9 +41,15 @@ class LivelinessMonitor {
   /// Shorter leases are treated as this one, because each end of a lease and each return causes
   /// work.
   static constexpr MonotonicTime kMinLease = std::chrono::milliseconds(1);
+  /// No lease of an identity ends sooner than this time for each of its writers with a finite
+  /// lease. So all of them together cause at most so much work, however short their leases are:
+  /// one message can assert all writers of a participant, and so let all their leases end again.
+  static constexpr MonotonicTime kMinLeasePerWriter = std::chrono::microseconds(125);
 
-  /// Adds a matched writer, which is alive at first.
-  void add(const Guid& writer, Duration lease, MonotonicTime now);
+  /// Adds a matched writer, which is alive at first. `identity` is that of its participant; if it
+  /// is empty, each participant counts as an identity.
+  void add(const Guid& writer, Duration lease, MonotonicTime now,
+           const std::optional<GuidPrefix>& identity = {});
   /// Makes this signal assert the writer as well, instead of a former one. nullptr means no signal.
   void follow(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);
   void remove(const Guid& writer);
@@ -62,13 +69,16 @@ class LivelinessMonitor {
 
  private:
   struct Writer {
+    GuidPrefix identity;
     MonotonicTime lease = kNever;
     MonotonicTime asserted{};
     bool is_alive = true;
     std::shared_ptr<LivelinessSignal> signal = {};
     MonotonicTime noted_end = kNever;  ///< its time in ends_; kNever if it is not in ends_
-    MonotonicTime end() const;
   };
+  void set_lease(Writer& writer, MonotonicTime lease);
+  /// Returns the time at which its lease ends, as far as is known now.
+  MonotonicTime end_of(const Writer& writer) const;
   /// Schedules a check at the time when its lease ends, as far as is known now.
   void schedule(const Guid& guid, Writer& writer);
   void unschedule(const Guid& guid, Writer& writer);
@@ -77,6 +87,7 @@ class LivelinessMonitor {
   std::map<Guid, Writer> writers_;
   /// For each writer that is alive, the time at which its lease ends, or an earlier one.
   std::set<std::pair<MonotonicTime, Guid>> ends_;
+  std::map<GuidPrefix, std::size_t> of_identity_;  ///< number of writers with a finite lease
   LivelinessChangedStatus status_;
   bool has_changed_ = false;
 };

@@ -2,8 +2,9 @@
 
 namespace ddssec::rtps {
 
-void RequestedLiveliness::add_writer(const Guid& writer, Duration lease, MonotonicTime now) {
-  monitor_.add(writer, lease, now);
+void RequestedLiveliness::add_writer(const Guid& writer, Duration lease, MonotonicTime now,
+                                     const std::optional<GuidPrefix>& identity) {
+  monitor_.add(writer, lease, now, identity);
   update();
 }
 

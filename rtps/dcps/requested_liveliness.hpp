@@ -22,7 +22,9 @@ class RequestedLiveliness final : private TimedObject {
                       Lost lost)
       : TimedObject(timers), reader_(reader), changes_(changes), lost_(std::move(lost)) {}
 
-  void add_writer(const Guid& writer, Duration lease, MonotonicTime now);
+  /// For `identity` see LivelinessMonitor::add.
+  void add_writer(const Guid& writer, Duration lease, MonotonicTime now,
+                  const std::optional<GuidPrefix>& identity = {});
   void remove_writer(const Guid& writer);
   /// From now on, the signal tells when the writer is alive.
   void on_signal(const Guid& writer, std::shared_ptr<LivelinessSignal> signal);

@@ -269,9 +269,10 @@ void KeptTopic::on_matched(const EndpointData& remote) {
   writers_.insert(remote.guid);
   extend_lifespan(remote.qos.lifespan);
   if (!owners_) return;
-  owners_->set_writer(remote.guid, remote.qos.ownership_strength, identity_of(remote.guid.prefix));
+  const auto identity = identity_of(remote.guid.prefix);
+  owners_->set_writer(remote.guid, remote.qos.ownership_strength, identity);
   const auto now = context_.now();
-  liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, now);
+  liveliness_.add(remote.guid, remote.qos.liveliness.lease_duration, now, identity);
   schedule_next_call(now);
 }
 

@@ -96,5 +96,31 @@ TEST(LivelinessMonitor, ALeaseThatIsNextToNothing_CountsAsTheLeast) {
   EXPECT_EQ(monitor.next_tick(), milliseconds(5) + LivelinessMonitor::kMinLease);
 }
 
+// One message asserts all MANUAL_BY_PARTICIPANT writers of a participant. If their leases are next
+// to nothing, each of them ends and returns with each message.
+TEST(LivelinessMonitor, ManyShortLeasesOfOneIdentity_EndSeldom) {
+  constexpr std::uint32_t kWriters = 1024;
+  const GuidPrefix identity{};
+  LivelinessMonitor monitor;
+  for (std::uint32_t i = 0; i < kWriters; ++i)
+    monitor.add({GuidPrefix::from(Bytes(12, static_cast<std::uint8_t>(i % 7))),
+                 {{0, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i), 2}}},
+                Duration{{0, 1}}, milliseconds(0), identity);
+  std::size_t all = 0;
+  for (int time = 1; time <= 1000; ++time) {
+    std::vector<Guid> ended;
+    monitor.expire(milliseconds(time),
+                   [&](const Guid& guid, LivelinessSignal*) { ended.push_back(guid); });
+    for (const auto& guid : ended) monitor.note_alive(guid, milliseconds(time));
+    all += ended.size();
+  }
+  EXPECT_GT(all, 0u);
+  EXPECT_LE(all, 8 * kWriters);
+  const Guid other{GuidPrefix::from(Bytes(12, 0xff)), {{0, 0, 0, 2}}};
+  monitor.add(other, Duration{{0, 1}}, milliseconds(1000));
+  EXPECT_EQ(monitor.next_tick(), milliseconds(1000) + LivelinessMonitor::kMinLease)
+      << "another identity keeps its short lease";
+}
+
 }  // namespace
 }  // namespace ddssec::rtps
