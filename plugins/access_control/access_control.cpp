@@ -123,6 +123,14 @@ class AccessControlPlugin final : public spi::AccessControl {
     return attributes(local, request.topic_name);
   }
 
+  Result<spi::EndpointSecurityAttributes> unused_topic_attributes(
+      PermissionsHandle local, std::string_view topic_name) override {
+    DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
+    const auto documents = holder->participant()->judging_documents();
+    if (auto found = topic_attributes(*documents->governance, topic_name)) return *found;
+    return std::unexpected(topic_not_covered_error(*holder->participant(), topic_name));
+  }
+
   Status return_permissions_handle(PermissionsHandle permissions) override {
     const Holder holder = handles_.find(permissions);
     // Hosts return handles of peers more than once, so this raises no event.
@@ -159,16 +167,12 @@ class AccessControlPlugin final : public spi::AccessControl {
   std::optional<spi::ParticipantSecurityAttributes> participant_attributes_of(
       PermissionsHandle local, const GovernanceVersion& version) override {
     const auto rules = governance_of(local, version);
-    if (!rules) return {};
-    return participant_attributes(rules->domain_rule());
+    return rules ? std::optional(participant_attributes(rules->domain_rule())) : std::nullopt;
   }
   std::optional<spi::EndpointSecurityAttributes> endpoint_attributes_of(
       PermissionsHandle local, const GovernanceVersion& version, std::string_view topic) override {
     const auto rules = governance_of(local, version);
-    if (!rules) return {};
-    if (auto builtin = builtin_attributes(rules->domain_rule(), topic)) return builtin;
-    const auto* const rule = rules->topic_rule(topic);
-    return rule != nullptr ? std::optional(endpoint_attributes(*rule)) : std::nullopt;
+    return rules ? topic_attributes(*rules, topic) : std::nullopt;
   }
   bool apply_pending_governance(PermissionsHandle local,
                                 const GovernanceVersion& version) override {
@@ -361,13 +365,10 @@ Result<spi::EndpointSecurityAttributes> AccessControlPlugin::attributes(Permissi
                                                                         std::string_view topic) {
   DDSSEC_ASSIGN_OR_RETURN(const Holder holder, find_or_refuse(local));
   auto& participant = *holder->participant();
-  const auto domain = participant.judging_documents();
-  if (const auto builtin = builtin_attributes(domain->governance->domain_rule(), topic))
-    return *builtin;
-  const auto found = participant.use_topic(topic);
-  if (!found)
-    return report_error(found.error().with_default_document(participant.governance_name), *holder);
-  if (const auto* rule = (*found)->governance->topic_rule(topic)) return endpoint_attributes(*rule);
+  const auto used = participant.use_topic(topic);
+  if (!used)
+    return report_error(used.error().with_default_document(participant.governance_name), *holder);
+  if (auto found = topic_attributes(*(*used)->governance, topic)) return *found;
   return report_error(topic_not_covered_error(participant, topic), *holder);
 }
 

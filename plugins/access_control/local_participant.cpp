@@ -1,6 +1,7 @@
 #include "plugins/access_control/local_participant.hpp"
 
 #include "governance/live_change.hpp"
+#include "plugins/access_control/protection.hpp"
 
 namespace ddssec::access_control {
 namespace {
@@ -112,7 +113,9 @@ void LocalParticipant::set_listed(std::shared_ptr<const ListedPermissions> liste
 Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::use_topic(
     std::string_view topic) {
   const std::lock_guard lock(mutex_);
-  if (topics_in_use_.contains(topic)) return judging_documents_;
+  const bool is_builtin =
+      builtin_attributes(judging_documents_->governance->domain_rule(), topic).has_value();
+  if (is_builtin || topics_in_use_.contains(topic)) return judging_documents_;
   DDSSEC_RETURN_IF_ERROR(check_new_topic(topic));
   has_more_topics_ = has_more_topics_ || topics_in_use_.size() >= kMaxTopicsInUse;
   if (!has_more_topics_) topics_in_use_.emplace(topic);

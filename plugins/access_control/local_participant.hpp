@@ -48,8 +48,9 @@ class LocalParticipant {
   /// Returns the documents in force.
   std::shared_ptr<const JudgingDocuments> judging_documents() const;
   /// Records that the topic is in use, because the host asks how it is protected and keeps the
-  /// answer. Returns the documents in force. Error: governance_change_under_way, if the topic comes
-  /// into use while a document waits that cannot be applied to it; it then is not in use.
+  /// answer. Builtin topics are not recorded. Returns the documents in force. Error:
+  /// governance_change_under_way, if the topic comes into use while a document waits that cannot be
+  /// applied to it; it then is not in use.
   Result<std::shared_ptr<const JudgingDocuments>> use_topic(std::string_view topic);
   /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {

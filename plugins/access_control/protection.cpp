@@ -128,6 +128,13 @@ std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
   return attributes;
 }
 
+std::optional<spi::EndpointSecurityAttributes> topic_attributes(
+    const governance::CompiledGovernance& rules, std::string_view topic) {
+  if (auto builtin = builtin_attributes(rules.domain_rule(), topic)) return builtin;
+  const auto* const rule = rules.topic_rule(topic);
+  return rule != nullptr ? std::optional(endpoint_attributes(*rule)) : std::nullopt;
+}
+
 Status check_enforceable(const governance::DomainRule& rule, const AccessControlOptions& options) {
   if (is_protected(rule.rtps_psk_protection_kind) && !options.host_has_pre_shared_keys) {
     return not_enforceable_error(rule.line, "<rtps_psk_protection_kind>",

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "governance/model.hpp"
+#include "governance/decision.hpp"
 #include "plugins/access_control/access_control.hpp"
 #include "plugins/spi/attributes.hpp"
 
@@ -20,6 +20,9 @@ spi::EndpointSecurityAttributes endpoint_attributes(const governance::TopicRule&
 /// and 9.4.2.9.24); empty if `topic` is not one of these.
 std::optional<spi::EndpointSecurityAttributes> builtin_attributes(
     const governance::DomainRule& rule, std::string_view topic);
+/// Returns the attributes of an endpoint of any topic; empty if no rule covers the topic.
+std::optional<spi::EndpointSecurityAttributes> topic_attributes(
+    const governance::CompiledGovernance& rules, std::string_view topic);
 
 /// Success if the plugins can do everything that the rule demands. Refuses pre-shared keys and key
 /// revision unless the host supports them, and lists of allowed algorithms without one that the

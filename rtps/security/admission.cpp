@@ -256,10 +256,11 @@ std::vector<std::pair<EntityId, std::string>> Admission::own_topics() const {
   return out;
 }
 
+// The topic must not count as in use: the writer may not be allowed to use it, and the names of
+// topics in use decide which governance documents are taken.
 bool Admission::may_write(const Endpoint& writer) {
-  const auto names = views_of(writer.partitions);
-  const auto attributes = core_.own->plugins().access_control.datareader_sec_attributes(
-      core_.own->permissions(), {.topic_name = writer.topic, .partitions = names});
+  const auto attributes = core_.own->plugins().access_control.unused_topic_attributes(
+      core_.own->permissions(), writer.topic);
   if (attributes) return admit({*attributes, true}, writer).has_value();
   core_.raise(attributes.error().with_default_document("topic " + std::string(writer.topic)),
               writer.guid, core_.origin_of_announcement(writer.guid, writer.is_secure));

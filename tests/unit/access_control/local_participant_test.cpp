@@ -241,6 +241,19 @@ TEST_F(GovernancePhases, RuleBeforeTheOneInUse_ThatProtectsLess_IsRefused) {
   expect_refused("data_protection_kind", "\"t\": restart it");
 }
 
+TEST_F(GovernancePhases, TopicThatOnlyPeersNamed_IsNotInUse) {
+  for (std::size_t i = 0; i <= LocalParticipant::kMaxTopicsInUse; ++i)
+    EXPECT_EQ(plugin->unused_topic_attributes(*own_, "n" + std::to_string(i))->payload, kSign);
+  auto less = topic();
+  less.topic_expression = "n*";
+  less.metadata_protection_kind = less.data_protection_kind = ProtectionKind::none;
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  rules.insert(rules.begin(), less);
+  put(2);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  EXPECT_EQ(plugin->unused_topic_attributes(*own_, "n1")->payload, ProtectionKind::none);
+}
+
 using Kind = ProtectionKind governance::DomainRule::*;
 constexpr std::array<std::pair<std::string_view, Kind>, 3> kDomainKinds = {
     {{"discovery_protection_kind", &governance::DomainRule::discovery_protection_kind},
