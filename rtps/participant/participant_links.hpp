@@ -1,6 +1,8 @@
 // What leads from this participant to those that discovery has found.
 #pragma once
 
+#include <utility>
+
 #include "rtps/participant/builtin_matcher.hpp"
 #include "rtps/participant/endpoint_matcher.hpp"
 #include "rtps/participant/remote_addresses.hpp"
@@ -9,11 +11,18 @@ namespace ddssec::rtps {
 
 /// Accepts and removes found participants, and keeps up to date where each is sent to, how much it
 /// may be sent, and which of its endpoints are matched. Discovery decides when.
-class ParticipantLinks {
+class ParticipantLinks final : private TimedObject {
  public:
+  /// The pause before addresses are followed that a participant announces too often.
+  static constexpr MonotonicTime kMovePause = std::chrono::seconds(1);
+
   ParticipantLinks(ParticipantCore& core, RemoteParticipants& remotes, EndpointMatcher& matcher,
                    BuiltinMatcher& builtin)
-      : core_(core), remotes_(remotes), matcher_(matcher), builtin_(builtin) {}
+      : TimedObject(core.timers),
+        core_(core),
+        remotes_(remotes),
+        matcher_(matcher),
+        builtin_(builtin) {}
 
   /// Accepts a participant that authenticated, or is admitted without authentication. From now on
   /// its builtin endpoints may match. If it returns, the facts known about it still count.
@@ -64,17 +73,33 @@ class ParticipantLinks {
   }
   /// Follows the participant to addresses that it announces under its keys. They count like those
   /// that it signed in a handshake. Does nothing where nothing protects DCPSParticipantsSecure,
-  /// because anyone can have announced them.
+  /// because anyone can have announced them. Each move costs time for each endpoint of the
+  /// participant. So if it moves too often, only the addresses that it announced last are followed,
+  /// and later.
   void follow(RemoteParticipant& remote, LocatorList metatraffic, LocatorList user) {
     if (!remote.has_signed_addresses || metatraffic.empty()) return;
     if (!core_.is_participant_data_proven(remote.prefix())) return;
+    remote.next_addresses.reset();
     if (remote.signed_metatraffic == metatraffic && remote.signed_user == user) return;
+    if (!remote.moves.try_spend(core_.now)) {
+      remote.next_addresses.emplace(std::move(metatraffic), std::move(user));
+      return call_at(core_.now + kMovePause);
+    }
     adopt_signed_addresses(core_, remote, std::move(metatraffic), std::move(user));
     limit_until_proven(remote);
     readdress(remote);
   }
 
  private:
+  void on_time(MonotonicTime) override {
+    for (const auto& [prefix, known] : remotes_.all()) {
+      if (!known.next_addresses) continue;
+      auto& remote = *remotes_.find(prefix);
+      auto [metatraffic, user] = *std::exchange(remote.next_addresses, {});
+      follow(remote, std::move(metatraffic), std::move(user));
+    }
+  }
+
   ParticipantCore& core_;
   RemoteParticipants& remotes_;
   EndpointMatcher& matcher_;

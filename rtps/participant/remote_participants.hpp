@@ -7,6 +7,7 @@
 #include <set>
 
 #include "rtps/budget/announced_shares.hpp"
+#include "rtps/budget/work_budget.hpp"
 #include "rtps/discovery/discovery_listener.hpp"
 #include "rtps/participant/announcement_refresh.hpp"
 #include "rtps/participant/clear_addresses.hpp"
@@ -49,6 +50,9 @@ struct RemoteParticipant {
   bool has_signed_addresses = false;  ///< its addresses come from its latest handshake
   /// The addresses that it has after a handshake, and its hosts that are proven.
   LocatorList signed_metatraffic = {}, signed_user = {};
+  WorkBudget moves{4, std::chrono::seconds(1), {}};  ///< to other addresses under its keys
+  /// The addresses that it announced last under its keys, if it has moved too often (follow).
+  std::optional<std::pair<LocatorList, LocatorList>> next_addresses = {};
   ProvenHosts hosts = {};
   ProvenHosts doubted_hosts = {};        ///< see switch_doubted_hosts
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now

@@ -50,6 +50,24 @@ TEST_P(ProvenAddressChange, ReaderMoves_WriterFollows) {
   EXPECT_EQ(pair.a.listener.unmatched + pair.b.listener.unmatched, 0);
 }
 
+// Each move costs time for each endpoint of the participant that moves.
+TEST_P(ProvenAddressChange, ReaderMovesWithoutEnd_WriterFollowsSeldom) {
+  for (std::uint32_t i = 1; i <= 50; ++i) {
+    pair.b->change_own({.addresses = OwnChange::Addresses{{},
+                                                          {at("127.0.0.1", 7200 + i)},
+                                                          {at("127.0.0.1", 7200 + i)}}},
+                       pair.world.now);
+    pair.b->tick(pair.world.now);
+  }
+  pair.b.port = 7250;
+  pair.world.run(1);
+  EXPECT_NE(b_as_known().metatraffic, LocatorList{at("127.0.0.1", 7250)});
+  pair.world.run(150);
+  EXPECT_EQ(b_as_known().metatraffic, LocatorList{at("127.0.0.1", 7250)});
+  pair.write();
+  EXPECT_TRUE(receives(1));
+}
+
 // Otherwise an insider could have others send to any host.
 TEST_P(ProvenAddressChange, HostItWasNeverHeardFrom_IsNotUsed) {
   move(at("192.0.2.50", 7100));
