@@ -442,7 +442,12 @@ void ReaderCache::set_deadline(Duration period, MonotonicTime now) {
 // All periods are equal, so appending keeps the list in the order of deadlines.
 void ReaderCache::expire_deadlines(MonotonicTime now,
                                    const std::function<void(InstanceHandle)>& missed) {
-  while (!due_.empty() && due_.front()->deadline <= now) {
+  if (now < next_missed_) return;
+  for (std::size_t count = 0; !due_.empty() && due_.front()->deadline <= now; ++count) {
+    if (count == kMaxMissed) {
+      next_missed_ = now + kMissedPause;
+      return;
+    }
     auto& instance = *due_.front();
     instance.owner.reset();
     restart_deadline(instance, now);
@@ -451,7 +456,8 @@ void ReaderCache::expire_deadlines(MonotonicTime now,
 }
 
 MonotonicTime ReaderCache::next_tick() const {
-  return std::min({held_.next_expiry(), due_.empty() ? kNever : due_.front()->deadline,
+  return std::min({held_.next_expiry(),
+                   due_.empty() ? kNever : std::max(due_.front()->deadline, next_missed_),
                    purges_.empty() ? kNever : purges_.begin()->first,
                    quiet_.empty() ? kNever : quiet_.front()->release_at});
 }

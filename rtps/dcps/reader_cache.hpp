@@ -22,6 +22,11 @@ class ReaderCache {
   /// later one is replaced by the time of arrival (DDS 1.4, 2.2.3.17), so that a sample from the
   /// far future does not suppress what others write to its instance.
   static constexpr std::chrono::seconds kMaxAhead{10};
+  /// The largest number of missed deadlines that one call of expire_deadlines reports, and the pause
+  /// before the next ones. A peer that has created many instances need not do anything more: each of
+  /// them misses each deadline.
+  static constexpr std::size_t kMaxMissed = 512;
+  static constexpr MonotonicTime kMissedPause = std::chrono::milliseconds(1);
   /// `queries` are those of the reader's QueryConditions. They must outlive this object
   /// (HeldInstances).
   explicit ReaderCache(const Qos& qos, KeyOf key_of = nullptr, const Queries& queries = kNoQueries);
@@ -76,7 +81,8 @@ class ReaderCache {
 
   /// Removes what LIFESPAN or READER_DATA_LIFECYCLE has ended. Returns true if it removed anything.
   bool expire(MonotonicTime now);
-  /// Calls `missed` for each instance whose DEADLINE passed, and removes its owner.
+  /// Calls `missed` for each instance whose DEADLINE passed, and removes its owner. If there are
+  /// more than kMaxMissed, the others follow after a pause.
   void expire_deadlines(MonotonicTime now, const std::function<void(InstanceHandle)>& missed);
   /// Returns the next time at which expire or expire_deadlines has work.
   MonotonicTime next_tick() const;
@@ -141,6 +147,7 @@ class ReaderCache {
 
   const bool is_exclusive_, is_by_source_, is_reliable_;
   MonotonicTime deadline_ = kNever;  ///< the DEADLINE period
+  MonotonicTime next_missed_{};      ///< before this time, no missed deadline is reported
   ReaderDataLifecycle lifecycle_;
   KeyOf key_of_;
   MonotonicTime separation_{};  ///< TIME_BASED_FILTER; 0 without a filter

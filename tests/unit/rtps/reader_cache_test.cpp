@@ -2,6 +2,7 @@
 // time.
 #include <ctime>
 #include <random>
+#include <set>
 
 #include "tests/support/slowdown.hpp"
 #include "tests/unit/rtps/reader_cache_fixture.hpp"
@@ -282,6 +283,29 @@ TEST_F(ReaderCacheTest, Samples_ExpireInAnyOrderAndWhenTheyAreTaken) {
     EXPECT_EQ(cache().held().samples(), left - 1);
   }
   EXPECT_EQ(cache().next_tick(), kNever);
+}
+
+TEST_F(ReaderCacheTest, ManyMissedDeadlines_AreReportedInTurns) {
+  constexpr auto kInstances = 2 * ReaderCache::kMaxMissed;
+  qos.deadline = Duration::from(milliseconds(100));
+  for (std::size_t i = 0; i < kInstances; ++i) {
+    Change change;
+    change.writer = writer(1);
+    change.key_hash = KeyHash{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8)};
+    change.payload = Payload::copy_of(Bytes(1));
+    cache().store(change, moment());
+  }
+  std::set<InstanceHandle> missed;
+  const auto check = [&] { cache().expire_deadlines(now, [&](auto i) { missed.insert(i); }); };
+  now += milliseconds(100);
+  check();
+  check();
+  EXPECT_EQ(missed.size(), ReaderCache::kMaxMissed);
+  EXPECT_EQ(cache().next_tick(), now + ReaderCache::kMissedPause);
+  now += ReaderCache::kMissedPause;
+  check();
+  EXPECT_EQ(missed.size(), kInstances);
+  EXPECT_EQ(cache().next_tick(), now + milliseconds(99));
 }
 
 TEST_F(ReaderCacheTest, Deadlines_AreOfEachInstance) {
