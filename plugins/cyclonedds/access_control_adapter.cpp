@@ -10,6 +10,7 @@
 #include "base/rollback.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "plugins/cyclonedds/exempt_topics.hpp"
+#include "plugins/cyclonedds/host_entities.hpp"
 #include "plugins/cyclonedds/own_readers.hpp"
 #include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
@@ -49,6 +50,7 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
     DDSSEC_RETURN_IF_ERROR(require(qos));
     report_plugins_in_use(adapter.host(), PluginKind::access_control);
+    adapter.set_domain_id(static_cast<std::uint32_t>(domain_id));
     DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
     DDSSEC_ASSIGN_OR_RETURN(const auto properties,
                             spi::with_process_properties(std::move(property_list)));
@@ -240,6 +242,14 @@ DDS_Security_boolean get_permissions_credential_token(Instance* instance, CToken
   });
 }
 
+Status join(Adapter& adapter, spi::PermissionsHandle permissions) {
+  const auto now = adapter.host().clock().monotonic();
+  auto status = adapter.facts().join(permissions, now, false);
+  if (!status && !may_have_participants(adapter.host().code(), adapter.domain_id()))
+    status = adapter.facts().join(permissions, now, true);
+  return status;
+}
+
 DDS_Security_boolean get_participant_sec_attributes(
     Instance* instance, const CPermissions handle,
     DDS_Security_ParticipantSecurityAttributes* attributes, Exception* ex) {
@@ -248,6 +258,8 @@ DDS_Security_boolean get_participant_sec_attributes(
     *attributes = {};
     DDSSEC_ASSIGN_OR_RETURN(const auto participant,
                             adapter.plugin().participant_sec_attributes(permissions(handle)));
+    // The host asks this once, and creates the participant after it.
+    DDSSEC_RETURN_IF_ERROR(join(adapter, permissions(handle)));
     *attributes = to_c(participant);
     return {};
   });

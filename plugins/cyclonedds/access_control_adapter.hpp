@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <stop_token>
 
@@ -57,6 +58,9 @@ class AccessControlAdapter final : public dds_security_access_control {
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
   GovernanceFacts& facts() { return facts_; }
   OwnEndpoints& endpoints() { return endpoints_; }
+  /// The id of the host's domain, as in the last call that names it.
+  void set_domain_id(std::uint32_t id) { domain_id_ = id; }
+  std::uint32_t domain_id() const { return domain_id_; }
   /// Notes that a property demands that the host asks peers for types.
   void trust_type_information() { trusts_type_information_ = true; }
   /// Returns whether the readers of type lookup stay open. They also stay open with a stock
@@ -84,6 +88,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   SharedMemoryGuard shared_memory_;
   GovernanceFacts facts_;
   OwnEndpoints endpoints_;
+  std::atomic<std::uint32_t> domain_id_ = 0;
   std::atomic<bool> trusts_type_information_ = false;
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };

@@ -127,37 +127,18 @@ struct DiscoveredPeer {
   HandshakeWatch::CoreTimerState timer;
 };
 
-// True if another local participant of the process has admitted the peer. An error for one that
-// admits unauthenticated participants would remove the state that the core has for both.
-bool is_admitted_elsewhere(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
-  return std::ranges::any_of(adapter.dispose_announcements().locals(), [&](const auto& other) {
-    return other.handle != local && adapter.remotes().has_discovered(other.handle, peer);
-  });
-}
-
-// Does nothing in a process with one participant, which may ask about the peer again at once.
-void note_downgrade(Adapter& adapter, const Guid& peer) {
-  if (adapter.dispose_announcements().locals().size() > 1)
-    adapter.downgraded_peers().note(peer, adapter.host().clock().monotonic());
-}
-
 // Handles a remote participant that was not admitted, without an error for the host. An attacker
 // can announce something unreadable in a peer's name, and a full table or an outdated list is
 // temporary. An error would end the core's handshake for as long as the peer is present. So the
 // core asks again until the watch makes it discover the peer again. If governance admits
-// unauthenticated participants, the core treats the peer as one, for the whole process
-// (DowngradedPeers).
+// unauthenticated participants, the core treats the peer as one.
 Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const DiscoveredPeer& discovered,
                              Error refusal, CIdentity& remote_handle) {
-  const auto own = identity(local);
-  const bool admits = admits_unauthenticated(own);
-  const bool is_over = is_final(refusal) || admits || adapter.remotes().has_ended(own);
-  if (is_over && !(admits && is_admitted_elsewhere(adapter, own, discovered.guid))) {
-    if (admits) note_downgrade(adapter, discovered.guid);
+  if (is_final(refusal) || admits_unauthenticated(identity(local)) ||
+      adapter.remotes().has_ended(identity(local)))
     return std::unexpected(std::move(refusal));
-  }
   const auto of_host = adapter.remotes().note_refused(discovered.guid);
-  adapter.watch().note_not_admitted({own, of_host}, discovered.guid, discovered.timer);
+  adapter.watch().note_not_admitted({identity(local), of_host}, discovered.guid, discovered.timer);
   remote_handle = of_host.value;
   return DDS_SECURITY_VALIDATION_PENDING_RETRY;
 }
@@ -165,12 +146,7 @@ Result<CResult> not_admitted(Adapter& adapter, CIdentity local, const Discovered
 // If governance admits unauthenticated participants, the host treats the peer as one of them after
 // an error, for all its participants.
 Status may_begin(Adapter& adapter, spi::IdentityHandle local, const Guid& peer) {
-  if (adapter.downgraded_peers().contains(peer, adapter.host().clock().monotonic()))
-    return fail(Code::peer_refused_in_process, {.document = "a discovered participant"});
-  if (!admits_unauthenticated(local) || !adapter.watch().was_unanswered(peer) ||
-      is_admitted_elsewhere(adapter, local, peer))
-    return {};
-  note_downgrade(adapter, peer);
+  if (!admits_unauthenticated(local) || !adapter.watch().was_unanswered(peer)) return {};
   return fail(Code::handshake_begun_again,
               {.document = "the handshake with a discovered participant",
                .expected = "that it ends",
@@ -246,11 +222,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.plugin().begin_handshake_request(identity(initiator), remote, data);
     // The core gives up this peer. No attacker can cause that, so there is nothing to begin again.
-    if (!begun) {
-      adapter.watch().forget(identity(replier));
-      const auto peer = adapter.remotes().guid(identity(replier));
-      if (peer && admits_unauthenticated(identity(initiator))) note_downgrade(adapter, *peer);
-    }
+    if (!begun) adapter.watch().forget(identity(replier));
     DDSSEC_ASSIGN_OR_RETURN(const auto step, std::move(begun));
     adapter.secrets().note(step.handle, identity(initiator), identity(replier));
     adapter.watch().note_progress({identity(initiator), identity(replier)}, step.handle);

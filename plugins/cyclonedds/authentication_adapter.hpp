@@ -4,7 +4,6 @@
 #include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/core_timer.hpp"
 #include "plugins/cyclonedds/dispose_announcements.hpp"
-#include "plugins/cyclonedds/downgraded_peers.hpp"
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
@@ -35,7 +34,6 @@ class AuthenticationAdapter final : public dds_security_authentication {
   }
   LostSessions& lost_sessions() { return lost_sessions_; }
   DisposeAnnouncements& dispose_announcements() { return dispose_announcements_; }
-  DowngradedPeers& downgraded_peers() { return downgraded_peers_; }
 
   /// Sets the listener. nullptr stops the timer; the call returns when no revocation is running any
   /// more.
@@ -80,7 +78,6 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   DisposeAnnouncements dispose_announcements_;
-  DowngradedPeers downgraded_peers_;
   /// The number of times that the permissions of local participants were renewed; for the timer's
   /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;

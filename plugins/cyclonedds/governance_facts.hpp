@@ -2,6 +2,7 @@
 // and whether they are cut off.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -39,6 +40,35 @@ class GovernanceFacts {
   void forget(spi::PermissionsHandle permissions) {
     const std::lock_guard lock(mutex_);
     locals_.erase(permissions);
+  }
+  /// The host may take so long to finish a participant that it has begun to create.
+  static constexpr std::chrono::seconds kCreation{1};
+
+  /// Notes that the host creates the participant. Error: unauthenticated_peers_need_own_process if
+  /// it or another participant of this domain of the process admits unauthenticated participants.
+  /// `shows_none`: the host shows no participant of this domain. Then it is deleting those that it
+  /// had, except if it began to create one less than kCreation ago.
+  ///
+  /// The core has one security state of a remote participant for all local ones. If a handshake of
+  /// one that admits unauthenticated participants fails, the core removes that state. The
+  /// handshakes of the others then use it through a null pointer. The core also lets a handshake
+  /// fail by itself, so no answer of a plugin prevents that.
+  Status join(spi::PermissionsHandle permissions, std::chrono::nanoseconds now, bool shows_none) {
+    const std::lock_guard lock(mutex_);
+    const auto own = locals_.find(permissions);
+    if (own == locals_.end()) return {};
+    for (const auto& [other, known] : locals_) {
+      if (other == permissions || !known.joined) continue;
+      if (shows_none && now - *known.joined >= kCreation) continue;
+      if (has(known.facts | own->second.facts, GovernanceFact::allows_unauthenticated))
+        return fail(Code::unauthenticated_peers_need_own_process,
+                    {.document = "governance",
+                     .field = "allow_unauthenticated_participants",
+                     .expected = "false, or one participant of the domain in the process",
+                     .found = "true, and another participant"});
+    }
+    own->second.joined = now;
+    return {};
   }
   /// Returns the permissions handle of a local participant.
   std::optional<spi::PermissionsHandle> permissions_of(spi::IdentityHandle local) const {
@@ -101,6 +131,7 @@ class GovernanceFacts {
     spi::IdentityHandle local;
     std::uint32_t facts;
     std::optional<Code> cut_off = {};
+    std::optional<std::chrono::nanoseconds> joined = {};
     Status status() const { return cut_off ? Status(fail(*cut_off)) : Status(); }
   };
 

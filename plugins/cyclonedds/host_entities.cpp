@@ -120,6 +120,19 @@ void ignore_all(const Functions& host, dds_listener_t* listener) {
   ignore(host.set_subscription_matched, listener);
 }
 
+std::vector<dds_entity_t> children_of(decltype(&dds_get_children) get_children,
+                                      dds_entity_t entity) {
+  std::vector<dds_entity_t> out;
+  for (;;) {
+    const auto count = get_children(entity, out.data(), out.size());
+    if (count <= 0) return {};
+    const auto size = static_cast<std::size_t>(count);
+    const bool are_all = size <= out.size();
+    out.resize(size);
+    if (are_all) return out;
+  }
+}
+
 class Entities final : public HostEntities {
  public:
   explicit Entities(const Functions& host) : host_(host) {}
@@ -169,15 +182,7 @@ class Entities final : public HostEntities {
   };
 
   std::vector<dds_entity_t> children(dds_entity_t entity) const {
-    std::vector<dds_entity_t> out;
-    for (;;) {
-      const auto count = host_.get_children(entity, out.data(), out.size());
-      if (count <= 0) return {};
-      const auto size = static_cast<std::size_t>(count);
-      const bool are_all = size <= out.size();
-      out.resize(size);
-      if (are_all) return out;
-    }
+    return children_of(host_.get_children, entity);
   }
 
   std::optional<Guid> guid_of(dds_entity_t entity) const {
@@ -210,6 +215,22 @@ void* find_host_symbol(const void* code, const char* name) noexcept {
     }
   }
   return dlsym(RTLD_DEFAULT, name);
+}
+
+bool may_have_participants(const void* code, std::uint32_t domain_id) noexcept try {
+  decltype(&dds_get_children) get_children = nullptr;
+  decltype(&dds_get_domainid) get_domain_id = nullptr;
+  if (!find(get_children, code, "dds_get_children") ||
+      !find(get_domain_id, code, "dds_get_domainid"))
+    return true;
+  for (const auto domain : children_of(get_children, DDS_CYCLONEDDS_HANDLE)) {
+    dds_domainid_t id = 0;
+    if (get_domain_id(domain, &id) == DDS_RETCODE_OK && id == domain_id)
+      return !children_of(get_children, domain).empty();
+  }
+  return true;
+} catch (...) {
+  return true;
 }
 
 std::unique_ptr<HostEntities> find_host_entities(const void* code) {

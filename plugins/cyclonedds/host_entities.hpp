@@ -36,6 +36,11 @@ class HostEntities {
   virtual bool carry_end(const Participant& participant, const Guid& ended) const = 0;
 };
 
+/// False only if the host shows no participant of the domain: it has none, or is creating or
+/// deleting those that it has. Takes only the locks of the process's list of domains and of the
+/// domain, so a call of the host that creates a participant may use it.
+bool may_have_participants(const void* code, std::uint32_t domain_id) noexcept;
+
 /// Returns access to the host; nullptr if the host lacks a needed function.
 std::unique_ptr<HostEntities> find_host_entities(const void* code);
 

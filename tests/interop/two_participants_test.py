@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A process with two secured participants of one domain on our plugins in Cyclone DDS, and another process
 that talks to both: one of the two leaves, or comes to its end, and the other goes on without losing anything.
-While both stay, the process takes no more memory with every message.
+While both stay, the process takes no more memory with every message. If they admit unauthenticated participants, the second
+one is not created.
 
 Usage: two_participants_test.py BUILD [FILTER]    the filter "long/" runs what takes minutes
 """
@@ -21,7 +22,7 @@ sys.dont_write_bytecode = True
 import pair  # noqa: E402
 from documents import COMPANION, Keys, Side  # noqa: E402
 from pki import STARTER, Pki  # noqa: E402
-from scenarios import GOVERNANCES  # noqa: E402
+from scenarios import GOVERNANCES, GUESTS_ENCRYPTED  # noqa: E402
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 PATIENCE = 25.0  # seconds; the peers end by themselves after 27
@@ -177,6 +178,26 @@ def stays_small(watched):
     return f"{growth} KiB more for {len(got) - heard} samples"
 
 
+def guests():
+    """Two that admit unauthenticated participants: one datagram would end the process (tests of 1608)."""
+    with tempfile.TemporaryDirectory(prefix="ddssec-two-") as folder:
+        pki, keys, side = Pki(folder), Keys(), Side(GUESTS_ENCRYPTED)
+        programs = pair.Programs(str(BUILD / "bin"), str(BUILD / "dropin"), folder)
+        words = [*side.arguments(pki, keys, False), "--companion", side.companion(pki, keys, NEVER)]
+        namespace = pair.Namespace()
+        try:
+            peer = pair.start(programs, namespace, "ddssec", ["--subscribe", *words], os.path.join(folder, "subscribe"))
+            try:
+                code = peer.process.wait(PATIENCE)
+            finally:
+                peer.kill()
+                peer.process.stdout.close()
+            log = pathlib.Path(peer.log).read_text(errors="replace")
+            check(f"it ended with {code}: {log[-500:]}", code == 3 and "unauthenticated_peers_need_own_process" in log)
+        finally:
+            namespace.close()
+
+
 def revocation_lists(pki, keys):
     """The list in use, which names a stranger, and one that names the publisher."""
     ca = pki.ca("identity-main", keys.identity_ca)
@@ -232,6 +253,7 @@ def cases():
     for name in ("rtps-encrypt", "rtps-sign", "everything-encrypt-oa"):
         side = Side(GOVERNANCES[name])
         yield f"memory/{name}", lambda s=side: run(stays_small, "ddssec", s, s, publish_words=FAST)
+    yield "guests", guests
     listed = replace(everything, crl="stranger")
     yield "distrusted by one", lambda: run(is_distrusted, "embedded", listed, everything, revocation_lists)
     if LONG in sys.argv[2:]:

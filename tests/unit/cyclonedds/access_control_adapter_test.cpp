@@ -238,6 +238,49 @@ TEST_F(AccessControlAdapterTest, Attributes_CarryMasksAndNoProperties) {
   }
 }
 
+// In the core of version 0.10.2 a failed handshake of the one ends the process by one of the other.
+TEST_F(AccessControlAdapterTest,
+       ParticipantThatAdmitsUnauthenticatedOnes_IsAloneInItsDomainOfTheProcess) {
+  bool admits = false;
+  ON_CALL(plugin, participant_sec_attributes).WillByDefault([&](Handle) {
+    return spi::ParticipantSecurityAttributes{.allow_unauthenticated_participants = admits};
+  });
+  ON_CALL(plugin, return_permissions_handle).WillByDefault(Return(Status{}));
+  const auto create = [&](std::int64_t local, bool its_governance_admits) {
+    admits = its_governance_admits;
+    ON_CALL(plugin, validate_local_permissions).WillByDefault(Return(Handle{local}));
+    EXPECT_EQ(c->validate_local_permissions(c, nullptr, local, 5, &qos, nullptr), local);
+    DDS_Security_ParticipantSecurityAttributes attributes{};
+    refusal.clear();
+    const bool is_created = c->get_participant_sec_attributes(c, local, &attributes, &refusal);
+    EXPECT_EQ(attributes.allow_unauthenticated_participants, is_created && its_governance_admits);
+    return is_created;
+  };
+  EXPECT_TRUE(create(1, false));
+  EXPECT_FALSE(create(2, true));
+  EXPECT_EQ(refusal.reason(), Code::unauthenticated_peers_need_own_process);
+  EXPECT_TRUE(create(3, false)) << "the one that was not created does not count";
+  for (const auto local : {1, 2, 3}) EXPECT_EQ(c->return_permissions_handle(c, local, nullptr), 1);
+  EXPECT_TRUE(create(4, true));
+  EXPECT_FALSE(create(5, false));
+  EXPECT_FALSE(create(6, true));
+  EXPECT_EQ(c->return_permissions_handle(c, 4, nullptr), 1);
+  EXPECT_TRUE(create(7, true));
+}
+
+TEST(GovernanceFactsTest, ParticipantThatTheHostDeletes_KeepsNoOtherOut) {
+  using namespace std::chrono_literals;
+  GovernanceFacts facts;
+  for (const std::int64_t local : {1, 2})
+    facts.note(Handle{local}, {local}, {.allow_unauthenticated_participants = true});
+  EXPECT_TRUE(facts.join(Handle{1}, 10s, false));
+  EXPECT_FALSE(facts.join(Handle{2}, 20s, false)) << "the host shows a participant";
+  EXPECT_FALSE(facts.join(Handle{2}, 10900ms, true)) << "it may still be creating the first";
+  EXPECT_TRUE(facts.join(Handle{2}, 11s, true));
+  facts.forget(Handle{1});
+  EXPECT_TRUE(facts.join(Handle{2}, 12s, false)) << "it is alone";
+}
+
 TEST_F(AccessControlAdapterTest, NullArguments_AreRefusedNotFollowed) {
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, nullptr, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::null_argument);

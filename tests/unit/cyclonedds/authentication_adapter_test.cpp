@@ -270,41 +270,6 @@ TEST_F(AuthenticationAdapterTest, RefusedAnnouncement_IsLookedAtAgainAndThenDisc
   EXPECT_EQ(c->return_identity_handle(c, third, nullptr), 1);
 }
 
-// After an error for the second participant, the core of version 0.10.2 stores any other answer
-// through a null pointer.
-TEST_F(AuthenticationAdapterTest, PeerRefusedWhereOneAdmitsUnauthenticatedOnes_IsRefusedForAll) {
-  auto& adapter = AuthenticationAdapter::of(*c);
-  for (const std::uint8_t local : {1, 2})
-    adapter.dispose_announcements().add_local({local}, guid_of(local).prefix);
-  admits_in_access_control = 2;
-  const HostToken good(sample_token());
-  DDS_Security_DataHolder unreadable{};
-  unreadable.binary_properties._length = 7;
-  HostToken request;
-  const auto ask = [&](DDS_Security_IdentityHandle local, const DDS_Security_DataHolder& token,
-                       std::uint8_t peer) {
-    const auto remote = to_c(guid_of(peer));
-    DDS_Security_IdentityHandle handle = 0;
-    refusal.clear();
-    return c->validate_remote_identity(c, &handle, &request, nullptr, local, &token, &remote,
-                                       &refusal);
-  };
-  EXPECT_EQ(ask(1, unreadable, 3), DDS_SECURITY_VALIDATION_PENDING_RETRY);
-  EXPECT_EQ(ask(2, unreadable, 3), DDS_SECURITY_VALIDATION_FAILED);
-  EXPECT_EQ(ask(1, unreadable, 3), DDS_SECURITY_VALIDATION_FAILED);
-  EXPECT_EQ(refusal.reason(), Code::peer_refused_in_process);
-  EXPECT_EQ(ask(2, unreadable, 4), DDS_SECURITY_VALIDATION_FAILED);
-  EXPECT_EQ(ask(1, good, 4), DDS_SECURITY_VALIDATION_FAILED);
-  EXPECT_EQ(refusal.reason(), Code::peer_refused_in_process);
-  EXPECT_CALL(plugin, validate_remote_identity(_, _, _, guid_of(5)))
-      .WillOnce(Return(spi::Authentication::RemoteIdentity{
-          {7}, spi::ValidationResult::pending_handshake_request, sample_token()}));
-  EXPECT_EQ(ask(1, good, 5), DDS_SECURITY_VALIDATION_PENDING_HANDSHAKE_REQUEST);
-  EXPECT_EQ(ask(2, unreadable, 5), DDS_SECURITY_VALIDATION_PENDING_RETRY)
-      << "an error would remove the state that the first handshake uses";
-  admits_in_access_control = 0;
-}
-
 TEST_F(AuthenticationAdapterTest, HandshakeSteps_GiveTheHostsResults) {
   using spi::ValidationResult;
   EXPECT_CALL(plugin, begin_handshake_request(spi::IdentityHandle{1}, spi::IdentityHandle{2}, _))

@@ -225,9 +225,6 @@ DDSSEC_EXPORT void ddssec_cut_off_access_control(DDS_Security_IdentityHandle loc
   cut_off_in_access_control = local;
 }
 DDSSEC_EXPORT std::uint32_t ddssec_governance_facts_of(DDS_Security_IdentityHandle local) {
-  using ddssec::cyclonedds::GovernanceFact;
-  if (local != 0 && local == ddssec::cyclonedds::admits_in_access_control)
-    return static_cast<std::uint32_t>(GovernanceFact::allows_unauthenticated);
   if (local == 0 || local != ended_in_access_control) return 0;
   return static_cast<std::uint32_t>(ddssec::cyclonedds::GovernanceFact::cut_off);
 }

@@ -1,7 +1,6 @@
 // An adapter around a mock plugin, and the small values of the C ABI that tests pass in.
 #pragma once
 
-#include <atomic>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -15,10 +14,6 @@
 #include "tests/unit/cyclonedds/mocks.hpp"
 
 namespace ddssec::cyclonedds {
-
-/// The local participant that admits unauthenticated ones, as the other library says
-/// (cut_off_test.cpp exports its function).
-inline std::atomic<DDS_Security_IdentityHandle> admits_in_access_control{0};
 
 /// A SecurityException that is freed at its end.
 struct Refusal : Exception {
