@@ -76,17 +76,16 @@ CPermissions validate_local_permissions(Instance* instance, const dds_security_a
 CPermissions validate_remote_permissions(Instance* instance, const dds_security_authentication*,
                                          const DDS_Security_IdentityHandle local_identity,
                                          const DDS_Security_IdentityHandle remote_identity,
-                                         const CToken* permissions_token, const CToken* credential,
-                                         Exception* ex) {
+                                         const CToken* /*permissions_token*/,
+                                         const CToken* credential, Exception* ex) {
   return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
-    // An announcement forged by an attacker may have no token.
-    if (permissions_token == nullptr || permissions_token->class_id == nullptr)
-      return fail(Code::permissions_token_class, {.found = "no permissions token"});
     DDSSEC_RETURN_IF_ERROR(adapter.facts().check(spi::IdentityHandle{local_identity}));
-    DDSSEC_ASSIGN_OR_RETURN(const auto token, token_from(permissions_token));
     DDSSEC_ASSIGN_OR_RETURN(const auto peer, token_from(credential));
-    return adapter.plugin().validate_remote_permissions({local_identity}, {remote_identity}, token,
-                                                        peer);
+    // The announced token is not used, because it can be forged, and the host keeps the first one.
+    // The permissions of the handshake are signed.
+    return adapter.plugin().validate_remote_permissions(
+        {local_identity}, {remote_identity}, {.class_id = std::string(spi::class_id::kPermissions)},
+        peer);
   });
 }
 

@@ -30,7 +30,7 @@ from scenarios import EO, GOVERNANCES, SROS2  # noqa: E402
 
 STRANGER = pathlib.Path(__file__).resolve().parent / "stranger.py"
 PATIENCE = {"request": 30, "answered": 90, "flood": 90, "announced": 90, "nameless": 90, "nameless-elsewhere": 90, "fewer": 90,
-            "early": 60, "privileged": 60, "parting": 90, "parting-both": 90, "removing": 60, "crowding": 60, "redirecting": 60}  # seconds
+            "rightless": 15, "early": 60, "privileged": 60, "parting": 90, "parting-both": 90, "removing": 60, "crowding": 60, "redirecting": 60}  # seconds
 TRIES = 4  # the peer's own announcement may be the first
 CAN_BE_LATE = ("announced", "nameless", "nameless-elsewhere", "fewer")
 MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces>"
@@ -194,7 +194,8 @@ def redirect(world):
 
 # With origin authentication recorded messages never open again.
 GOVERNANCE_OF = {"privileged": GOVERNANCES["everything-encrypt"], "removing": SROS2,
-                 "redirecting": Governance(discovery="ENCRYPT", metadata="ENCRYPT"), "crowding": Governance(metadata=EO)}
+                 "redirecting": Governance(discovery="ENCRYPT", metadata="ENCRYPT"), "crowding": Governance(metadata=EO),
+                 "rightless": Governance(join=False, metadata="ENCRYPT")}  # a peer without permissions may join
 STORIES = {"privileged": part, "parting": lambda world: part_for_good(world, "parting"),
            "parting-both": lambda world: part_for_good(world, "parting-both"),
            "removing": remove, "crowding": crowd, "asking": ask, "redirecting": redirect}
@@ -231,7 +232,7 @@ def cases():
     # 3 of 60 tries. Only our cryptography tells that keys do not come.
     yield "flood/ddssec", "ddssec", "flood"
     yield "nameless/ddssec-auth", "ddssec-auth", "nameless"
-    for mode in ("nameless", "nameless-elsewhere", "fewer", "privileged", "parting", "parting-both", "early",
+    for mode in ("nameless", "nameless-elsewhere", "fewer", "rightless", "privileged", "parting", "parting-both", "early",
                  "removing", "crowding", "asking", "redirecting"):
         # With a stock cryptography the two stay apart.
         yield f"{mode}/ddssec", "ddssec", mode

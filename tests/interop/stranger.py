@@ -12,6 +12,7 @@ Usage: stranger.py request                an empty request to the participant th
        stranger.py nameless               the announcement of the first, without an identity token, by multicast, from
                                           before the second is there until a second afterwards
        stranger.py fewer                  as `announced`, without secure discovery of endpoints
+       stranger.py rightless              as `announced`, with a permissions token of an unknown class instead
        stranger.py privileged             to the one that answers, the announcement of an invented participant, on
                                           which its core takes the other to depend: both go when the invented one does.
                                           Before that it records what the two send each other, and sends it again as
@@ -288,7 +289,8 @@ def join(network, tags):
                     network.send(other, begin + domain + end)
 
 
-FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer}
+FORGERIES = {"announced": lambda true: true.replace(b"PKI-DH:1.0", b"PKI-DH:9.0"), "fewer": fewer,
+             "rightless": lambda true: true.replace(b"Permissions:1.0", b"Permissions:9.0")}
 
 
 def is_reset(message):

@@ -8,6 +8,7 @@
 #include "plugins/cyclonedds/access_control_gate.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
+#include "plugins/spi/property_names.hpp"
 #include "tests/unit/cyclonedds/access_control_adapters.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
@@ -29,8 +30,8 @@ TEST_F(AccessControlAdapterTest, PermissionsOfBothSides_ReachThePlugin) {
   EXPECT_CALL(plugin, validate_local_permissions(spi::IdentityHandle{1}, 5, _, std::string_view()))
       .WillOnce(Return(Handle{8}));
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, &qos, &refusal), 8);
-  EXPECT_CALL(plugin, validate_remote_permissions(spi::IdentityHandle{1}, spi::IdentityHandle{2},
-                                                  sample_token(), sample_token()))
+  EXPECT_CALL(plugin, validate_remote_permissions(spi::IdentityHandle{1}, spi::IdentityHandle{2}, _,
+                                                  sample_token()))
       .WillOnce(Return(Handle{9}))
       .WillOnce(Return(fail(Code::malformed)));
   EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, &token, &token, &refusal), 9);
@@ -39,14 +40,16 @@ TEST_F(AccessControlAdapterTest, PermissionsOfBothSides_ReachThePlugin) {
   EXPECT_EQ(refusal.reason(), Code::malformed);
 }
 
-// A stranger can leave the token out of a forged announcement, so this is no fault of the host.
-TEST_F(AccessControlAdapterTest, AnAnnouncement_WithoutPermissionsToken_IsOfAnotherKind) {
+// A stranger can leave the token out of a forged announcement, or give it another class.
+TEST_F(AccessControlAdapterTest, AnnouncedPermissionsToken_IsNotUsed) {
+  const spi::Token of_our_class{.class_id = std::string(spi::class_id::kPermissions)};
+  EXPECT_CALL(plugin, validate_remote_permissions(_, _, of_our_class, sample_token()))
+      .Times(3)
+      .WillRepeatedly(Return(Handle{9}));
   const DDS_Security_Token none{};
-  for (const auto* announced : {static_cast<const DDS_Security_Token*>(nullptr), &none}) {
-    EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, announced, &token, &refusal), 0);
-    EXPECT_EQ(refusal.reason(), Code::permissions_token_class);
-    refusal.clear();
-  }
+  for (const auto* announced : {static_cast<const DDS_Security_Token*>(nullptr), &none,
+                                static_cast<const DDS_Security_Token*>(&token)})
+    EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, announced, &token, &refusal), 9);
 }
 
 TEST_F(AccessControlAdapterTest, EachCheck_PassesTheQuestionAndTheAnswer) {
@@ -284,7 +287,6 @@ TEST(GovernanceFactsTest, ParticipantThatTheHostDeletes_KeepsNoOtherOut) {
 TEST_F(AccessControlAdapterTest, NullArguments_AreRefusedNotFollowed) {
   EXPECT_EQ(c->validate_local_permissions(c, nullptr, 1, 5, nullptr, &refusal), 0);
   EXPECT_EQ(refusal.reason(), Code::null_argument);
-  EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, nullptr, &token, nullptr), 0);
   EXPECT_EQ(c->validate_remote_permissions(c, nullptr, 1, 2, &token, nullptr, nullptr), 0);
   EXPECT_EQ(c->check_create_datawriter(c, 8, 5, nullptr, &qos, nullptr, nullptr, nullptr), 0);
   EXPECT_EQ(c->check_create_datareader(c, 8, 5, nullptr, &qos, nullptr, nullptr, nullptr), 0);
