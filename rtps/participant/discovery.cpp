@@ -392,6 +392,7 @@ LocatorList Discovery::on_proven(const GuidPrefix& peer, const ParticipantData& 
   remote->has_returned = false;
   adopt_proven(remote->data, proven);
   remote->marks_ends = find_property(proven.properties, kMarksEndsProperty) != nullptr;
+  remote->next_addresses.reset();  // they are older than these
   auto metatraffic = proven.metatraffic_unicast, user = proven.default_unicast;
   leave_out_loopback(core_, metatraffic);
   leave_out_loopback(core_, user);

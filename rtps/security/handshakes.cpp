@@ -381,7 +381,7 @@ Status Handshakes::adopt_proven_data(Peer& peer) {
   peer.answers_key_requests = false;
   const auto proven = read_signed_data(peer);
   if (!proven) {
-    core_.raise(proven.error(), peer, EventOrigin::its_keys);
+    if (!peer.was_counted_as_failed) core_.raise(proven.error(), peer, EventOrigin::its_keys);
     return std::unexpected(proven.error());
   }
   DDSSEC_RETURN_IF_ERROR(admission_.check_proven(*proven));

@@ -149,7 +149,10 @@ TEST(RepeatedWork, AThousandRenewalsInASecond_FewAreJudgedAndTheLastCounts) {
   EXPECT_TRUE(two.bob->is_authenticated(two.alice->prefix()));
   EXPECT_EQ(two.bob.listener.matched, 1) << two.bob.events.text();
 
-  for (int i = 0; i < 2000 && two.bob.listener.matched == 1; ++i) two.step(10ms, 10ms);
+  for (int i = 0; i < 2000 && two.bob.listener.matched == 1; ++i) {
+    two.alice.clock.advance(10ms);
+    two.step(10ms, 10ms);
+  }
   EXPECT_EQ(two.bob.listener.matched, 0) << "the last permissions do not allow the topic";
   EXPECT_TRUE(two.bob->is_authenticated(two.alice->prefix()));
 }
