@@ -22,9 +22,9 @@ class ReaderCache {
   /// later one is replaced by the time of arrival (DDS 1.4, 2.2.3.17), so that a sample from the
   /// far future does not suppress what others write to its instance.
   static constexpr std::chrono::seconds kMaxAhead{10};
-  /// The largest number of missed deadlines that one call of expire_deadlines reports, and the pause
-  /// before the next ones. A peer that has created many instances need not do anything more: each of
-  /// them misses each deadline.
+  /// The largest number of missed deadlines that one call of expire_deadlines reports, and the
+  /// pause before the next ones. A peer that has created many instances need not do anything more:
+  /// each of them misses each deadline.
   static constexpr std::size_t kMaxMissed = 512;
   static constexpr MonotonicTime kMissedPause = std::chrono::milliseconds(1);
   /// `queries` are those of the reader's QueryConditions. They must outlive this object

@@ -7,9 +7,9 @@
 namespace ddssec::rtps {
 
 /// Encodes what local endpoints send (DDS-Security 1.2, clauses 9.5.1.10.1 to 9.5.1.10.4). Each
-/// call writes to `out`, which must have room for the plain octets and spi::protection_overhead, and
-/// returns the number of octets written. Allocates nothing. If a call fails, the data must not be
-/// sent.
+/// call writes to `out`, which must have room for the plain octets and spi::protection_overhead,
+/// and returns the number of octets written. Allocates nothing. If a call fails, the data must not
+/// be sent.
 class SendProtection {
  public:
   /// The key that protects a whole message.

@@ -98,7 +98,8 @@ TEST_P(ChangingDocument, InItsPlace_CostsOneLookForEachIntervalAndIsOneEvent) {
     folder_.replace(std::string(GetParam()), "nonsense " + std::to_string(i));
     poll(100ms);
   }
-  // A key without its certificate is judged by the content of the certificate, which stays the same.
+  // A key without its certificate is judged by the content of the certificate, which stays the
+  // same.
   const auto least = GetParam() == "key.pem" ? 1u : 2u;
   EXPECT_THAT(events(), SizeIs(AllOf(Ge(least), Le(5u)))) << plugin().events.text();
   EXPECT_THAT(passed_.all, SizeIs(1)) << passed_.text();

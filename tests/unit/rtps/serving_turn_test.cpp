@@ -1,8 +1,8 @@
 // The thread that waits serves the participant. If no thread waits, the participant's own thread
 // does.
-#include <thread>
 #include <csignal>
 #include <future>
+#include <thread>
 
 #include "rtps/dcps/wait_set.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"

@@ -53,10 +53,10 @@ TEST_P(ProvenAddressChange, ReaderMoves_WriterFollows) {
 // Each move costs time for each endpoint of the participant that moves.
 TEST_P(ProvenAddressChange, ReaderMovesWithoutEnd_WriterFollowsSeldom) {
   for (std::uint32_t i = 1; i <= 50; ++i) {
-    pair.b->change_own({.addresses = OwnChange::Addresses{{},
-                                                          {at("127.0.0.1", 7200 + i)},
-                                                          {at("127.0.0.1", 7200 + i)}}},
-                       pair.world.now);
+    pair.b->change_own(
+        {.addresses =
+             OwnChange::Addresses{{}, {at("127.0.0.1", 7200 + i)}, {at("127.0.0.1", 7200 + i)}}},
+        pair.world.now);
     pair.b->tick(pair.world.now);
   }
   pair.b.port = 7250;
