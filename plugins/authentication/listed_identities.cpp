@@ -29,16 +29,16 @@ FollowedCertificates followed_peer(const AuthenticatedPeer& peer, const OwnIdent
 }
 
 // Returns the proof of our own certificate: the one that the peer has seen if that is valid,
-// otherwise the one in force, if the peer may know it from its list.
+// otherwise one that the peer may know from its list. The files of the certificate and of the list
+// are replaced one after the other, so the listed one may be that before or after the one in force.
 std::optional<pki::ValidChain> followed_own(const AuthenticatedPeer& peer, const OwnIdentity& local,
                                             WallTime now) {
   if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
   const auto present = local.certificate();
-  if (!peer.reads_lists || present == peer.own || !local.listed().holds(present) ||
+  if (!peer.reads_lists || present == peer.own ||
       pki::key_digest(present) != pki::key_digest(peer.own))
     return std::nullopt;
-  auto chain = local.verify(present, now);
-  return chain ? std::optional(*std::move(chain)) : std::nullopt;
+  return local.listed_after(peer.own, now);
 }
 
 Error listed_event(const pki::ValidChain& chain) {

@@ -12,9 +12,9 @@ namespace ddssec::authentication {
 /// peer_renewal_listed for each peer whose certificate is followed by a listed one. A session goes
 /// on in two cases:
 /// - The peer's certificate has ended, and ListedRenewals::after has one for it.
-/// - Our certificate that the peer has seen has ended, another one of the same key is in force and
-///   on our list, and the peer runs ddssec. If the peer has no such list, it ends the session, and
-///   we follow.
+/// - Our certificate that the peer has seen has ended, another one of the same key is in force, one
+///   of that key is on our list, and the peer runs ddssec. If the peer has no such list, it ends
+///   the session, and we follow.
 /// For the others EndedIdentity::note has the reason why a listed certificate does not count. If a
 /// peer has ended, the lists are read once more before.
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,

@@ -1,7 +1,6 @@
 #include "plugins/authentication/listed_renewals.hpp"
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <utility>
 
@@ -168,13 +167,6 @@ ListedRenewals::FoundCertificate ListedRenewals::after(const Session& session,
   for (const auto* const all : {&list_.usable, &list_.waiting, &list_.former})
     std::ranges::for_each(*all, judge);
   return out;
-}
-
-bool ListedRenewals::holds(const pki::Certificate& certificate) const {
-  const std::scoped_lock lock(mutex_);
-  return std::ranges::any_of(
-      std::array{&list_.usable, &list_.waiting, &list_.former},
-      [&](const auto* all) { return std::ranges::find(*all, certificate) != all->end(); });
 }
 
 std::optional<DocumentState> ListedRenewals::state() const {

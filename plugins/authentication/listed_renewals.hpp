@@ -50,8 +50,6 @@ class ListedRenewals {
   /// accepts it at `now`. None if the proven one was revoked. It verifies the certificate, so that
   /// an entry also counts if no poll has verified it yet.
   FoundCertificate after(const Session& session, const TrustStore& trust, WallTime now) const;
-  /// True if this certificate is on the list. It may not be verified.
-  bool holds(const pki::Certificate& certificate) const;
 
   /// Returns the list in force, and what was refused; empty if there is neither.
   std::optional<DocumentState> state() const;

@@ -68,6 +68,11 @@ std::vector<Error> OwnIdentity::ends_soon(WallTime now) {
   return out;
 }
 
+std::optional<pki::ValidChain> OwnIdentity::listed_after(const pki::Certificate& seen,
+                                                         WallTime now) const {
+  return listed_->after({seen, seen}, *own_trust(), now).chain;
+}
+
 std::shared_ptr<const TrustStore> OwnIdentity::own_trust() const {
   const std::scoped_lock lock(mutex_);
   return own_trust_;

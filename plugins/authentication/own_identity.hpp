@@ -78,6 +78,9 @@ class OwnIdentity {
 
   /// Returns the renewal list, with renewed certificates of peers.
   ListedRenewals& listed() const { return *listed_; }
+  /// Returns the certificate on the renewal list that follows `seen`, one of this participant: of
+  /// the same key, valid at `now`, and accepted by its own CAs.
+  std::optional<pki::ValidChain> listed_after(const pki::Certificate& seen, WallTime now) const;
 
   struct AuthorityRenewal {
     bool authorities = false;  ///< true if other identity CAs came into force

@@ -10,8 +10,10 @@
 namespace ddssec::authentication::listed {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::Not;
 
 // ---- what keeps a peer
 
@@ -123,9 +125,24 @@ TEST_F(OwnListed, RenewedCertificateOnTheList_KeepsTheSession) {
   EXPECT_EQ(second_->next_expiry(), kNext.not_after);
 }
 
-TEST_F(OwnListed, RenewedCertificateThatIsNotListed_EndsTheSession) {
+// The files are replaced one after the other, in either order.
+TEST_F(OwnListed, CertificateThatIsNotTheListedOne_KeepsTheSession) {
   folder_.write("renewed.pem", list_of({renewed_bob()}));
-  renew(renewed_bob(1, {kNow + 5s, kNow + 24h}));
+  renew(renewed_bob(1, {kNow + 5s, kNow + 200 * 24h}));
+  EXPECT_THAT(codes_at_the_end(), IsEmpty());
+  EXPECT_THAT(ended_, IsEmpty());
+  EXPECT_EQ(second_->next_expiry(), kNext.not_after);
+}
+
+TEST_F(OwnListed, RenewedCertificateWithoutAListedOne_EndsTheSession) {
+  folder_.write("renewed.pem", list_of({make_identity(test_ca(), kAlice).certificate}));
+  renew(renewed_bob());
+  EXPECT_THAT(codes_at_the_end(), ElementsAre(Code::session_outlived_documents));
+}
+
+TEST_F(OwnListed, ListedCertificateOfAnotherKey_EndsTheSession) {
+  folder_.write("renewed.pem", list_of({renewed_bob(2)}));
+  renew(renewed_bob());
   EXPECT_THAT(codes_at_the_end(), ElementsAre(Code::session_outlived_documents));
 }
 
@@ -143,43 +160,67 @@ TEST_F(OwnListedForStock, APeerThatIsNotOfDdssec_HasNoList) {
 
 // ---- a CA that is replaced
 
-TEST(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) {
-  const test::TemporaryFolder folder;
-  const auto old_ca = make_ca(), new_ca = make_ca();
-  auto identity = make_identity(old_ca, kAlice);
-  const auto both = old_ca.certificate().pem() + new_ca.certificate().pem();
-  const auto put_own = [&](const Identity& own) {
-    folder.replace("cert.pem", own.certificate.pem());
-  };
-  put_own(identity);
-  folder.replace("identity_ca.pem", both);
-  set(identity.properties, property::kIdentityCertificate, "file:" + folder.path() + "/cert.pem");
-  set(identity.properties, property::kIdentityCa, "file:" + folder.path() + "/identity_ca.pem");
-  auto bob = bob_with(kYear, 1, old_ca);
-  TestPlugin first(1), second(2);
-  Participant alice(first, identity, 1), peer(second, bob, 2, spi::kAllCiphers);
-  Two two(alice, peer);
-  const auto request = two.request();
-  ASSERT_OK(request);
-  const auto reply = two.reply(*request->message);
-  ASSERT_OK(reply);
-  Pairing::expect_finish_of(two, *request, *reply);
-  const auto poll = [&] {
-    first.clock.advance(5s);
-    return first->poll();
-  };
-  const auto own = make_identity(new_ca, kAlice, {}, {kNow, kNow + 400 * 24h});
-  put_own(own);
-  EXPECT_THAT(poll(), IsEmpty());
-  folder.write("renewed.pem", list_of({bob_with(kNext, 1, new_ca).certificate, own.certificate}));
-  first.clock.advance(5s);
-  folder.replace("identity_ca.pem", new_ca.certificate().pem());
-  EXPECT_THAT(poll(), IsEmpty());
-  EXPECT_THAT(poll(), IsEmpty());
-  folder.write("renewed.pem", "");
-  const auto& all = first.events.all;
-  EXPECT_TRUE(std::ranges::any_of(
-      all, [](const auto& one) { return one.error.code() == Code::peer_renewal_listed; }));
+// Alice and Bob meet with certificates of a CA that is replaced.
+class ListedOfANewCa : public testing::Test {
+ protected:
+  Identity with_files() {
+    auto identity = make_identity(old_ca_, kAlice);
+    put_own(identity);
+    folder_.replace("identity_ca.pem", old_ca_.certificate().pem() + new_ca_.certificate().pem());
+    set(identity.properties, property::kIdentityCertificate,
+        "file:" + folder_.path() + "/cert.pem");
+    set(identity.properties, property::kIdentityCa, "file:" + folder_.path() + "/identity_ca.pem");
+    return identity;
+  }
+  void put_own(const Identity& own) { folder_.replace("cert.pem", own.certificate.pem()); }
+  Identity renewed(pki::Validity validity) const {
+    return make_identity(new_ca_, kAlice, {}, validity);
+  }
+  void SetUp() override {
+    const auto request = two_.request();
+    ASSERT_OK(request);
+    const auto reply = two_.reply(*request->message);
+    ASSERT_OK(reply);
+    Pairing::expect_finish_of(two_, *request, *reply);
+    put_own(own_);
+    EXPECT_THAT(poll(), IsEmpty());
+    folder_.write("renewed.pem",
+                  list_of({bob_with(kNext, 1, new_ca_).certificate, own_.certificate}));
+    first_.clock.advance(5s);
+  }
+  std::vector<IdentityHandle> poll() {
+    first_.clock.advance(5s);
+    return first_->poll();
+  }
+  void let_the_first_ca_leave() {
+    folder_.replace("identity_ca.pem", new_ca_.certificate().pem());
+    EXPECT_THAT(poll(), IsEmpty());
+    EXPECT_THAT(poll(), IsEmpty());
+    EXPECT_THAT(first_.events.codes(), Contains(Code::peer_renewal_listed));
+    EXPECT_THAT(first_.events.codes(), Not(Contains(Code::identity_ca_withdrawn)));
+  }
+
+  const test::TemporaryFolder folder_;
+  const pki::Authority old_ca_ = make_ca(), new_ca_ = make_ca();
+  const Identity own_ = renewed({kNow, kNow + 400 * 24h});
+  TestPlugin first_{1}, second_{2};
+  Participant alice_{first_, with_files(), 1};
+  Participant peer_{second_, bob_with(kYear, 1, old_ca_), 2, spi::kAllCiphers};
+  Two two_{alice_, peer_};
+};
+
+TEST_F(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) { let_the_first_ca_leave(); }
+
+// Such as by the agent, which writes the list a moment later.
+TEST_F(ListedOfANewCa, OurCertificateRenewedBeforeItsList_KeepsThePeer) {
+  put_own(renewed({kNow, kNow + 401 * 24h}));
+  let_the_first_ca_leave();
+}
+
+TEST_F(ListedOfANewCa, ListWithOurNextCertificate_KeepsThePeer) {
+  folder_.replace("renewed.pem", list_of({bob_with(kNext, 1, new_ca_).certificate,
+                                          renewed({kNow, kNow + 401 * 24h}).certificate}));
+  let_the_first_ca_leave();
 }
 
 }  // namespace
