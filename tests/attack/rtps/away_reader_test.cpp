@@ -95,7 +95,7 @@ TEST_P(TwoReadersOfBob, ReaderWhoseAbsenceWasNotNoticed_IsMatchedAgain) {
   ASSERT_TRUE(trio.match()) << trio.text();
   older = reader_of_bob(trio);
   write(1);
-  trio.silence(trio.b);
+  trio.world.silence(trio.b);
   move(trio, older, {"away"});
   trio.world.run(20);
   ASSERT_EQ(trio.b.listener.matched, 0);
@@ -138,7 +138,7 @@ TEST_P(FormerKeys, OnlyReaderThatReturned_OpensNothingWithThem) {
     const auto reader = reader_of_bob(trio);
     trio.write();
     trio.world.run(20);
-    if (is_missed_late) trio.silence(trio.b);
+    if (is_missed_late) trio.world.silence(trio.b);
     move(trio, reader, {"away"});
     ASSERT_TRUE(trio.world.run_until([&] { return trio.b.listener.matched == 0; }, 300));
     if (is_missed_late) {
@@ -153,7 +153,7 @@ TEST_P(FormerKeys, OnlyReaderThatReturned_OpensNothingWithThem) {
     ASSERT_TRUE(trio.revised(1)) << trio.text();
     trio.world.run(700);
     until_former_keys_have_ended(trio);
-    trio.silence(trio.a);
+    trio.world.silence(trio.a);
     move(trio, reader, {});
     trio.world.run(50);
     constexpr std::int64_t kFar = std::int64_t{1} << 40;

@@ -70,9 +70,7 @@ struct Three {
     std::ranges::copy(reader.prefix.octets, key.begin());
     std::ranges::copy(reader.entity.octets, key.begin() + 12);
     end.inline_qos.key_hash = key;
-    world.filter = [this](const Node& from, Bytes datagram) {
-      return &from == &c ? std::vector<Bytes>{} : one(std::move(datagram));
-    };
+    world.silence(c);
     a->receive(forged(c->prefix(), end), world.now, *Locator::parse("127.0.0.1", 0));
     ASSERT_TRUE(world.run_until([&] { return a.listener.matched == 1; }, 800)) << a.events.text();
   }

@@ -253,14 +253,15 @@ struct Pairing {
                                                           1))
       : a(first_plugin, first, 1), b(second_plugin, second, 2), two(a, b) {}
 
-  void expect_success() {
+  void expect_success() { expect_success_of(two); }
+  static void expect_success_of(Two& two) {
     const auto request = two.request();
     ASSERT_OK(request);
     EXPECT_EQ(request->result, ValidationResult::pending_handshake_message);
     const auto reply = two.reply(*request->message);
     ASSERT_OK(reply);
     EXPECT_EQ(reply->result, ValidationResult::pending_handshake_message);
-    expect_finish(*request, *reply);
+    expect_finish_of(two, *request, *reply);
   }
   void expect_finish(const spi::Authentication::HandshakeStep& request,
                      const spi::Authentication::HandshakeStep& reply) {

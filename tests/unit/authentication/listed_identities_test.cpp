@@ -90,13 +90,7 @@ class OwnListed : public testing::Test {
         "file:" + folder_.write("cert.pem", identity.certificate.pem()));
     return identity;
   }
-  void SetUp() override {
-    const auto request = two_.request();
-    ASSERT_OK(request);
-    const auto reply = two_.reply(*request->message);
-    ASSERT_OK(reply);
-    Pairing::expect_finish_of(two_, *request, *reply);
-  }
+  void SetUp() override { Pairing::expect_success_of(two_); }
   void renew(const pki::Certificate& next) {
     second_.clock.advance(5s);
     folder_.replace("cert.pem", next.pem());
@@ -177,11 +171,7 @@ class ListedOfANewCa : public testing::Test {
     return make_identity(new_ca_, kAlice, {}, validity);
   }
   void SetUp() override {
-    const auto request = two_.request();
-    ASSERT_OK(request);
-    const auto reply = two_.reply(*request->message);
-    ASSERT_OK(reply);
-    Pairing::expect_finish_of(two_, *request, *reply);
+    Pairing::expect_success_of(two_);
     put_own(own_);
     EXPECT_THAT(poll(), IsEmpty());
     folder_.write("renewed.pem",

@@ -209,7 +209,7 @@ TEST(KeyRevision, TwoLossesAtOnce_CauseOne) {
 TEST(KeyRevision, SilentPeer_IsWaitedForOnlySoLong) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
-  trio.silence(trio.b);
+  trio.world.silence(trio.b);
   trio.a->ignore_participant(trio.c->prefix());
   trio.world.run(450);
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised)) << "bob did not say that he has them";
@@ -221,7 +221,7 @@ TEST(KeyRevision, SilentPeer_IsWaitedForOnlySoLong) {
 TEST(KeyRevision, PeersThatGo_AreNotWaitedFor) {
   Trio trio(revising(everything(kEncrypt)));
   ASSERT_TRUE(trio.match()) << trio.text();
-  trio.silence(trio.b);
+  trio.world.silence(trio.b);
   trio.a->ignore_participant(trio.c->prefix());
   trio.world.run(50);
   EXPECT_FALSE(trio.a.events.has(Code::rtps_keys_revised));
@@ -236,7 +236,7 @@ TEST(KeyRevision, PeerThatJoinsInTheMiddle_LosesNothing) {
     Trio trio(revising(rules));
     Node d(4, member("dave", trio.rules), 4);
     ASSERT_TRUE(trio.match()) << trio.text();
-    trio.silence(trio.b);  // delays the revision
+    trio.world.silence(trio.b);  // delays the revision
     trio.a->ignore_participant(trio.c->prefix());
     trio.world.run(30);
     trio.world.nodes.push_back(&d);

@@ -319,6 +319,12 @@ struct World {
       for (auto* node : nodes) (*node)->tick(now);
     }
   }
+  /// From now on, loses all messages of that node.
+  void silence(const Node& sender) {
+    filter = [&sender](const Node& from, Bytes datagram) {
+      return &from == &sender ? std::vector<Bytes>{} : one(std::move(datagram));
+    };
+  }
   /// True once `done` is true. Runs at most that many steps of 10 ms.
   bool run_until(const std::function<bool()>& done, int steps = 3000) {
     for (int i = 0; i < steps && !done(); ++i) run(1);

@@ -80,12 +80,6 @@ struct Trio {
         },
         steps);
   }
-  /// Loses all messages of that node from now on.
-  void silence(const Node& whom) {
-    world.filter = [&whom](const Node& from, Bytes datagram) {
-      return &from == &whom ? std::vector<Bytes>{} : one(std::move(datagram));
-    };
-  }
   void revoke_carol() {
     list.revoke(carol);
     for (auto* node : {&a, &b}) node->clock.advance(1s);

@@ -207,13 +207,6 @@ TEST(SharedMemory, PeerPassesAnotherDescriptor_ItsIdentityIsAskedForNoOther) {
 
 // ---- readers that stop
 
-// Loses all messages of that node from now on: it receives, and acknowledges nothing.
-void silence(World& world, const Node& whom) {
-  world.filter = [&whom](const Node& from, Bytes datagram) {
-    return &from == &whom ? std::vector<Bytes>{} : one(std::move(datagram));
-  };
-}
-
 // Eight samples in 10 ms: more than the slots hold in the time after which a slot is used again.
 void burst(MemoryTrio& three, int steps) {
   for (int i = 0; i < steps; ++i) {
@@ -229,7 +222,7 @@ void burst(MemoryTrio& three, int steps) {
 
 TEST(SharedMemory, OneOfTwoReadersStops_OtherStillReadsMemory) {
   MemoryTrio three({.metadata = sign});
-  silence(three.world, three.c);
+  three.world.silence(three.c);
   burst(three, 60);  // longer than an acknowledgment may take
   std::size_t octets = 0;
   three.world.filter = [&](const Node& from, Bytes datagram) {
@@ -251,7 +244,7 @@ TEST(SharedMemory, OneOfTwoReadersStops_OtherStillReadsMemory) {
 TEST(SharedMemory, AllSlotsNeeded_EventSaysSoOnceInAMinute) {
   MemoryTrio three({.metadata = sign});
   for (int round = 0; round < 2; ++round) {
-    silence(three.world, three.c);
+    three.world.silence(three.c);
     burst(three, 20);
     EXPECT_EQ(three.a.events.count(Code::rtps_memory_unused), 1) << three.a.events.text();
     three.world.filter = {};
@@ -262,14 +255,14 @@ TEST(SharedMemory, AllSlotsNeeded_EventSaysSoOnceInAMinute) {
   }
   EXPECT_THAT(three.a.events.text(), HasSubstr("readers still need all of the memory"));
   for (int i = 0; i < 60; ++i) three.world.run(100);
-  silence(three.world, three.c);
+  three.world.silence(three.c);
   burst(three, 20);
   EXPECT_EQ(three.a.events.count(Code::rtps_memory_unused), 2) << three.a.events.text();
 }
 
 TEST(SharedMemory, AllSlotsNeededForAMoment_NoEvent) {
   MemoryTrio three({.metadata = sign});
-  silence(three.world, three.c);
+  three.world.silence(three.c);
   burst(three, 9);  // eight more than the 64 slots
   three.world.filter = {};
   three.world.run(100);
