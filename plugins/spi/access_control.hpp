@@ -215,10 +215,8 @@ class AccessControl {
   /// Returns the same as datareader_sec_attributes, for a host that does not keep the answer. The
   /// topic does not count as in use, so later governance documents may change its protection in any
   /// way. Use this for a topic that only peers have named. Raises no event for topic_not_covered.
-  virtual Result<EndpointSecurityAttributes> unused_topic_attributes(PermissionsHandle local,
-                                                                     std::string_view topic_name) {
-    return datareader_sec_attributes(local, {.topic_name = topic_name});
-  }
+  virtual Result<EndpointSecurityAttributes> unused_topic_attributes(
+      PermissionsHandle local, std::string_view topic_name) = 0;
 
   /// Drops a handle. Error, without an event: unknown_permissions_handle.
   virtual Status return_permissions_handle(PermissionsHandle permissions) = 0;

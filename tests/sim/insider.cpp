@@ -63,6 +63,10 @@ class Permissive final : public spi::AccessControl {
       Permissions local, const Request& request) override {
     return real_->datareader_sec_attributes(local, request);
   }
+  Result<spi::EndpointSecurityAttributes> unused_topic_attributes(Permissions local,
+                                                                  std::string_view topic) override {
+    return real_->unused_topic_attributes(local, topic);
+  }
   Status return_permissions_handle(Permissions permissions) override {
     return real_->return_permissions_handle(permissions);
   }

@@ -79,6 +79,10 @@ class LaxAccessControl : public spi::AccessControl {
       spi::PermissionsHandle local, const spi::EndpointRequest& request) override {
     return real_->datareader_sec_attributes(local, request);
   }
+  Result<spi::EndpointSecurityAttributes> unused_topic_attributes(
+      spi::PermissionsHandle local, std::string_view topic_name) override {
+    return real_->unused_topic_attributes(local, topic_name);
+  }
   Status return_permissions_handle(spi::PermissionsHandle permissions) override {
     return real_->return_permissions_handle(permissions);
   }
