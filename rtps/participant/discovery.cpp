@@ -412,8 +412,6 @@ void Discovery::on_replaced(const GuidPrefix& peer) {
   if (auto* remote = parts_.remotes.find(peer)) links_.unmatch(*remote);
 }
 
-void Discovery::on_ended(const GuidPrefix& peer) { gone_.push_back(peer); }
-
 bool Discovery::on_rights_changed(const GuidPrefix& peer) {
   auto* remote = parts_.remotes.find(peer);
   return remote != nullptr && parts_.matcher.match_all(*remote);

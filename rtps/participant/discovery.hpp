@@ -66,7 +66,7 @@ class Discovery final : public MessageListener, public SecurityHost {
     if (change == KeyChange::former_ended) proven_.read_again(remote.prefix);
   }
   bool on_rights_changed(const GuidPrefix& peer) override;
-  void on_ended(const GuidPrefix& peer) override;
+  void on_ended(const GuidPrefix& peer) override { gone_.push_back(peer); }
 
  private:
   /// Adds a participant. `octets` is the size of its announcement.

@@ -376,7 +376,7 @@ Status Handshakes::register_keys(const Peer& peer, Association& association) {
 }
 
 // Both sides have signed this data, whereas unprotected announcements can be forged. So if it
-// cannot be read, the peer is refused; what was announced does not take its place.
+// cannot be read, the peer is refused, and its announcement is not used instead.
 Status Handshakes::adopt_proven_data(Peer& peer) {
   peer.answers_key_requests = false;
   const auto proven = read_signed_data(peer);

@@ -19,7 +19,7 @@ TEST(HostSymbol, ExportedByNone_IsNull) {
 }
 
 TEST(HostEntities, HostWithoutTheFunctions_GivesNoAccess) {
-  EXPECT_TRUE(may_have_participants(nullptr, 0)) << "nobody can tell";
+  EXPECT_TRUE(may_have_participants(nullptr, 0)) << "the host has no such functions";
   EXPECT_EQ(find_host_entities(nullptr), nullptr) << "this program has no Cyclone DDS";
 }
 

@@ -87,7 +87,7 @@ TEST(Handshake, WhatThePeerSigned_ReplacesTheNamesOfAForgedFirstAnnouncement) {
   EXPECT_EQ(known.front().vendor_version, "");
 }
 
-// The plugin skips what it does not need. What was announced must not count in its place.
+// The plugin skips what it does not need. The announcement must not be used instead.
 TEST(Handshake, SignedDataThatCannotBeRead_RefusesThePeer) {
   const auto without_sentinel = [](Bytes data) {
     data.resize(data.size() - 4);
