@@ -45,6 +45,10 @@ inline constexpr std::string_view kMaxSharedOctets = "org.ddssec.shm.max_octets"
 /// too.
 inline constexpr std::string_view kSharedWithOtherUsers = "org.ddssec.shm.other_users";
 
+/// Specific to embedded participants: microseconds for which a thread looks for input before it
+/// sleeps.
+inline constexpr std::string_view kBusyWait = "org.ddssec.busy_wait";
+
 /// Specific to ddssec: seconds for which a calendar that was set while participants run is not
 /// trusted; with 0 it counts at once.
 inline constexpr std::string_view kClockStepGrace = "org.ddssec.clock_step_grace";
@@ -123,7 +127,8 @@ inline constexpr std::string_view kOfParticipants[] = {kIdentityCa,
                                                        kSharedMemory,
                                                        kTrustKernel,
                                                        kMaxSharedOctets,
-                                                       kSharedWithOtherUsers};
+                                                       kSharedWithOtherUsers,
+                                                       kBusyWait};
 
 }  // namespace ddssec::spi::property
 

@@ -151,6 +151,8 @@ Result<std::unique_ptr<DomainParticipant>> DomainParticipant::create(
     DDSSEC_ASSIGN_OR_RETURN(security, OwnSecurity::create(*options.security, options.domain_id,
                                                           prefix, options.domain_tag));
     prefix = security->guid().prefix;
+    // It takes precedence, so that it can be changed without the program.
+    if (security->busy_wait()) service.sockets().loop().busy_wait(*security->busy_wait());
   }
   out->guid_ = {prefix, kEntityIdParticipant};
   DDSSEC_ASSIGN_OR_RETURN(auto config, config_of(options, prefix, service.sockets(), services));

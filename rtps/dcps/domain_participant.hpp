@@ -67,7 +67,8 @@ struct DomainParticipantOptions {
   /// granted than large samples need, a warning event is raised.
   std::size_t receive_buffer = std::size_t{4} << 20;
   /// How long a thread looks for input again and again before it sleeps. This occupies a processor,
-  /// but saves the time that a sleeping thread takes to wake up. At most kMaxBusyWait.
+  /// but saves the time that a sleeping thread takes to wake up. At most kMaxBusyWait. The property
+  /// org.ddssec.busy_wait of a secured participant takes precedence.
   std::chrono::nanoseconds busy_wait{};
   static constexpr std::chrono::nanoseconds kMaxBusyWait = std::chrono::milliseconds(1);
   bool own_thread = true;  ///< if false, the application calls poll()

@@ -1,5 +1,6 @@
 #include "rtps/security/own_security.hpp"
 
+#include "plugins/spi/busy_wait.hpp"
 #include "plugins/spi/governance_change_time.hpp"
 
 namespace ddssec::rtps {
@@ -12,6 +13,7 @@ Result<std::unique_ptr<OwnSecurity>> OwnSecurity::create(const SecurityOptions& 
   DDSSEC_ASSIGN_OR_RETURN(out->governance_change_time_,
                           spi::governance_change_time(options.properties));
   DDSSEC_ASSIGN_OR_RETURN(out->shared_memory_, spi::shared_memory(options.properties));
+  DDSSEC_ASSIGN_OR_RETURN(out->busy_wait_, spi::busy_wait(options.properties));
   DDSSEC_RETURN_IF_ERROR(out->authenticate(candidate));
   DDSSEC_RETURN_IF_ERROR(out->authorize());
   DDSSEC_RETURN_IF_ERROR(out->share_keys());

@@ -1,7 +1,9 @@
 // The local participant's handles at the three plugins: its identity, permissions and keys.
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "base/ids.hpp"
@@ -33,6 +35,8 @@ class OwnSecurity {
   std::chrono::seconds governance_change_time() const { return governance_change_time_; }
   /// See spi::shared_memory.
   const spi::SharedMemory& shared_memory() const { return shared_memory_; }
+  /// See spi::busy_wait.
+  std::optional<std::chrono::microseconds> busy_wait() const { return busy_wait_; }
   SessionEnds& session_ends() { return session_ends_; }
   DomainId domain_id() const { return domain_id_; }
   const std::string& domain_tag() const { return domain_tag_; }
@@ -82,6 +86,7 @@ class OwnSecurity {
   spi::SymmetricCipherInfo ciphers_;
   std::chrono::seconds governance_change_time_{};
   spi::SharedMemory shared_memory_;
+  std::optional<std::chrono::microseconds> busy_wait_;
   std::unique_ptr<spi::PreSharedKeys> pre_shared_keys_;
   spi::Token identity_token_, permissions_token_;
   SessionEnds session_ends_;
