@@ -59,6 +59,7 @@ class Cyclone final : public steady::Stack {
     auto* qos = dds_create_qos();
     if (kind == "best_effort") {
       dds_qset_reliability(qos, DDS_RELIABILITY_BEST_EFFORT, 0);
+      dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, steady::kBestEffortKept);
     } else {
       dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_MSECS(steady::kBlockingMs));
       dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);

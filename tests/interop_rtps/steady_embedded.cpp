@@ -51,7 +51,9 @@ class Embedded final : public steady::Stack {
     qos.reliability.kind = kind == "best_effort" ? rtps::ReliabilityKind::best_effort
                                                  : rtps::ReliabilityKind::reliable;
     if (kind == "durable") qos.durability = rtps::DurabilityKind::transient_local;
-    if (kind != "best_effort") qos.history.kind = rtps::HistoryKind::keep_all;
+    qos.history = kind == "best_effort"
+                      ? rtps::History{rtps::HistoryKind::keep_last, steady::kBestEffortKept}
+                      : rtps::History{rtps::HistoryKind::keep_all};
     return qos;
   }
 
