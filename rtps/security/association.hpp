@@ -34,7 +34,7 @@ struct Association {
   std::string subject = {};  ///< of its certificate
   Cleanup place = {};        ///< returns its share of the places for its certificate
   /// For judging the peer's renewed documents; see DocumentRenewal.
-  WorkBudget renewal_judgements{3, std::chrono::seconds(5), {}};
+  WorkBudget renewal_judgements{6, std::chrono::seconds(5), {}};
   GovernanceOfPeer governance = {};
   MonotonicTime former_keys_end = kNever;  ///< of the keys that it has revised
   /// The peer has revised its keys. Before that, another participant could end the peer's endpoints
