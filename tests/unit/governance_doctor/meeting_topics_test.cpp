@@ -93,6 +93,37 @@ TEST_F(MeetingTest, PayloadProtectionAlone_StopsAFastDdsWriterBeforeACycloneRead
   EXPECT_THAT(out.topics[0].directions[1].obstacle.reason, IsEmpty());
 }
 
+TEST_F(MeetingTest, ControlledTopicsThatNothingProtects_AreNotedOnceForEachRuleAndParty) {
+  auto governance = strict_governance();
+  auto& rule = governance.domain_rules[0].topic_rules[0];
+  rule.metadata_protection_kind = rule.data_protection_kind = ProtectionKind::none;
+  for (const auto& folder : {talker_, listener_}) sign(folder.governance, to_xml(governance));
+  const auto documents = [&](const Meeting& out) {
+    std::vector<std::string> names;
+    for (const auto& note : out.notes)
+      if (note.rule == Rule::GOV043) names.push_back(note.document);
+    return names;
+  };
+  EXPECT_THAT(
+      documents(meeting({"Square", "Circle"})),
+      testing::UnorderedElementsAre(talker_.governance.string(), listener_.governance.string()));
+  EXPECT_THAT(documents(meeting({"Square"}, Product::ddssec, Product::cyclonedds)),
+              ElementsAre(talker_.governance.string()));
+  rule.enable_read_access_control = rule.enable_write_access_control = false;
+  for (const auto& folder : {talker_, listener_}) sign(folder.governance, to_xml(governance));
+  EXPECT_THAT(documents(meeting({"Square"})), IsEmpty());
+}
+
+// A topic without a rule is refused by the governance; the rules may differ in their expressions.
+TEST_F(MeetingTest, ATopicWithoutARule_IsRefusedByTheGovernance) {
+  auto governance = strict_governance();
+  governance.domain_rules[0].topic_rules[0].topic_expression = "Square";
+  sign(listener_.governance, to_xml(governance));
+  const auto out = meeting({"Circle"});
+  EXPECT_FALSE(out.topics[0].directions[0].ok);
+  EXPECT_FALSE(out.topics[0].directions[1].ok);
+}
+
 TEST_F(MeetingTest, ManyTopics_AreCutAndSaidToBe) {
   auto grant = grant_for("CN=talker");
   auto& topics = grant.rules[0].publish[0].topics;
