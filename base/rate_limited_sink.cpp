@@ -1,5 +1,7 @@
 #include "base/rate_limited_sink.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace ddssec {
@@ -75,7 +77,8 @@ bool RateLimitedSink::has_room(Times& share, std::size_t limit, const std::strin
   return share.size() < limit;
 }
 
-// An event that was lost must not suppress the next one.
+// An event that was lost must not suppress equal ones for the whole interval. Nor may each of them
+// cost another call, because a sink that always throws, such as a full log, would have no limit.
 void RateLimitedSink::pass_if_due(const Event& event, Times& share, const std::string& reason,
                                   std::chrono::nanoseconds now) {
   const auto [known, is_new] = share.try_emplace(reason, now);
@@ -84,7 +87,7 @@ void RateLimitedSink::pass_if_due(const Event& event, Times& share, const std::s
   try {
     next_.raise(event);
   } catch (...) {
-    share.erase(known);
+    known->second = now - interval_ + std::min(interval_, kPauseAfterLoss);
   }
 }
 

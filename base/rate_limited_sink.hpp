@@ -14,7 +14,8 @@ namespace ddssec {
 
 /// Passes an event on, unless an event with the same reason about the same peer was passed on less
 /// than `interval` ago. Lets no exception through: if memory runs out or `next` throws, the event
-/// is lost, and the next one is passed on. Thread-safe.
+/// is lost. After `next` threw, an event with the same reason is passed on again after
+/// kPauseAfterLoss. Thread-safe.
 ///
 /// The reason consists of the code and the document. The field and the expected value also count if
 /// no unauthenticated peer can have chosen them. The found value and names that are only claimed
@@ -34,6 +35,7 @@ class RateLimitedSink final : public EventSink {
   static constexpr std::size_t kMaxClaimed = 128;
   /// Reasons about one authenticated peer, for each code.
   static constexpr std::size_t kMaxOfAPeer = 16;
+  static constexpr std::chrono::nanoseconds kPauseAfterLoss = std::chrono::seconds(1);
 
   RateLimitedSink(EventSink& next, const Clock& clock,
                   std::chrono::seconds interval = std::chrono::seconds(10))

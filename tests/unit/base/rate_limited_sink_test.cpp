@@ -46,11 +46,34 @@ TEST(RateLimitedSink, ANextSinkThatThrows_LosesTheEventAndNothingElse) {
   } next;
   ManualClock clock(kStart);
   RateLimitedSink sink(next, clock, 10s);
-  for (int i = 0; i < 5; ++i) sink.raise(event("x"));
-  EXPECT_EQ(next.calls, 3) << "two are lost, the third is passed on, and the rest are repetitions";
-  clock.advance(11s);
-  sink.raise(event("x"));
-  EXPECT_EQ(next.calls, 4);
+  const auto raise_some = [&] {
+    for (int i = 0; i < 5; ++i) sink.raise(event("x"));
+    return next.calls;
+  };
+  EXPECT_EQ(raise_some(), 1);
+  clock.advance(1s);
+  EXPECT_EQ(raise_some(), 2) << "the first one was lost";
+  clock.advance(1s);
+  EXPECT_EQ(raise_some(), 3) << "the second one was lost, too";
+  clock.advance(9s);
+  EXPECT_EQ(raise_some(), 3) << "the third one was passed on";
+  clock.advance(1s);
+  EXPECT_EQ(raise_some(), 4);
+}
+
+// Otherwise an attacker causes an exception with each message while a log is full.
+TEST(RateLimitedSink, ANextSinkThatAlwaysThrows_IsCalledOncePerSecond) {
+  struct Throwing final : EventSink {
+    void raise(const Event&) override {
+      ++calls;
+      throw std::bad_alloc();
+    }
+    int calls = 0;
+  } next;
+  ManualClock clock(kStart);
+  RateLimitedSink sink(next, clock, 10s);
+  for (int i = 0; i < 1000; ++i, clock.advance(10ms)) sink.raise(event("x"));
+  EXPECT_EQ(next.calls, 10);
 }
 
 TEST(RateLimitedSink, AReturnedEvent_DoesNotSuppressTheSameOneThatIsNot) {
