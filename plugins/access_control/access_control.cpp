@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <mutex>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -22,7 +21,6 @@ namespace {
 using governance::Action;
 using spi::EndpointRequest;
 using spi::PermissionsHandle;
-using Participants = std::set<const LocalParticipant*>;
 
 class AccessControlPlugin final : public spi::AccessControl {
  public:
@@ -130,6 +128,9 @@ class AccessControlPlugin final : public spi::AccessControl {
     if (auto found = topic_attributes(*documents->governance, topic_name)) return *found;
     return std::unexpected(topic_not_covered_error(*holder->participant(), topic_name));
   }
+  void forget_topic(PermissionsHandle local, std::string_view topic_name) override {
+    if (const auto own = handles_.find_participant(local)) own->forget_topic(topic_name);
+  }
 
   Status return_permissions_handle(PermissionsHandle permissions) override {
     const Holder holder = handles_.find(permissions);
@@ -234,8 +235,6 @@ class AccessControlPlugin final : public spi::AccessControl {
     return own ? own->governance_of(version.digest) : nullptr;
   }
 
-  std::vector<PermissionsHandle> peers_of_only(const Participants& gone, const Entries& all,
-                                               WallTime now);
   void renew_documents(const Entries& all, PermissionsHandle local);
   void note_documents(PermissionsHandle local) noexcept;
   void note_end(const PermissionsHolder& local, const Error& why, WallTime now);
@@ -379,26 +378,6 @@ std::optional<WallTime> AccessControlPlugin::next_expiry() {
     if (end && (!earliest || *end < *earliest)) earliest = end;
   }
   return earliest;
-}
-
-// Peers stay if another participant that stays knows them under the same identity, because such a
-// host knows each peer only once.
-std::vector<PermissionsHandle> AccessControlPlugin::peers_of_only(const Participants& gone,
-                                                                  const Entries& all,
-                                                                  WallTime now) {
-  Participants staying;
-  for (const auto& [handle, holder] : all)
-    if (!holder->remote() && holder->grant(now)) staying.insert(holder->participant().get());
-  std::set<spi::IdentityHandle> kept;
-  for (const auto& [handle, holder] : all)
-    if (holder->remote() && staying.contains(holder->participant().get()))
-      kept.insert(*holder->remote());
-  std::vector<PermissionsHandle> peers;
-  for (const auto& [handle, holder] : all)
-    if (holder->remote() && gone.contains(holder->participant().get()) &&
-        !kept.contains(*holder->remote()))
-      peers.push_back(handle);
-  return peers;
 }
 
 // Makes each participant look at its files, at its own interval. Call it before the documents in

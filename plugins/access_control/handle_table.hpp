@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <shared_mutex>
 #include <unordered_map>
 #include <utility>
@@ -75,5 +76,27 @@ class HandleTable {
   std::unordered_map<std::int64_t, std::int64_t> local_of_;  ///< identity -> permissions
   std::int64_t last_ = 0;
 };
+
+using Participants = std::set<const LocalParticipant*>;
+
+/// Returns the peers of the local participants in `gone`, in the order of `all`. Peers stay if
+/// another local participant with valid permissions knows them under the same identity, because a
+/// host that gives its participants one remote identity knows each peer only once.
+inline std::vector<spi::PermissionsHandle> peers_of_only(const Participants& gone,
+                                                         const Entries& all, WallTime now) {
+  Participants staying;
+  for (const auto& [handle, holder] : all)
+    if (!holder->remote() && holder->grant(now)) staying.insert(holder->participant().get());
+  std::set<spi::IdentityHandle> kept;
+  for (const auto& [handle, holder] : all)
+    if (holder->remote() && staying.contains(holder->participant().get()))
+      kept.insert(*holder->remote());
+  std::vector<spi::PermissionsHandle> peers;
+  for (const auto& [handle, holder] : all)
+    if (holder->remote() && gone.contains(holder->participant().get()) &&
+        !kept.contains(*holder->remote()))
+      peers.push_back(handle);
+  return peers;
+}
 
 }  // namespace ddssec::access_control

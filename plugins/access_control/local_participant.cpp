@@ -122,6 +122,13 @@ Result<std::shared_ptr<const JudgingDocuments>> LocalParticipant::use_topic(
   return judging_documents_;
 }
 
+// If there were too many topics, it is not known whether others are in use that were not recorded.
+void LocalParticipant::forget_topic(std::string_view topic) {
+  const std::lock_guard lock(mutex_);
+  const auto known = topics_in_use_.find(topic);
+  if (known != topics_in_use_.end() && !has_more_topics_) topics_in_use_.erase(known);
+}
+
 // Checks a topic that came into use after the waiting document was checked against the topics in
 // use. The caller holds mutex_.
 Status LocalParticipant::check_new_topic(std::string_view topic) const {

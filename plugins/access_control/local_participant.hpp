@@ -52,9 +52,11 @@ class LocalParticipant {
   /// governance_change_under_way, if the topic comes into use while a document waits that cannot be
   /// applied to it; it then is not in use.
   Result<std::shared_ptr<const JudgingDocuments>> use_topic(std::string_view topic);
+  /// Notes that the host no longer uses the topic, and has no attributes of it.
+  void forget_topic(std::string_view topic);
   /// The way in which a governance document may replace the one in force.
   enum class Change : std::uint8_t {
-    at_once,  ///< the domain, and each topic that was ever in use, are protected as before
+    at_once,  ///< the domain, and each topic that is in use, are protected as before
     phased,   ///< the domain or some of the topics are protected more
   };
   /// Success if the document adds topic rules, or raises what topics or the domain are protected

@@ -217,6 +217,9 @@ class AccessControl {
   /// way. Use this for a topic that only peers have named. Raises no event for topic_not_covered.
   virtual Result<EndpointSecurityAttributes> unused_topic_attributes(
       PermissionsHandle local, std::string_view topic_name) = 0;
+  /// Notes that the host has no endpoint on the topic any more, and keeps no attributes of it. The
+  /// topic no longer counts as in use. Hosts that never call this keep all topics in use.
+  virtual void forget_topic(PermissionsHandle local, std::string_view topic_name) = 0;
 
   /// Drops a handle. Error, without an event: unknown_permissions_handle.
   virtual Status return_permissions_handle(PermissionsHandle permissions) = 0;

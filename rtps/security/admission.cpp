@@ -181,12 +181,25 @@ Result<Admission::AnnouncedSecurity> Admission::create_endpoint(const EntityId& 
       const auto attributes,
       is_writer(id) ? plugin.datawriter_sec_attributes(core_.own->permissions(), request)
                     : plugin.datareader_sec_attributes(core_.own->permissions(), request));
-  own_.insert_or_assign(
-      id, CreationParameters{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
+  auto& on_topic = endpoints_on_[std::string(endpoint.topic)];
+  const bool is_new =
+      own_.insert_or_assign(id, CreationParameters{std::string(endpoint.topic), endpoint.partitions,
+                                                   endpoint.data_tags})
+          .second;
+  if (is_new) ++on_topic;
   DDSSEC_RETURN_IF_ERROR(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
   if (core_.governance_change.is_under_way())
     DDSSEC_RETURN_IF_ERROR(add_other_protection(id, endpoint.topic));
   return announced(id);
+}
+
+void Admission::forget_endpoint(const EntityId& id) {
+  const auto gone = own_.extract(id);
+  if (gone.empty()) return;
+  const auto on_topic = endpoints_on_.find(gone.mapped().topic);
+  if (on_topic == endpoints_on_.end() || --on_topic->second > 0) return;
+  core_.own->plugins().access_control.forget_topic(core_.own->permissions(), on_topic->first);
+  endpoints_on_.erase(on_topic);
 }
 
 Status Admission::add_other_protection(const EntityId& id, std::string_view topic) {

@@ -105,8 +105,9 @@ class Admission {
   /// Returns the data with which discovery announces a local endpoint now. Error: that of
   /// cryptography.
   Result<AnnouncedSecurity> announced(const EntityId& id);
-  /// Forgets an endpoint that is gone.
-  void forget_endpoint(const EntityId& id) { own_.erase(id); }
+  /// Forgets an endpoint that is gone. Its topic no longer counts as in use if no other local
+  /// endpoint is on it.
+  void forget_endpoint(const EntityId& id);
 
  private:
   /// The parameters with which a local endpoint was created.
@@ -145,6 +146,7 @@ class Admission {
 
   SecurityCore& core_;
   std::map<EntityId, CreationParameters> own_;
+  std::map<std::string, std::size_t, std::less<>> endpoints_on_;  ///< number of own_, by topic
   std::vector<std::pair<EntityId, std::string>> builtin_topics_;
   Announcements announcements_;
 };

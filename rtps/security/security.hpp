@@ -51,7 +51,9 @@ class Security {
   }
   Result<Admission::AnnouncedSecurity> create_endpoint(const EntityId& id,
                                                        const Admission::NewEndpoint& endpoint) {
-    return admission_.create_endpoint(id, endpoint);
+    auto created = admission_.create_endpoint(id, endpoint);
+    if (!created) forget_endpoint(id);
+    return created;
   }
 
   /// Returns the part that decides about the partitions of local endpoints, and their announcement.

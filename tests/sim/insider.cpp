@@ -67,6 +67,9 @@ class Permissive final : public spi::AccessControl {
                                                                   std::string_view topic) override {
     return real_->unused_topic_attributes(local, topic);
   }
+  void forget_topic(Permissions local, std::string_view topic) override {
+    real_->forget_topic(local, topic);
+  }
   Status return_permissions_handle(Permissions permissions) override {
     return real_->return_permissions_handle(permissions);
   }

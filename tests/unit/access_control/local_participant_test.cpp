@@ -254,6 +254,36 @@ TEST_F(GovernancePhases, TopicThatOnlyPeersNamed_IsNotInUse) {
   EXPECT_EQ(plugin->unused_topic_attributes(*own_, "n1")->payload, ProtectionKind::none);
 }
 
+// The keeper of a domain has endpoints on topics that peers name, one after the other.
+TEST_F(GovernancePhases, TopicsThatTheHostForgot_AreNotInUse) {
+  for (std::size_t i = 0; i <= LocalParticipant::kMaxTopicsInUse; ++i) {
+    const auto name = "n" + std::to_string(i);
+    EXPECT_EQ(data_of(name), kSign);
+    plugin->forget_topic(*own_, name);
+  }
+  auto less = topic();
+  less.topic_expression = "n*";
+  less.metadata_protection_kind = less.data_protection_kind = ProtectionKind::none;
+  auto& rules = governance_document.domain_rules[0].topic_rules;
+  rules.insert(rules.begin(), less);
+  put(2);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
+  rules[1].metadata_protection_kind = rules[1].data_protection_kind = kEncrypt;
+  put(3);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing)) << "t is in use";
+}
+
+// It is not known which others are in use, so none of them counts as forgotten.
+TEST_F(GovernancePhases, TooManyTopicsAtOnce_StayInUse) {
+  const auto name = [](std::size_t i) { return "n" + std::to_string(i); };
+  for (std::size_t i = 0; i <= LocalParticipant::kMaxTopicsInUse; ++i) data_of(name(i));
+  for (std::size_t i = 0; i <= LocalParticipant::kMaxTopicsInUse; ++i)
+    plugin->forget_topic(*own_, name(i));
+  raise();
+  put(2);
+  EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
+}
+
 using Kind = ProtectionKind governance::DomainRule::*;
 constexpr std::array<std::pair<std::string_view, Kind>, 3> kDomainKinds = {
     {{"discovery_protection_kind", &governance::DomainRule::discovery_protection_kind},

@@ -82,6 +82,7 @@ class MockAccessControl : public spi::AccessControl {
               (Handle, const spi::EndpointRequest&), (override));
   MOCK_METHOD(Result<spi::EndpointSecurityAttributes>, unused_topic_attributes,
               (Handle, std::string_view), (override));
+  MOCK_METHOD(void, forget_topic, (Handle, std::string_view), (override));
   MOCK_METHOD(Status, return_permissions_handle, (Handle), (override));
   MOCK_METHOD(std::optional<WallTime>, next_expiry, (), (override));
   MOCK_METHOD(std::vector<Handle>, poll, (Handle), (override));

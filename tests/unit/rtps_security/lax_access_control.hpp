@@ -83,6 +83,9 @@ class LaxAccessControl : public spi::AccessControl {
       spi::PermissionsHandle local, std::string_view topic_name) override {
     return real_->unused_topic_attributes(local, topic_name);
   }
+  void forget_topic(spi::PermissionsHandle local, std::string_view topic_name) override {
+    real_->forget_topic(local, topic_name);
+  }
   Status return_permissions_handle(spi::PermissionsHandle permissions) override {
     return real_->return_permissions_handle(permissions);
   }
