@@ -12,8 +12,12 @@ bool FilteredWriting::select_readers(const Change& change, bool in_memory) {
   wanted_.clear();
   wanted_in_memory_.clear();
   bool all = true;
+  std::size_t decoded = 0;
   for (auto& [guid, proxy] : readers_.all()) {
-    const auto result = proxy.filter_result(change);
+    const bool is_evaluated = proxy.reader().filter && decoded < kMaxDecoded;
+    const auto result = is_evaluated ? proxy.filter_result(change) : std::nullopt;
+    if (is_evaluated) decoded += change.payload.size();
+    if (result == false) proxy.note_rejected(change.sequence_number);
     const bool passed = proxy.wanted = proxy.is_for(change) && result.value_or(true);
     if (result) results_.push_back({proxy.reader().filter->signature, passed});
     all = all && passed;

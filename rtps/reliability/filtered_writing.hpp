@@ -13,6 +13,10 @@ namespace ddssec::rtps {
 /// must outlive this object.
 class FilteredWriting {
  public:
+  /// The limit for the octets of samples that are decoded for one change, for all filters together.
+  /// One filter is always evaluated. Readers whose filters are not get the change and decide.
+  static constexpr std::size_t kMaxDecoded = std::size_t{1} << 20;
+
   FilteredWriting(MatchedReaders& readers, WriterMessages& messages)
       : readers_(readers), messages_(messages) {}
 

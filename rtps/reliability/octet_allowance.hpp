@@ -45,9 +45,16 @@ using RepairAllowance = OctetAllowance<std::size_t{256} << 10, std::size_t{128} 
 using HistoryAllowance = OctetAllowance<std::size_t{4} << 20, std::size_t{1} << 10>;
 
 /// The allowance for readers' filters that a writer evaluates when it repeats samples or sends
-/// history. It counts evaluations, of all readers together. One evaluation takes up to 13 us
+/// history, for all readers together. It counts evaluation_price. One evaluation takes up to 13 us
 /// (WriterFilter::kMaxSteps), so this is a fifth of a processor. Without a limit, a request of 152
-/// octets made the writer compute for 3.3 ms.
+/// octets made the writer compute for 3.3 ms, or for 60 ms if the samples were large.
 using EvaluationAllowance = OctetAllowance<4096, 16>;
+
+/// Returns the price of an evaluation. The sample must be decoded first, which takes the longer,
+/// the more octets it has.
+constexpr std::size_t evaluation_price(std::size_t octets) { return 1 + octets / 1024; }
+
+/// Larger samples are repeated without an evaluation, and their readers decide.
+inline constexpr std::size_t kMaxEvaluatedOctets = std::size_t{1} << 20;
 
 }  // namespace ddssec::rtps

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "rtps/reliability/acknowledged_numbers.hpp"
 #include "rtps/reliability/change_filter.hpp"
@@ -9,6 +10,7 @@
 #include "rtps/reliability/key_payload.hpp"
 #include "rtps/reliability/octet_allowance.hpp"
 #include "rtps/reliability/recent_messages.hpp"
+#include "rtps/reliability/rejected_ranges.hpp"
 #include "wire/acknack.hpp"
 #include "wire/locator.hpp"
 #include "wire/nack_frag.hpp"
@@ -56,6 +58,10 @@ class Timeliness {
 /// A matched reader, with the progress that it has acknowledged. No I/O, clock or lock.
 class ReaderProxy {
  public:
+  /// Readers of one identity may use up EvaluationAllowance. After this time, another reader gets a
+  /// change without an evaluation, and decides.
+  static constexpr MonotonicTime kMaxEvaluationWait = std::chrono::milliseconds(100);
+
   /// The changes that the reader gets.
   struct Range {
     SequenceNumber first;       ///< a late joiner gets no changes below this number
@@ -81,9 +87,6 @@ class ReaderProxy {
   void set_acknowledged(SequenceNumber through) { acknowledged_ = through; }
 
   // The changes that the reader gets:
-  bool accepts(const Change& change) const {
-    return is_for(change) && filter_result(change).value_or(true);
-  }
   bool is_for(const Change& change) const { return !ends_before(change.sequence_number); }
   bool ends_before(SequenceNumber number) const {
     return range_.until.value != 0 && number >= range_.until;
@@ -93,9 +96,38 @@ class ReaderProxy {
     if (!reader_.filter || !change.is_alive()) return std::nullopt;
     return reader_.filter->passes(change);
   }
+  /// True if the filter is evaluated before the change is repeated.
+  bool is_evaluated_again(const Change& change) const {
+    return reader_.filter && change.is_alive() && change.payload.size() <= kMaxEvaluatedOctets;
+  }
+  /// Evaluates the filter, and remembers a rejection.
+  bool evaluate(const Change& change) {
+    const bool passes = filter_result(change).value_or(true);
+    if (!passes) rejected_.add(change.sequence_number);
+    return passes;
+  }
+  /// Notes that the change did not pass the filter.
+  void note_rejected(SequenceNumber number) { rejected_.add(number); }
+  /// Returns the first number after `number` of which it is not known that the filter rejects it.
+  /// Empty if that is not known of `number`.
+  std::optional<SequenceNumber> rejected_until(SequenceNumber number) const {
+    return rejected_.end_of(number);
+  }
+  /// Call it if no evaluation is allowed now. Returns true if requests have waited for
+  /// kMaxEvaluationWait, so that the change is sent without one. Then the next change waits again.
+  bool try_skip_evaluation(MonotonicTime now) {
+    if (!waits_since_) waits_since_ = now;
+    if (now - *waits_since_ < kMaxEvaluationWait) return false;
+    waits_since_ = now;
+    return true;
+  }
+  void end_wait_for_evaluation() { waits_since_.reset(); }
   /// True if the reader may not get everything.
   bool is_filtered() const { return reader_.filter != nullptr || range_.until.value != 0; }
-  void set_filter(std::shared_ptr<ChangeFilter> filter) { reader_.filter = std::move(filter); }
+  void set_filter(std::shared_ptr<ChangeFilter> filter) {
+    reader_.filter = std::move(filter);
+    rejected_.clear();
+  }
 
   /// Returns true if a request from `base` on was answered less than FragmentRepair::kAnswerTime
   /// ago. Otherwise records that it is answered now.
@@ -126,7 +158,9 @@ class ReaderProxy {
   const Range range_;
   const bool acknowledges_;
   SequenceNumber acknowledged_;
-  SequenceNumber last_answered_;  ///< base of the request that was answered last
+  RejectedRanges rejected_;
+  std::optional<MonotonicTime> waits_since_;  ///< set while a request waits for an evaluation
+  SequenceNumber last_answered_;              ///< base of the request that was answered last
   MonotonicTime last_answer_{};
 };
 

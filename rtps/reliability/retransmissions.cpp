@@ -11,6 +11,7 @@ class Retransmissions::Answer {
       : from_(from),
         proxy_(proxy),
         receiver_(receiver),
+        now_(now),
         lowest_(from.lowest_for(proxy)),
         left_(std::min(proxy.allowance.renewed(now), kMaxOctetsPerAnswer)),
         evaluations_(from.evaluations_.renewed(now)) {}
@@ -21,9 +22,11 @@ class Retransmissions::Answer {
     if (number < lowest_) return skip(number, lowest_);
     const auto* change = from_.history_.find(number);
     if (change == nullptr) return skip(number, from_.history_.next_held(number));
-    if (!may_judge()) {
+    if (const auto end = proxy_.rejected_until(number)) return skip(number, *end);
+    const auto passes = judge(*change);
+    if (!passes) {
       left_ = 0;  // the reader requests the rest again
-    } else if (!proxy_.accepts(*change)) {
+    } else if (!*passes) {
       skip(number, number.next());
     } else {
       end_gap();
@@ -40,12 +43,17 @@ class Retransmissions::Answer {
   }
 
  private:
-  bool may_judge() {
-    if (!proxy_.reader().filter) return true;
-    if (evaluations_ == 0) return false;
-    --evaluations_;
-    from_.evaluations_.spend(1);
-    return true;
+  // Whether the reader gets the change. Empty if no evaluation is allowed now.
+  std::optional<bool> judge(const Change& change) {
+    if (!proxy_.is_for(change)) return false;
+    if (!proxy_.is_evaluated_again(change)) return true;
+    const auto price = evaluation_price(change.payload.size());
+    if (price > evaluations_)
+      return proxy_.try_skip_evaluation(now_) ? std::optional(true) : std::nullopt;
+    proxy_.end_wait_for_evaluation();
+    evaluations_ -= price;
+    from_.evaluations_.spend(price);
+    return proxy_.evaluate(change);
   }
   void skip(SequenceNumber first, SequenceNumber end) {
     if (first != gap_end_) {
@@ -62,9 +70,10 @@ class Retransmissions::Answer {
   Retransmissions& from_;
   ReaderProxy& proxy_;
   const Receiver& receiver_;
+  const MonotonicTime now_;
   const SequenceNumber lowest_;
   std::size_t left_;                          // octets that may still be sent
-  std::size_t evaluations_;                   // filter evaluations that may still be made
+  std::size_t evaluations_;                   // what evaluations of filters may still cost
   SequenceNumber gap_begin_{1}, gap_end_{1};  // the open gap; empty if they are equal
 };
 
@@ -87,9 +96,13 @@ bool Retransmissions::send_portion(ReaderProxy& proxy, const Receiver& receiver,
                                    MonotonicTime now) {
   auto& repair = proxy.repair;
   const auto sample = repair.sample();
-  // What was acknowledged may be requested again: an attacker can forge an ACKNACK.
+  // What was acknowledged may be requested again: an attacker can forge an ACKNACK. The reader's
+  // filter is not evaluated, because this is done for each portion. A reader that requests
+  // fragments has a part of the sample, so the sample passed, or was too large for an evaluation.
   const auto* change = lowest_for(proxy) <= sample ? history_.find(sample) : nullptr;
-  if (change != nullptr && proxy.accepts(*change)) {
+  const bool is_wanted =
+      change != nullptr && proxy.is_for(*change) && !proxy.rejected_until(sample);
+  if (is_wanted) {
     repair.send_portion(now, [&](FragmentNumber number) {
       messages_.fragment(receiver, *change, number);
       proxy.allowance.spend(messages_.fragment_size());

@@ -70,7 +70,7 @@ void StatefulWriter::match(MatchedReader reader, MonotonicTime now) {
   sender_.flush();
 }
 
-void StatefulWriter::send_history(const ReaderProxy& proxy, MonotonicTime now) {
+void StatefulWriter::send_history(ReaderProxy& proxy, MonotonicTime now) {
   const auto allowed = history_allowance_.renewed(now);
   std::vector<const Change*> changes;  // latest first
   std::size_t octets = 0;
@@ -78,13 +78,15 @@ void StatefulWriter::send_history(const ReaderProxy& proxy, MonotonicTime now) {
   for (auto number = history_.previous_held(history_.last().next());
        number.value > 0 && number >= proxy.first_relevant();
        number = history_.previous_held(number)) {
-    if (proxy.reader().filter) {
-      if (evaluations == 0) break;
-      --evaluations;
-      evaluations_.spend(1);
-    }
     const auto* change = history_.find(number);
-    if (!proxy.accepts(*change)) continue;
+    if (!proxy.is_for(*change)) continue;
+    if (proxy.is_evaluated_again(*change)) {
+      const auto price = evaluation_price(change->payload.size());
+      if (price > evaluations) break;
+      evaluations -= price;
+      evaluations_.spend(price);
+      if (!proxy.evaluate(*change)) continue;
+    }
     octets += change->payload.size() + kChangeOctets;
     if (octets > allowed) break;
     history_allowance_.spend(change->payload.size() + kChangeOctets);
@@ -198,8 +200,12 @@ void StatefulWriter::assert_liveliness() {
   sender_.flush();
 }
 
+// A GAP that were sent later would also name what is written meanwhile.
 void StatefulWriter::suspend() {
-  if (!std::exchange(is_suspended_, true)) suspended_from_ = history_.last().next();
+  if (std::exchange(is_suspended_, true)) return;
+  suspended_from_ = history_.last().next();
+  filtered_.send_gaps(suspended_from_);
+  sender_.flush();
 }
 
 void StatefulWriter::resume(MonotonicTime now) {

@@ -115,7 +115,7 @@ class StatefulWriter final : private TimedObject {
   void send(const Change& written, MonotonicTime now);
   /// Sends the latest changes of the history, up to the octets that best-effort readers may get
   /// now.
-  void send_history(const ReaderProxy& proxy, MonotonicTime now);
+  void send_history(ReaderProxy& proxy, MonotonicTime now);
   /// Sends a HEARTBEAT that requires an answer.
   void send_heartbeat_without_final(const Receiver& receiver, SequenceNumber first);
   void continue_repair(ReaderProxy& proxy, MonotonicTime now);

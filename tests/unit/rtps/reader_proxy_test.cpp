@@ -13,20 +13,28 @@ struct Filter final : ChangeFilter {
   std::optional<bool> passes(const Change& change) override { return change.payload.size() > 1; }
 };
 
-TEST(ReaderProxy, ChangesInItsRange_PassItsFilter) {
+TEST(ReaderProxy, Changes_AreJudgedByRangeAndFilter) {
   ReaderProxy proxy({.guid = guid(1), .filter = std::make_shared<Filter>()}, {{1}, {4}}, true);
   Change change;
   change.sequence_number = {3};
   change.payload = Payload::copy_of(Bytes(1));
-  EXPECT_FALSE(proxy.accepts(change));
+  EXPECT_TRUE(proxy.is_for(change));
+  EXPECT_FALSE(proxy.evaluate(change));
+  EXPECT_EQ(proxy.rejected_until({3})->value, 4);
+  change.sequence_number = {2};
   change.payload = Payload::copy_of(Bytes(2));
-  EXPECT_TRUE(proxy.accepts(change));
-  change.sequence_number = {4};
-  EXPECT_FALSE(proxy.accepts(change));
-  change.sequence_number = {3};
+  EXPECT_TRUE(proxy.is_evaluated_again(change));
+  EXPECT_TRUE(proxy.evaluate(change));
+  EXPECT_FALSE(proxy.rejected_until({2}));
+  change.payload = Payload::copy_of(Bytes(kMaxEvaluatedOctets + 1));
+  EXPECT_FALSE(proxy.is_evaluated_again(change));
   change.payload = {};
   change.status.disposed = true;
-  EXPECT_TRUE(proxy.accepts(change)) << "filters judge what has data";
+  EXPECT_FALSE(proxy.is_evaluated_again(change)) << "filters judge what has data";
+  change.sequence_number = {4};
+  EXPECT_FALSE(proxy.is_for(change));
+  proxy.set_filter(nullptr);
+  EXPECT_FALSE(proxy.rejected_until({3}));
 }
 
 TEST(ReaderProxy, AnAnswerOnItsWay_IsNotRepeated) {
