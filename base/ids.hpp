@@ -20,7 +20,18 @@ struct Id {
   std::array<std::uint8_t, N> octets{};
 
   static constexpr std::size_t size = N;
-  auto operator<=>(const Id&) const = default;
+  /// Orders ids as their octets. Compares words, because tables of endpoints are ordered by GUID.
+  constexpr std::strong_ordering operator<=>(const Id& other) const {
+    if constexpr (N % 4 == 0) {
+      using Words = std::array<std::uint32_t, N / 4>;
+      const auto own = std::bit_cast<Words>(octets), others = std::bit_cast<Words>(other.octets);
+      for (std::size_t i = 0; i < own.size(); ++i)
+        if (own[i] != others[i]) return in_order(own[i]) <=> in_order(others[i]);
+      return std::strong_ordering::equal;
+    } else {
+      return octets <=> other.octets;
+    }
+  }
   /// Compares 4-octet ids as one word, because every received message is looked up by such ids.
   constexpr bool operator==(const Id& other) const {
     if constexpr (N == 4)
@@ -37,6 +48,11 @@ struct Id {
     Id id;
     std::copy_n(in.begin(), N, id.octets.begin());
     return id;
+  }
+
+ private:
+  static constexpr std::uint32_t in_order(std::uint32_t word) {
+    return std::endian::native == std::endian::little ? std::byteswap(word) : word;
   }
 };
 

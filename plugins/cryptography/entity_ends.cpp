@@ -2,6 +2,20 @@
 #include "plugins/cryptography/key_factory.hpp"
 
 namespace ddssec::cryptography {
+namespace {
+
+// Calls `drop` with each handle, and empties the set. `drop` may remove handles. The set is not
+// copied: after many objects have ended, one large allocation takes glibc 28 ms.
+template <class Drop>
+void take_each(std::unordered_set<std::int64_t>& handles, const Drop& drop) {
+  while (!handles.empty()) {
+    const auto handle = *handles.begin();
+    drop(handle);
+    handles.erase(handle);
+  }
+}
+
+}  // namespace
 
 // An object that ends is first removed from the tables that lead to it, then from the registry,
 // then retired. A route stays for a while and leads nowhere, because the registry no longer knows
@@ -25,12 +39,12 @@ void KeyFactory::drop_remote(RemoteEndpointCrypto& endpoint) {
 }
 
 void KeyFactory::drop_local(LocalEndpointCrypto& endpoint) {
-  for (const auto handle : std::unordered_set(endpoint.matched)) {
-    const auto kind = endpoint.kind() == EntityKind::local_writer ? EntityKind::remote_reader
-                                                                  : EntityKind::remote_writer;
+  const auto kind = endpoint.kind() == EntityKind::local_writer ? EntityKind::remote_reader
+                                                                : EntityKind::remote_writer;
+  take_each(endpoint.matched, [&](std::int64_t handle) {
     if (const auto remote = state_.registry.find<RemoteEndpointCrypto>(handle, kind))
       drop_remote(**remote);
-  }
+  });
   endpoint.participant.endpoints.erase(endpoint.handle());
   drop(endpoint);
 }
@@ -52,10 +66,11 @@ void KeyFactory::cut_off(spi::ParticipantCryptoHandle local) {
 }
 
 void KeyFactory::drop_remote(RemoteParticipantCrypto& participant) {
-  for (const auto handle : std::unordered_set(participant.endpoints))
+  take_each(participant.endpoints, [&](std::int64_t handle) {
     for (const auto kind : {EntityKind::remote_writer, EntityKind::remote_reader})
       if (const auto endpoint = state_.registry.find<RemoteEndpointCrypto>(handle, kind))
         drop_remote(**endpoint);
+  });
   for (const auto& [local, pair] : participant.pairs) {
     if (!pair) continue;
     if (!state_.host_checks_sources)
@@ -70,10 +85,11 @@ void KeyFactory::drop_remote(RemoteParticipantCrypto& participant) {
 }
 
 void KeyFactory::drop_local(LocalParticipantCrypto& participant) {
-  for (const auto handle : std::unordered_set(participant.endpoints))
+  take_each(participant.endpoints, [&](std::int64_t handle) {
     for (const auto kind : {EntityKind::local_writer, EntityKind::local_reader})
       if (const auto endpoint = state_.registry.find<LocalEndpointCrypto>(handle, kind))
         drop_local(**endpoint);
+  });
   for (const auto handle : participant.matched) {
     const auto remote = state_.remote_participant(spi::ParticipantCryptoHandle{handle});
     if (!remote) continue;
