@@ -40,6 +40,10 @@ struct Association {
   /// The peer has revised its keys. Before that, another participant could end the peer's endpoints
   /// in its name. So keys that are missing now are requested.
   bool has_revised = false;
+  /// For telling all endpoints that the peer has revised its keys of messages. That takes time for
+  /// each of them, and for each writer of the peer that has left.
+  WorkBudget revisions{4, std::chrono::seconds(1), {}};
+  bool is_revision_untold = false;  ///< the endpoints are told of it within a second
   EarlyTokens early = {};
   WaitingTokens waiting = {};
   std::unique_ptr<StatefulReader> volatile_reader = {};

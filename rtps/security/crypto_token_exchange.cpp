@@ -34,7 +34,9 @@ void note_revised(SecurityCore& core, Peer& peer, const EntityId& local, const E
   auto& association = *peer.state.association();
   association.former_keys_end = core.now + spi::kFormerKeyLife + std::chrono::seconds(1);
   association.has_revised = true;
-  core.host.on_key_change(local, {peer.prefix(), remote}, KeyChange::revised);
+  const bool is_told = local != kNoEndpoint || association.revisions.try_spend(core.now);
+  association.is_revision_untold |= !is_told;
+  if (is_told) core.host.on_key_change(local, {peer.prefix(), remote}, KeyChange::revised);
 }
 
 }  // namespace

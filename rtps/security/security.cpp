@@ -1,6 +1,7 @@
 #include "rtps/security/security.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "rtps/security/leaving.hpp"
 #include "rtps/security/memory_exchange.hpp"
@@ -8,11 +9,15 @@
 namespace ddssec::rtps {
 namespace {
 
-// Lets the endpoints of peers whose former keys have ended start again.
+// Tells the endpoints of revisions that came too often, and lets those of peers whose former keys
+// have ended start again.
 void end_former_keys(SecurityCore& core) {
   for (auto& [prefix, peer] : core.peers) {
     auto* association = peer.state.association();
-    if (association == nullptr || core.now < association->former_keys_end) continue;
+    if (association == nullptr) continue;
+    if (std::exchange(association->is_revision_untold, false))
+      core.host.on_key_change({}, {prefix, {}}, KeyChange::revised);
+    if (core.now < association->former_keys_end) continue;
     association->former_keys_end = kNever;
     core.host.on_key_change({}, {prefix, {}}, KeyChange::former_ended);
   }
