@@ -4,6 +4,7 @@
 
 #include "rtps/dcps/liveliness.hpp"
 #include "tests/unit/rtps/participant_fixture.hpp"
+#include "wire/heartbeat_frag.hpp"
 
 namespace {
 std::uint64_t work = 0;
@@ -25,6 +26,7 @@ std::uint64_t work_of(F&& f) {
 
 // Writers of one participant and readers of another one, each pair on a topic of its own.
 struct Pairs {
+  Qos reader_qos = default_reader_qos();
   testing::socketless::Node a{1}, b{2};
   testing::socketless::World world{{&a, &b}};
   std::vector<Guid> writers, readers;
@@ -37,8 +39,7 @@ struct Pairs {
       };
       writers.push_back(
           *a.participant.create_writer(request(default_writer_qos()), a.listener, world.now));
-      readers.push_back(
-          *b.participant.create_reader(request(default_reader_qos()), b.listener, world.now));
+      readers.push_back(*b.participant.create_reader(request(reader_qos), b.listener, world.now));
       asked += a.participant.next_tick().count() + b.participant.next_tick().count();
     }
   }
@@ -139,6 +140,55 @@ std::uint64_t work_of_a_sign_of_life(int writers) {
 TEST(Scale, ASignOfLife_CostsTheSameForAnyNumberOfWriters) {
   const auto few = work_of_a_sign_of_life(10), many = work_of_a_sign_of_life(1000);
   EXPECT_LT(many, 2 * few);
+}
+
+template <class Set>
+Set full_set() {
+  Set out({1});
+  for (std::uint32_t number = 1; number <= 256; ++number) out.insert({number});
+  return out;
+}
+
+// Returns the work for a datagram of each kind that names one of so many pairs of endpoints.
+std::map<std::string, std::uint64_t> work_of_datagrams(int count) {
+  Pairs pairs;
+  pairs.reader_qos.reliability.kind = ReliabilityKind::reliable;
+  pairs.create(count);
+  EXPECT_TRUE(pairs.run_until_matched(count));
+  pairs.write();
+  pairs.world.run(100);
+  std::map<std::string, std::uint64_t> out;
+  const auto send = [&](const char* kind, const testing::socketless::Node& from,
+                        testing::socketless::Node& to, const auto& submessage) {
+    auto datagram = testing::message({testing::written(submessage)});
+    std::ranges::copy(from.participant.prefix().octets, datagram.begin() + 8);
+    out[kind] = work_of([&] { to.participant.receive(datagram, pairs.world.now); });
+    pairs.world.run(5);
+  };
+  const auto writer = pairs.writers.back().entity, reader = pairs.readers.back().entity;
+  const Bytes octets(64);
+  auto &a = pairs.a, &b = pairs.b;
+  send("HEARTBEAT", a, b, Heartbeat{kEntityIdUnknown, writer, {1}, {1'000'000}, 1000});
+  send("GAP", a, b, Gap{kEntityIdUnknown, writer, {1}, full_set<SequenceNumberSet>()});
+  send("DATA", a, b, Data{kEntityIdUnknown, writer, {700}, {}, PayloadKind::data, octets});
+  send("DATA_FRAG", a, b,
+       DataFrag{kEntityIdUnknown, writer, {800}, {2}, 1, 64, 100'000, {}, false, octets});
+  send("HEARTBEAT_FRAG", a, b, HeartbeatFrag{kEntityIdUnknown, writer, {800}, {1000}, 1000});
+  send("ACKNACK", b, a, AckNack{reader, writer, full_set<SequenceNumberSet>(), 1000});
+  send("NACK_FRAG", b, a, NackFrag{reader, writer, {1}, full_set<FragmentNumberSet>(), 1000});
+  send("INFO_DST", a, b, InfoDestination{b.participant.prefix()});
+  send("INFO_TS", a, b, InfoTimestamp{});
+  send("DATA of an unknown writer", a, b,
+       Data{kEntityIdUnknown, {{9, 9, 9, 2}}, {1}, {}, PayloadKind::data, octets});
+  return out;
+}
+
+TEST(Scale, ADatagramOfEachKind_CostsTheSameForAnyNumberOfEndpoints) {
+  const auto few = work_of_datagrams(10), many = work_of_datagrams(1000);
+  // A search in log n adds a little. A loop over all pairs would add at least 990.
+  for (const auto& [kind, work] : few)
+    EXPECT_LT(many.at(kind), work + work / 2 + 100)
+        << kind << ": " << work << " becomes " << many.at(kind);
 }
 
 struct CrowdWork {
