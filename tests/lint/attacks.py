@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Holds the pages docs/attacks/*.md to the tests: each test named there exists and runs against the host of its line.
 The tables of docs/attacks.md, which name each attack with its hosts and whether a part is open, are made from the pages.
+Tests that tests/sim/README.md names for the findings that the simulation does not reach exist, too.
 
 Usage: attacks.py ROOT [--write]     --write brings the tables up to date instead of complaining.
 """
 
+import fnmatch
 import pathlib
 import re
 import sys
@@ -78,6 +80,14 @@ def with_tables(root, index):
     return index, found
 
 
+def missing_in_simulation(root, tests):
+    """The names in tests/sim/README.md, which may end in "*", that no test has."""
+    text = (root / "tests/sim/README.md").read_text(encoding="utf-8")
+    for name in re.findall(r"`([A-Z]\w+\.\w*\*?)`", text):
+        if not any(fnmatch.fnmatchcase(test, name) for test in tests):
+            yield f"{name} in tests/sim/README.md does not exist"
+
+
 def faults(root, write):
     tests, entries = tests_by_folder(root), ctest_entries(root)
     pages = sorted((root / "docs/attacks").glob("*.md"))
@@ -106,6 +116,7 @@ def faults(root, write):
                 yield f"{name} is no test entry of the host {host}"
         if host != "Open" and not names and not runs and " rows in " not in bullet:
             yield f"a line names no test: {bullet[:60]}"
+    yield from missing_in_simulation(root, tests)
 
 
 def main():
