@@ -69,6 +69,11 @@ void Announcer::answer(const GuidPrefix& participant, std::span<const Locator> m
       std::min(next_, room ? core_.now + kRepeatDelay : std::max(core_.now, last_ + kMinPeriod));
 }
 
+void Announcer::announce_soon() {
+  announce_often();
+  next_ = std::min(next_, std::max(core_.now, last_ + kMinPeriod));
+}
+
 void Announcer::announce_again() {
   next_ = {};
   announce_securely();

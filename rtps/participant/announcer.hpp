@@ -29,6 +29,8 @@ class Announcer {
   void announce_again();
   /// Announces from now on as often as in the beginning.
   void announce_often() { announcements_ = 0; }
+  /// Does the same, and sends the first announcement as soon as kMinPeriod allows.
+  void announce_soon();
   /// Sends to authenticated participants the data that must not be sent unprotected, or a dispose
   /// if `leaving`.
   void announce_securely(bool leaving = false);

@@ -101,6 +101,9 @@ void RtpsParticipant::receive(BytesView datagram, MonotonicTime now, const Locat
   core_.is_from_elsewhere = is_from_elsewhere(source, core_.config.interfaces);
   const auto gathering = gather();
   receiver_.receive(datagram, now);
+  // In Cyclone DDS the peer waits for our next announcement before it begins another session.
+  if (core_.security && core_.security->own().session_ends().take_proven())
+    announcer_.announce_soon();
   discovery_.remove_gone();
 }
 

@@ -214,8 +214,11 @@ void Handshakes::on_auth_request(Peer& peer, const GenericMessage& message) {
   if (peer.state.association() == nullptr) return request_resend(peer);
   const auto* joined = peer.state.joined();
   if (joined == nullptr || core_.now < joined->next_probe) return;
-  peer.state.on_auth_request(core_.now + kProbeTimeout, core_.now + kProbePeriod);
-  exchange_.probe(peer);
+  // A peer that has proven the end of the session has no keys to answer with.
+  const bool has_ended = core_.own->session_ends().has_ended(peer.prefix());
+  peer.state.on_auth_request(core_.now + (has_ended ? MonotonicTime::zero() : kProbeTimeout),
+                             core_.now + kProbePeriod);
+  if (!has_ended) exchange_.probe(peer);
 }
 
 void Handshakes::on_authentication(Peer& peer, const GenericMessage& message) {

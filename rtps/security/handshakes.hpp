@@ -69,6 +69,8 @@ class Handshakes {
   void announced_again(const ParticipantData& data, const AnnouncedAddresses& addresses);
   /// Notes that any announcement arrived: the peer may be able to receive messages.
   void note_announced(Peer& peer);
+  /// Ends the probe of the peer, if one is running.
+  void end_probe(Peer& peer);
   /// Notes that this many more octets may be sent to the peer (AmplificationLimit).
   void note_credit(Peer& peer, std::size_t octets);
   void remove(const GuidPrefix& prefix) { fragments_.forget(prefix); }
@@ -118,7 +120,6 @@ class Handshakes {
   bool may_tick(Peer& peer);
   void tick_association(Peer& peer);
   void note_overdue(Peer& peer);
-  void end_probe(Peer& peer);
   /// Returns when the peer is to be admitted without authentication; kNever if it is not.
   MonotonicTime next_admission(const Peer& peer) const;
   void admit_unauthenticated(Peer& peer);

@@ -112,11 +112,15 @@ MonotonicTime Handshakes::next_of_association(const Peer& peer) const {
 }
 
 void Handshakes::end_probe(Peer& peer) {
+  const auto* joined = peer.state.joined();
+  if (joined == nullptr || joined->probe_deadline == kNever) return;
   peer.state.on_probe_ended();
-  const bool answered =
-      CryptoTokenExchange::is_trusted(peer) && CryptoTokenExchange::is_up_to_date(peer);
+  const bool answered = !core_.own->session_ends().has_ended(peer.prefix()) &&
+                        CryptoTokenExchange::is_trusted(peer) &&
+                        CryptoTokenExchange::is_up_to_date(peer);
   if (!answered && budgets_.may_begin(peer.source, core_.now))
     peer.state.handshake()->begin_again(core_.now);
+  schedule(peer);
 }
 
 // The handshake does not end here: an attacker can hold messages back, or forge them.

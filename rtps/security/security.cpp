@@ -53,6 +53,11 @@ Security::Security(std::unique_ptr<OwnSecurity> own, MessageSender& sender, Time
                    SecurityHost& host, EventSink& events)
     : core_(std::move(own), {sender, timers, host, events}, governance_change_) {
   listen_for_leaving(core_, exchange_);
+  // The peer may have requested another handshake before the proof arrived.
+  core_.own->session_ends().on_proven([this](const GuidPrefix& prefix, MonotonicTime now) {
+    core_.set_now(now);
+    if (auto* peer = core_.find(prefix)) handshakes_.end_probe(*peer);
+  });
 }
 
 // Peers are removed one after the other, because each one flushes the messages that need its keys.

@@ -1,7 +1,6 @@
 #include "rtps/security/session_ends.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "base/hash.hpp"
 
@@ -19,7 +18,15 @@ void SessionEnds::note_reset(const GuidPrefix& peer, const spi::Reset& reset, Mo
       std::ranges::equal(reset.name, expected.name) && expected.proof.expose([&](BytesView proof) {
         return constant_time_equal(proof, reset.proof);
       });
-  if (is_proven) session->second.ended = now;
+  if (!is_proven) return;
+  session->second.ended = now;
+  was_proven_ = true;
+  if (on_proven_) on_proven_(peer, now);
+}
+
+bool SessionEnds::has_ended(const GuidPrefix& peer) const {
+  const auto session = sessions_.find(peer);
+  return session != sessions_.end() && session->second.ended;
 }
 
 bool SessionEnds::remove_if_before(const GuidPrefix& peer, MonotonicTime time) {

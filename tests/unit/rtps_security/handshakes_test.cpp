@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "plugins/spi/session_reset.hpp"
 #include "tests/unit/rtps_security/attacker.hpp"
 #include "tests/unit/rtps_security/deaf_pair.hpp"
 #include "wire/span_writer.hpp"
@@ -111,6 +112,70 @@ TEST(Handshake, SignedDataThatCannotBeRead_RefusesThePeer) {
         << pair.a.events.text();
     EXPECT_TRUE(pair.a.events.text().contains("CN=bob")) << pair.a.events.text();
   }
+}
+
+// A peer in Cyclone DDS on ddssec's plugins that ends its session, and requests another handshake.
+struct EndedSession : ::testing::Test {
+  EndedSession() {
+    EXPECT_TRUE(pair.match());
+    const auto is_initiator = [](Node& node, const Node& other) {
+      return core_of(node).find(other.participant->prefix())->state.handshake()->is_initiator();
+    };
+    const bool a_begins = is_initiator(pair.a, pair.b);
+    ours = a_begins ? &pair.a : &pair.b;
+    peer = (a_begins ? pair.b : pair.a)->prefix();
+    pair.world.run(300);  // after this, quick announcements are over
+    secret.secret = *spi::SharedSecretOctets::copy_of(Bytes(32, 7));
+    core_of(*ours).own->session_ends().expect(peer, secret);
+    pair.world.nodes = {ours};
+    pair.world.filter = [this](const Node&, Bytes datagram) {
+      announcements += contains(datagram, kSpdpWriter) ? 1 : 0;
+      requests += std::ranges::search(as_text(datagram), kRequest).empty() ? 0 : 1;
+      return std::vector<Bytes>();
+    };
+  }
+  void receive(const Bytes& message) {
+    (*ours)->receive(message, pair.world.now, *Locator::parse("127.0.0.1", 7009));
+  }
+  void prove_end() { receive(spi::write_reset(peer, spi::derive_reset_token(secret, peer))); }
+  void request() {
+    receive(handshake_message(peer, (*ours)->prefix(), spi::Token{}, message_class::kAuthRequest));
+  }
+
+  static constexpr std::string_view kRequest = "DDS:Auth:PKI-DH:1.0+Req";
+  Pair pair{Rules{}};
+  Node* ours = nullptr;
+  GuidPrefix peer;
+  spi::SharedSecret secret;
+  int announcements = 0, requests = 0;
+};
+
+TEST_F(EndedSession, WithoutAProof_ThePeerIsProbedFirst) {
+  request();
+  pair.world.run(150);
+  EXPECT_EQ(requests, 0);
+  pair.world.run(100);
+  EXPECT_GT(requests, 0);
+  EXPECT_LE(announcements, 2 * 3) << "two times, to three addresses";
+}
+
+TEST_F(EndedSession, WithAProof_IsAnnouncedToAndBeginsAgainAtOnce) {
+  prove_end();
+  pair.world.run(50);
+  EXPECT_GE(announcements, 3 * 3) << "the peer waits for one";
+  EXPECT_EQ(requests, 0);
+  request();
+  pair.world.run(10);
+  EXPECT_GT(requests, 0);
+}
+
+TEST_F(EndedSession, WithAProofAfterTheRequest_BeginsAgainAtOnce) {
+  request();
+  pair.world.run(10);
+  EXPECT_EQ(requests, 0);
+  prove_end();
+  pair.world.run(10);
+  EXPECT_GT(requests, 0);
 }
 
 // A participant that starts again has another GUID, and the lease of the old one ends.

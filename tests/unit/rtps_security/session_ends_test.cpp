@@ -35,6 +35,25 @@ TEST_F(SessionEndsTest, AProvenEnd_IsTakenOnceAndInTime) {
   EXPECT_FALSE(ends.remove_if_before(kPeer, kNow + 1s)) << "a repetition";
 }
 
+TEST_F(SessionEndsTest, AProvenEnd_HoldsUntilAnotherSessionBegins) {
+  EXPECT_FALSE(ends.has_ended(kPeer));
+  EXPECT_FALSE(ends.take_proven());
+  std::vector<GuidPrefix> proven;
+  ends.on_proven([&](const GuidPrefix& peer, MonotonicTime) { proven.push_back(peer); });
+  receive(kPeer, secret(2), kPeer);
+  EXPECT_FALSE(ends.has_ended(kPeer)) << "no proof";
+  receive(kPeer, secret(1), kPeer);
+  EXPECT_TRUE(ends.has_ended(kPeer));
+  EXPECT_TRUE(ends.take_proven());
+  EXPECT_FALSE(ends.take_proven()) << "taken before";
+  receive(kPeer, secret(1), kPeer);
+  EXPECT_FALSE(ends.take_proven()) << "a repetition";
+  EXPECT_EQ(proven, std::vector{kPeer});
+  ends.expect(kPeer, secret(2));
+  EXPECT_FALSE(ends.has_ended(kPeer));
+  EXPECT_FALSE(ends.has_ended(kOther));
+}
+
 TEST_F(SessionEndsTest, MessageWithoutAProof_EndsNothing) {
   receive(kPeer, secret(2), kPeer);   // the secret of another session
   receive(kPeer, secret(1), kOther);  // a message of the other side
