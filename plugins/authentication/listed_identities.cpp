@@ -1,5 +1,6 @@
 #include "plugins/authentication/listed_identities.hpp"
 
+#include <expected>
 #include <set>
 
 #include "pki/key_digests.hpp"
@@ -29,16 +30,24 @@ FollowedCertificates followed_peer(const AuthenticatedPeer& peer, const OwnIdent
 }
 
 // Returns the proof of our own certificate: the one that the peer has seen if that is valid,
-// otherwise one that the peer may know from its list. The files of the certificate and of the list
-// are replaced one after the other, so the listed one may be that before or after the one in force.
-std::optional<pki::ValidChain> followed_own(const AuthenticatedPeer& peer, const OwnIdentity& local,
-                                            WallTime now) {
+// otherwise one that the peer may know from its list, or else the reason why there is none. The
+// files of the certificate and of the list are replaced one after the other, so the listed one may
+// be that before or after the one in force.
+std::expected<pki::ValidChain, std::string> followed_own(const AuthenticatedPeer& peer,
+                                                         const OwnIdentity& local, WallTime now) {
   if (auto seen = local.verify(peer.own, now)) return *std::move(seen);
   const auto present = local.certificate();
-  if (!peer.reads_lists || present == peer.own ||
-      pki::key_digest(present) != pki::key_digest(peer.own))
-    return std::nullopt;
-  return local.listed_after(peer.own, now);
+  const auto because = [&](std::string_view why) {
+    return std::unexpected("our certificate with serial number " + peer.own.serial() +
+                           ", which the peer knows, does not count any more, and " +
+                           std::string(why));
+  };
+  if (!peer.reads_lists) return because("the peer reads no renewal list");
+  if (present == peer.own) return because("ours was not renewed");
+  if (pki::key_digest(present) != pki::key_digest(peer.own)) return because("our key is another");
+  auto listed = local.listed_after(peer.own, now);
+  if (!listed) return because("our renewal list has no valid one of ours for its key");
+  return *std::move(listed);
 }
 
 Error listed_event(const pki::ValidChain& chain) {
@@ -49,25 +58,30 @@ Error listed_event(const pki::ValidChain& chain) {
                 .note = "serial number " + chain.certificate().serial()});
 }
 
-// Lets a session go on, if it can. Returns nothing if it goes on, and otherwise a note about the
-// peer's certificate, which may be blank.
-std::optional<std::string> follow(IdentityTable& table, const AuthenticatedPeer& peer,
-                                  const OwnIdentity& local, const PluginServices& services) {
+}  // namespace
+
+std::optional<ErrorDetails> follow_renewal_list(IdentityTable& table, const AuthenticatedPeer& peer,
+                                                const OwnIdentity& local,
+                                                const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto found = followed_peer(peer, local, now);
-  if (!found.peer) return found.why_not;
+  if (!found.peer)
+    return ErrorDetails{.field = peer.latest().subject(),
+                        .found = "issuer " + peer.latest().issuer(),
+                        .note = found.why_not};
   const auto own = followed_own(peer, local, now);
-  if (!own) return "";
+  if (!own)
+    return ErrorDetails{.field = "our " + peer.own.subject(),
+                        .found = "issuer " + peer.own.issuer(),
+                        .note = own.error(),
+                        .hint =
+                            "the peer authenticates again at once; to keep its session the "
+                            "next time, distribute the renewal list with our certificate "
+                            "before the former CA leaves: ddssec crl distribute FOLDER --ca "
+                            "CA"};
   table.extend_by_renewal_list(peer.handle, {*found.peer, *own});
   if (found.by_list) services.events.raise(event_about(peer.name, listed_event(*found.peer)));
   return std::nullopt;
-}
-
-}  // namespace
-
-bool follow_renewal_list(IdentityTable& table, const AuthenticatedPeer& peer,
-                         const OwnIdentity& local, const PluginServices& services) {
-  return !follow(table, peer, local, services);
 }
 
 void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::EndedIdentity>& ended,
@@ -82,9 +96,9 @@ void follow_renewal_lists(IdentityTable& table, std::vector<IdentityTable::Ended
       local.listed().force_poll();
       poll_renewal_list(local, services);
     }
-    auto why_not = follow(table, *peer, local, services);
-    if (why_not) one.note = *std::move(why_not);
-    return !why_not;
+    auto not_followed = follow_renewal_list(table, *peer, local, services);
+    if (not_followed) one.note = std::move(not_followed->note);
+    return !not_followed;
   });
 }
 

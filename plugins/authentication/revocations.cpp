@@ -41,20 +41,23 @@ bool is_about_time_or_lists(Code code) {
 }
 
 // Returns the reason why a peer must leave after CAs were removed from the file: no remaining CA
-// issued its certificate. For a peer that stays, the end of the session is computed again.
+// issued its certificate, or ours that it knows. For a peer that stays, the end of the session is
+// computed again.
 std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::AuthenticatedPeer& peer,
                                 const OwnIdentity& whose, const PluginServices& services) {
   const auto now = services.clock.calendar_seconds();
   const auto verdict = whose.peer_trust()->verify(peer.latest(), now);
   if (!verdict && is_about_time_or_lists(verdict.error().code())) return std::nullopt;
-  if (!verdict && follow_renewal_list(table, peer, whose, services)) return std::nullopt;
-  if (!verdict)
-    return Error(Code::identity_ca_withdrawn,
-                 {.document = whose.authorities_path(),
-                  .field = peer.latest().subject(),
-                  .expected = "a certificate of " + whose.authorities(),
-                  .found = "issuer " + peer.latest().issuer(),
-                  .note = "serial number " + peer.latest().serial()});
+  if (!verdict) {
+    auto why = follow_renewal_list(table, peer, whose, services);
+    if (!why) return std::nullopt;
+    why->document = whose.authorities_path();
+    why->expected = "a certificate of " + whose.authorities();
+    const bool is_ours = !why->hint.empty();
+    if (!is_ours && !why->note.empty()) why->note = "; " + why->note;
+    if (!is_ours) why->note = "serial number " + peer.latest().serial() + why->note;
+    return Error(Code::identity_ca_withdrawn, *std::move(why));
+  }
   if (const auto own = whose.verify(peer.own, now))
     table.set_verified_again(peer.handle, {*verdict, *own});
   return std::nullopt;

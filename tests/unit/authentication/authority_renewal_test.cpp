@@ -220,6 +220,7 @@ TEST_F(IdentityCaRenewal, CaThatLeaves_EndsItsPeers) {
   EXPECT_EQ(event.peer_subject, "CN=bob,O=Example");
   EXPECT_EQ(event.proof, PeerProof::authenticated);
   EXPECT_EQ(event.error.details().document, path_);
+  EXPECT_EQ(event.error.details().field, "CN=bob,O=Example");
   EXPECT_THAT(poll(), IsEmpty()) << "ended twice";
   EXPECT_FALSE(meets(old_ca()));
   EXPECT_TRUE(meets(new_ca()));

@@ -12,8 +12,10 @@ namespace {
 
 using testing::Contains;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::SizeIs;
 
 // ---- what keeps a peer
 
@@ -205,6 +207,20 @@ TEST_F(ListedOfANewCa, PeerWhoseFirstCaHasLeft_IsKept) { let_the_first_ca_leave(
 TEST_F(ListedOfANewCa, OurCertificateRenewedBeforeItsList_KeepsThePeer) {
   put_own(renewed({kNow, kNow + 401 * 24h}));
   let_the_first_ca_leave();
+}
+
+TEST_F(ListedOfANewCa, ListWithoutOurCertificate_EndsThePeerAndNamesOurs) {
+  folder_.replace("renewed.pem", list_of({bob_with(kNext, 1, new_ca_).certificate}));
+  folder_.replace("identity_ca.pem", new_ca_.certificate().pem());
+  poll();
+  EXPECT_THAT(poll(), SizeIs(1));
+  const auto ended = std::ranges::find(first_.events.all, Code::identity_ca_withdrawn,
+                                       [](const auto& event) { return event.error.code(); });
+  ASSERT_NE(ended, first_.events.all.end());
+  EXPECT_EQ(ended->error.details().field, "our CN=alice,O=Example");
+  EXPECT_THAT(ended->error.details().note,
+              HasSubstr("our renewal list has no valid one of ours for its key"));
+  EXPECT_THAT(ended->error.details().hint, HasSubstr("ddssec crl distribute"));
 }
 
 TEST_F(ListedOfANewCa, ListWithOurNextCertificate_KeepsThePeer) {
