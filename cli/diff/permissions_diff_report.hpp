@@ -81,8 +81,8 @@ struct PermissionsComparison {
         readings_field<T>(), field("signer", &T::sides, ShownSigners::of),
         field<&T::takes_effect>(
             {"what running participants do: same, live, live when it begins, live if the signer "
-             "is believed, restart, refused; in Cyclone DDS also: live, sessions begin again (a "
-             "right is lost), live when sessions begin again (rights are only gained)"}));
+             "is believed, restart, refused; in Cyclone DDS also: live, sessions begin again (an "
+             "endpoint may lose or gain a right)"}));
   }
   std::string text() const;
 };

@@ -133,21 +133,22 @@ bool is_about_rights(const governance::PermissionChange& change,
   });
 }
 
-// The core of Cyclone DDS does not judge again what it has matched. If an endpoint loses rights,
-// its sessions with peers on our plugins end. Rights that it gains count from the next session on.
-constexpr std::string_view kWithTheSessions = "live when sessions begin again";
+template <class... Classes>
+bool changes_rights(const governance::PermissionsDiff& diff, Classes... classes) {
+  return !diff.is_exact || std::ranges::any_of(diff.changes, [&](const auto& change) {
+    return is_about_rights(change, diff) && ((change.change == classes) || ...);
+  });
+}
 
+// The core of Cyclone DDS does not judge again what it has matched, and peers there learn of
+// permissions only in a handshake. If an endpoint loses or gains a right, its sessions with peers
+// on our plugins end.
 std::string_view word_in_cyclonedds(PermissionsOutcome live,
                                     const governance::PermissionsDiff& diff) {
-  if (live != PermissionsOutcome::live) return live_word(live);
-  const auto has = [&](auto... classes) {
-    return std::ranges::any_of(diff.changes, [&](const auto& change) {
-      return is_about_rights(change, diff) && ((change.change == classes) || ...);
-    });
-  };
   using enum ChangeClass;
-  if (!diff.is_exact || has(narrower, mixed, unknown)) return "live, sessions begin again";
-  return has(wider) ? kWithTheSessions : live_word(live);
+  if (live != PermissionsOutcome::live || !changes_rights(diff, narrower, mixed, unknown, wider))
+    return live_word(live);
+  return "live, sessions begin again";
 }
 
 }  // namespace
@@ -176,10 +177,11 @@ PermissionsForecast forecast_of(const PermissionsChangeOver& change, const DiffS
                         {"what was taken away ends within a second between embedded participants;",
                          "in Cyclone DDS within two seconds: if an endpoint loses a right, the",
                          "sessions with peers on ddssec's plugins end and begin again"});
-  if (out.cyclonedds_ddssec == kWithTheSessions)
-    out.text += wrapped(indentation, {"rights that are new count at once between embedded",
-                                      "participants; in Cyclone DDS when two participants begin a",
-                                      "new session: restart one of the two"});
+  if (is_taken && changes_rights(change.diff, ChangeClass::mixed, ChangeClass::wider))
+    out.text +=
+        wrapped(indentation, {"rights that are new count at once between embedded participants;",
+                              "in Cyclone DDS within two seconds: if an endpoint needs one, the",
+                              "sessions with peers on ddssec's plugins end once and begin again"});
   out.text += wrapped(indentation,
                       {"on those of Cyclone DDS and Fast DDS:", outcome_text(stock),
                        !is_same && narrows ? "until then what was taken away stays allowed" : ""});

@@ -12,6 +12,7 @@
 #include "plugins/access_control/loading.hpp"
 #include "plugins/access_control/protection.hpp"
 #include "plugins/access_control/refusals.hpp"
+#include "plugins/access_control/unknown_rights.hpp"
 #include "plugins/spi/property_names.hpp"
 #include "plugins/spi/session_facts.hpp"
 
@@ -151,6 +152,14 @@ class AccessControlPlugin final : public spi::AccessControl {
     if (!holder || holder->remote()) return fail(Code::unknown_permissions_handle);
     return decisions_.check_endpoint(*holder, writes ? Action::publish : Action::subscribe,
                                      request);
+  }
+
+  std::optional<std::size_t> find_unknown_right(PermissionsHandle local,
+                                                std::span<const OwnEndpoint> endpoints) override {
+    const Holder holder = handles_.find(local);
+    if (!holder || holder->remote() || holder->renewals() == 0) return std::nullopt;
+    return access_control::find_unknown_right(decisions_, *holder,
+                                              handles_.peers_of(*holder->participant()), endpoints);
   }
 
   std::optional<GovernanceVersion> governance_version(PermissionsHandle local) override {
@@ -326,7 +335,16 @@ Status AccessControlPlugin::check_own_match(const PermissionsHolder& remote, con
   if (!own || own->renewals() == 0) return {};
   const auto action = match.remote_writes ? Action::subscribe : Action::publish;
   const auto status = decisions_.check_endpoint(*own, action, match.local);
-  return status ? status : report_error(status.error());
+  if (!status) return report_error(status.error());
+  // The peer refuses the endpoint. Its host would keep the keys of this session for the next one.
+  const auto seen = remote.outdated_grant_seen().grant;
+  if (!seen || !decisions_.is_denied_by_any({seen}, *own, action, match.local)) return {};
+  return report_error(
+      Error(action == Action::publish ? Code::publish_not_allowed : Code::subscribe_not_allowed,
+            {.document = "the former permissions, which the peer was shown",
+             .field = std::string(match.local.topic_name),
+             .note = "the peer learns of the renewed ones when the session begins again",
+             .hint = "nothing to do: see own_rights_gained (1451)"}));
 }
 
 Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const Match& match) {

@@ -78,6 +78,19 @@ Status AccessDecisions::check_announced(PermissionsHolder& holder, Action action
   return status;
 }
 
+bool AccessDecisions::is_denied_by_any(const std::vector<SharedGrant>& grants,
+                                       const PermissionsHolder& holder, Action action,
+                                       const EndpointRequest& request) const {
+  if (grants.empty()) return false;
+  const auto documents = holder.participant()->judging_documents();
+  const auto* rule = documents->governance->topic_rule(request.topic_name);
+  if (!rule || !is_access_controlled(*rule, action)) return false;
+  const auto tags = data_tags_of(request);
+  return std::ranges::any_of(grants, [&](const SharedGrant& grant) {
+    return !grant->judge(action, {request.topic_name, request.partitions, tags}).allowed;
+  });
+}
+
 // The announcement is judged again, because a grant may have ended.
 bool AccessDecisions::may_as_announced(PermissionsHolder& holder, Action action,
                                        const EndpointRequest& local) const {

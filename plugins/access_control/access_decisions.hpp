@@ -35,6 +35,10 @@ class AccessDecisions {
   /// length_out_of_range.
   Status check_announced(PermissionsHolder& holder, governance::Action action,
                          const spi::EndpointRequest& request) const;
+  /// True if the topic's rule controls the action, and one of the grants does not allow the holder
+  /// to do it with this endpoint. The grants are former ones of the holder.
+  bool is_denied_by_any(const std::vector<SharedGrant>& grants, const PermissionsHolder& holder,
+                        governance::Action action, const spi::EndpointRequest& request) const;
   /// True if the peer announced an endpoint in partitions of the local one, and that endpoint may
   /// do the action.
   bool may_as_announced(PermissionsHolder& holder, governance::Action action,

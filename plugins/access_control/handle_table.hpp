@@ -17,6 +17,7 @@ namespace ddssec::access_control {
 
 using Holder = std::shared_ptr<PermissionsHolder>;
 using Entries = std::vector<std::pair<spi::PermissionsHandle, Holder>>;
+using Participants = std::set<const LocalParticipant*>;
 
 /// Thread-safe; several threads may look up handles at once.
 class HandleTable {
@@ -53,6 +54,15 @@ class HandleTable {
     return entry == local_of_.end() ? nullptr : holders_.at(entry->second);
   }
 
+  /// Returns the peers of a local participant.
+  std::vector<Holder> peers_of(const LocalParticipant& local) const {
+    const std::shared_lock lock(mutex_);
+    std::vector<Holder> out;
+    for (const auto& [value, holder] : holders_)
+      if (holder->remote() && holder->participant().get() == &local) out.push_back(holder);
+    return out;
+  }
+
   bool remove(spi::PermissionsHandle handle) {
     const std::unique_lock lock(mutex_);
     std::erase_if(local_of_, [&](const auto& entry) { return entry.second == handle.value; });
@@ -76,8 +86,6 @@ class HandleTable {
   std::unordered_map<std::int64_t, std::int64_t> local_of_;  ///< identity -> permissions
   std::int64_t last_ = 0;
 };
-
-using Participants = std::set<const LocalParticipant*>;
 
 /// Returns the peers of the local participants in `gone`, in the order of `all`. Peers stay if
 /// another local participant with valid permissions knows them under the same identity, because a

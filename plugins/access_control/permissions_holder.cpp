@@ -63,7 +63,28 @@ void PermissionsHolder::note_seen(std::shared_ptr<const PermissionsHolder> own,
   seen_ = std::move(seen);
   seen_extension_.reset();
   reads_lists_ = facts.peer_reads_lists;
+  must_end_ = false;
   own_ = std::move(own);
+}
+
+PermissionsHolder::OutdatedGrant PermissionsHolder::outdated_grant_seen() const {
+  std::shared_ptr<const PermissionsHolder> own;
+  GrantOfDocument seen;
+  bool must_end = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (is_reported_ || !reads_lists_ || !own_ || !seen_) return {};
+    own = own_;
+    seen = *seen_;
+    must_end = must_end_;
+  }
+  if (own->document() == seen.document) return {};
+  return {std::move(seen.grant), must_end};
+}
+
+void PermissionsHolder::note_must_end() {
+  const std::lock_guard lock(mutex_);
+  must_end_ = true;
 }
 
 GrantOfDocument PermissionsHolder::presented(const std::optional<Sha256Digest>& digest) const {

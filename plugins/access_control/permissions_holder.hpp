@@ -94,6 +94,16 @@ class PermissionsHolder {
   /// For a peer: notes that it has seen the document of `own` with the digest in `facts`. Without a
   /// digest it is the first document, which another vendor's authentication continues to present.
   void note_seen(std::shared_ptr<const PermissionsHolder> own, const spi::SessionFacts& facts);
+  /// For a peer that runs ddssec: returns the grant of our permissions that it has seen, if these
+  /// were renewed since. No grant otherwise.
+  struct OutdatedGrant {
+    SharedGrant grant = {};
+    bool must_end = false;  ///< see note_must_end
+  };
+  OutdatedGrant outdated_grant_seen() const;
+  /// For a peer: notes that its session is to end because of that grant. Its handle is returned
+  /// then, except after an error in the host.
+  void note_must_end();
   /// For a peer: returns the endpoints that it announced.
   AllowedEndpoints& announced() { return announced_; }
   const std::string& document_name() const { return document_name_; }
@@ -149,6 +159,7 @@ class PermissionsHolder {
   std::optional<GrantOfDocument> seen_;            ///< the document of these that it has seen
   std::optional<GrantOfDocument> seen_extension_;  ///< the extension by which it continues
   bool reads_lists_ = false;                       ///< see SessionFacts
+  bool must_end_ = false;                          ///< see note_must_end
   std::shared_ptr<PermissionsDocument> document_;
   std::optional<GrantOfDocument> extension_;  ///< for a peer: the extension by the renewal list
   std::string text_;

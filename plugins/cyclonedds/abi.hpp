@@ -108,9 +108,14 @@ using RenewedPermissions = std::uint64_t(DDS_Security_IdentityHandle, std::uint6
                                          TakePermissions* take, void* context);
 inline constexpr const char* kRenewedPermissionsSymbol = "ddssec_renewed_permissions";
 /// libddssec_access_control exports this in the same way. It returns the number of times that
-/// renewed permissions of that local participant removed a right from one of its endpoints.
-using RightsLost = std::uint64_t(DDS_Security_IdentityHandle);
-inline constexpr const char* kRightsLostSymbol = "ddssec_rights_lost";
+/// renewed permissions of that local participant changed the rights of one of its endpoints so that
+/// its sessions must end (OwnEndpoints::poll).
+using RightsChanged = std::uint64_t(DDS_Security_IdentityHandle);
+inline constexpr const char* kRightsChangedSymbol = "ddssec_rights_changed";
+/// libddssec_authentication exports this. The other two libraries call it when a session is to end:
+/// it ends now, and not up to a second later. Any thread may call it.
+using EndSessionsNow = void();
+inline constexpr const char* kEndSessionsNowSymbol = "ddssec_end_sessions_now";
 /// libddssec_authentication exports a PluginVersion under this name.
 inline constexpr const char* kAuthenticationVersionSymbol = "ddssec_authentication_version";
 

@@ -466,8 +466,13 @@ void AccessControlAdapter::listen(const dds_security_access_control_listener* li
 }
 
 void AccessControlAdapter::poll_endpoints() {
-  for (const auto local : facts_.locals())
-    if (const auto lost = endpoints_.poll(local, *plugin_)) host_->notice(Event(*lost));
+  const auto now = host_->clock().monotonic();
+  for (const auto local : facts_.locals()) {
+    const auto changed = endpoints_.poll(local, *plugin_, now);
+    if (!changed) continue;
+    end_sessions_now();
+    host_->notice(Event(*changed));
+  }
 }
 
 // All local participants are cut off before the host is informed of one, so that none of them

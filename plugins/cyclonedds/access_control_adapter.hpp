@@ -44,8 +44,8 @@ class AccessControlAdapter final : public dds_security_access_control {
                                                             std::uint64_t known) noexcept;
 
   /// Answers authentication's question: the number of times that renewed permissions of a local
-  /// participant of any domain removed a right from one of its endpoints.
-  static std::uint64_t rights_lost(spi::IdentityHandle local) noexcept;
+  /// participant of any domain changed the rights of one of its endpoints (OwnEndpoints::poll).
+  static std::uint64_t rights_changed(spi::IdentityHandle local) noexcept;
 
   /// Cuts off a local participant of any domain. Authentication calls this.
   static void cut_off(spi::IdentityHandle local);
@@ -76,7 +76,7 @@ class AccessControlAdapter final : public dds_security_access_control {
  private:
   using Revoke = std::function<void(spi::PermissionsHandle)>;
   void revoke_ended(const std::stop_token& stop, const Revoke& revoke);
-  /// Reports endpoints that renewed permissions no longer allow.
+  /// Reports endpoints whose rights renewed permissions have changed.
   void poll_endpoints();
   /// Adds this adapter to, or removes it from, the list of adapters in the process.
   void register_in_process();

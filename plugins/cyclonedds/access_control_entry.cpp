@@ -41,8 +41,8 @@ DDSSEC_EXPORT std::uint64_t ddssec_renewed_permissions(DDS_Security_IdentityHand
   return renewed->times;
 }
 
-DDSSEC_EXPORT std::uint64_t ddssec_rights_lost(DDS_Security_IdentityHandle local) {
-  return AccessControlAdapter::rights_lost({local});
+DDSSEC_EXPORT std::uint64_t ddssec_rights_changed(DDS_Security_IdentityHandle local) {
+  return AccessControlAdapter::rights_changed({local});
 }
 
 DDSSEC_EXPORT int finalize_access_control(void* context) {

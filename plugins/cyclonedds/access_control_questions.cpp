@@ -94,12 +94,12 @@ std::optional<AccessControlAdapter::RenewedDocument> AccessControlAdapter::renew
   return std::nullopt;
 }
 
-std::uint64_t AccessControlAdapter::rights_lost(spi::IdentityHandle local) noexcept {
+std::uint64_t AccessControlAdapter::rights_changed(spi::IdentityHandle local) noexcept {
   try {
     const std::shared_lock lock(adapters().mutex);
     for (const auto& [id, adapter] : adapters().by_id)
       if (const auto permissions = adapter->facts_.permissions_of(local))
-        return adapter->endpoints_.losses(*permissions);
+        return adapter->endpoints_.changes(*permissions);
   } catch (...) {
     // The question comes again.
   }

@@ -13,6 +13,7 @@
 #include "plugins/spi/flag_property.hpp"
 #include "plugins/spi/process_properties.hpp"
 #include "plugins/spi/property_names.hpp"
+#include "plugins/spi/session_facts.hpp"
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -271,6 +272,12 @@ CResult process_handshake(Instance* instance, CToken* message_out, const CToken*
   });
 }
 
+// Returns what the handshake presented of the permissions; empty if that is unknown.
+LostSessions::Presented presented_in(Adapter& adapter, spi::HandshakeHandle handshake) {
+  const auto credential = adapter.plugin().authenticated_peer_credential_token(handshake);
+  return credential ? spi::session_facts_in(*credential).presented_permissions : std::nullopt;
+}
+
 // Remembers the session, so that a reset can be sent if the host drops the peer while the peer
 // keeps the session. Only ddssec peers understand a reset, and they announce ChaCha20-Poly1305. For
 // other peers the watch waits.
@@ -286,7 +293,7 @@ void note_session(Adapter& adapter, spi::HandshakeHandle handshake,
   }
   if (!guid) return;
   if ((secret.peer_ciphers & spi::kChaCha20Poly1305Bit) != 0)
-    adapter.lost_sessions().established(local, *guid, secret);
+    adapter.lost_sessions().established(local, *guid, secret, presented_in(adapter, handshake));
   else
     adapter.watch().note_session_kept(handshake);
 }
@@ -394,23 +401,27 @@ void AuthenticationAdapter::present_renewed_permissions() {
            locals.end();
   };
   std::erase_if(renewals_, is_gone);
-  std::erase_if(losses_, is_gone);
+  std::erase_if(presented_, is_gone);
+  std::erase_if(rights_changes_, is_gone);
   for (const auto& local : locals) {
-    // The losses are read first: the text that is read after them is no older, so no new session
+    // The changes are read first: the text that is read after them is no older, so no new session
     // begins with the former rights.
-    const auto losses = rights_lost(local.handle);
+    const auto changes = rights_changed(local.handle);
     auto times = renewals_[local.handle];
     auto text = renewed_permissions(local.handle, times);
     if (!text) {
-      note_lost_rights(local.handle, losses);
+      note_changed_rights(local.handle, changes);
       continue;
     }
+    const auto digest = sha256(as_bytes(*text));
     const spi::Token credential{.class_id = std::string(spi::class_id::kPermissionsCredential),
                                 .properties = {{"dds.perm.cert", *std::move(text), false}}};
     // A refusal has its own event; the same document is not tried again.
-    static_cast<void>(plugin_->set_permissions_credential_and_token(local.handle, credential, {}));
+    presented_.erase(local.handle);
+    if (plugin_->set_permissions_credential_and_token(local.handle, credential, {}))
+      presented_[local.handle] = digest;
     renewals_[local.handle] = times;
-    note_lost_rights(local.handle, losses);
+    note_changed_rights(local.handle, changes);
   }
 }
 

@@ -45,11 +45,14 @@ class AuthenticationAdapter final : public dds_security_authentication {
   bool has_others(spi::IdentityHandle local) const;
   /// Makes later handshakes present permissions that access control has renewed.
   void present_renewed_permissions();
-  /// Notes the sessions that must end, if renewed permissions removed a right from an endpoint.
-  void note_lost_rights(spi::IdentityHandle local, std::uint64_t losses);
+  /// Notes the sessions that must end, if renewed permissions changed the rights of an endpoint.
+  void note_changed_rights(spi::IdentityHandle local, std::uint64_t changes);
   /// Makes the host begin again with the peers of the noted sessions. Returns true if there was
   /// any.
   bool revoke_noted(const std::stop_token& stop, const Revoke& revoke);
+  /// Forgets the noted sessions with the peer that are over, or need not end. Returns true if one
+  /// is to end now.
+  bool take_noted(const Guid& remote, std::chrono::nanoseconds now);
   /// Handles a peer whose certificate has ended, or no longer counts.
   void cut_off_peer(spi::IdentityHandle remote, const Revoke& revoke);
   /// Makes the host begin again with peers whose handshake does not finish.
@@ -81,16 +84,16 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// The number of times that the permissions of local participants were renewed; for the timer's
   /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;
-  /// The number of times that renewed permissions removed a right from them; for the timer's
-  /// thread.
-  std::map<spi::IdentityHandle, std::uint64_t> losses_;
-  /// A session that presented permissions with a right that was lost, or a handshake that presents
-  /// them.
+  /// The permissions that their handshakes present, if these were renewed; for the timer's thread.
+  std::map<spi::IdentityHandle, Sha256Digest> presented_;
+  /// The number of times that renewed permissions changed the rights of their endpoints; for the
+  /// timer's thread.
+  std::map<spi::IdentityHandle, std::uint64_t> rights_changes_;
+  /// A session that presented permissions with other rights, or a handshake that presents them.
   struct EndingSession {
     spi::IdentityHandle local;
     Guid remote;
-    /// The time after which no handshake with these permissions is under way.
-    std::chrono::nanoseconds until;
+    std::chrono::nanoseconds noted;
   };
   std::vector<EndingSession> endings_;  ///< for the timer's thread
   /// A remote participant that has proven the end of its session, and what happened after that.

@@ -2,6 +2,7 @@
 #include "plugins/authentication/authentication.hpp"
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 #include "plugins/cyclonedds/entry.hpp"
+#include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/plugins_in_use.hpp"
 
 using namespace ddssec;
@@ -17,5 +18,7 @@ DDSSEC_EXPORT int init_authentication(const char*, void** context, ddsi_domaingv
 DDSSEC_EXPORT int finalize_authentication(void* context) {
   return cyclonedds::finalize<AuthenticationAdapter, dds_security_authentication>(context);
 }
+
+DDSSEC_EXPORT void ddssec_end_sessions_now() { cyclonedds::ExpiryTimer::wake_all(); }
 
 DDSSEC_EXPORT const char* ddssec_authentication_version() { return cyclonedds::version(); }

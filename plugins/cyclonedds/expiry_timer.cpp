@@ -2,10 +2,46 @@
 
 #include <algorithm>
 #include <pthread.h>
+#include <set>
 
 #include "base/background_thread.hpp"
 
 namespace ddssec::cyclonedds {
+namespace {
+
+struct Timers {
+  std::mutex mutex;
+  std::set<ExpiryTimer*> all;
+};
+
+// Never destroyed, because a thread of the host may ask while the process exits.
+Timers& timers() {
+  static auto& out = *new Timers;
+  return out;
+}
+
+}  // namespace
+
+ExpiryTimer::ExpiryTimer(const Clock& clock, std::chrono::milliseconds longest_wait)
+    : clock_(clock), longest_wait_(longest_wait) {
+  const std::lock_guard lock(timers().mutex);
+  timers().all.insert(this);
+}
+
+ExpiryTimer::~ExpiryTimer() {
+  stop();
+  const std::lock_guard lock(timers().mutex);
+  timers().all.erase(this);
+}
+
+void ExpiryTimer::wake_all() noexcept {
+  const std::lock_guard lock(timers().mutex);
+  for (auto* const timer : timers().all) {
+    const std::lock_guard sleeping(timer->sleep_);
+    timer->is_due_ = true;
+    timer->wake_.notify_all();
+  }
+}
 
 void ExpiryTimer::start(Tasks tasks) {
   stop();
@@ -27,7 +63,8 @@ void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
       tasks.revoke_ended(stop);
       const auto wait = next_wait(tasks);
       std::unique_lock lock(sleep_);
-      wake_.wait_for(lock, stop, wait, [] { return false; });
+      wake_.wait_for(lock, stop, wait, [this] { return is_due_; });
+      is_due_ = false;
     } catch (...) {
       // An exception would end the process. Whatever could not be checked is checked again soon.
       std::this_thread::sleep_for(std::min(longest_wait_, std::chrono::milliseconds(100)));

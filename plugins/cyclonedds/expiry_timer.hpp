@@ -24,11 +24,14 @@ class ExpiryTimer {
   };
 
   explicit ExpiryTimer(const Clock& clock,
-                       std::chrono::milliseconds longest_wait = std::chrono::milliseconds(1000))
-      : clock_(clock), longest_wait_(longest_wait) {}
-  ~ExpiryTimer() { stop(); }
+                       std::chrono::milliseconds longest_wait = std::chrono::milliseconds(1000));
+  ~ExpiryTimer();
   ExpiryTimer(const ExpiryTimer&) = delete;
   ExpiryTimer& operator=(const ExpiryTimer&) = delete;
+
+  /// Makes all timers of this library check now, each in its own thread. Any thread may call it,
+  /// also while it holds locks of the host. Only events that peers cannot cause at will do.
+  static void wake_all() noexcept;
 
   /// Replaces the tasks of an earlier start.
   void start(Tasks tasks);
@@ -44,7 +47,8 @@ class ExpiryTimer {
   const Clock& clock_;
   const std::chrono::milliseconds longest_wait_;
   std::mutex control_;  ///< serializes start and stop
-  std::mutex sleep_;
+  std::mutex sleep_;    ///< guards `is_due_`
+  bool is_due_ = false;
   std::condition_variable_any wake_;
   std::jthread thread_;
 };

@@ -14,6 +14,9 @@ constexpr const char* kGrowingIntervals =
     "from now on it is begun again at growing intervals; this event is not repeated, but Cyclone "
     "DDS may log each attempt";
 constexpr std::size_t kMaxEndedByPeer = 1024;
+// A handshake that was under way when permissions were renewed presents the former ones. After this
+// time there is none.
+constexpr auto kMaxHandshake = std::chrono::seconds(10);
 constexpr const char* kOnce = "this is done once; then the handshake waits for the peer";
 }  // namespace
 
@@ -83,14 +86,33 @@ void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Rev
 
 // Notes only sessions with peers that follow a reset. Other peers would keep their side of the
 // session, and ignore each new handshake.
-void AuthenticationAdapter::note_lost_rights(spi::IdentityHandle local, std::uint64_t losses) {
-  constexpr auto kMaxHandshake = std::chrono::seconds(10);
-  auto& known = losses_[local];
-  if (losses <= known) return;
-  const auto until = host_->clock().monotonic() + kMaxHandshake;
+void AuthenticationAdapter::note_changed_rights(spi::IdentityHandle local, std::uint64_t changes) {
+  auto& known = rights_changes_[local];
+  if (changes <= known) return;
+  const auto now = host_->clock().monotonic();
   for (const auto& [remote, guid] : remotes_.all())
-    if (remotes_.has_discovered(local, guid)) endings_.push_back({local, guid, until});
-  known = losses;
+    if (remotes_.has_discovered(local, guid)) endings_.push_back({local, guid, now});
+  known = changes;
+}
+
+// Both sides of a session may get renewed permissions at the same time, and each ends the session
+// that it knows. A session that began after that has presented the renewed ones. It must not end:
+// its handshake may be under way on the other side, which would wait for 20 s.
+bool AuthenticationAdapter::take_noted(const Guid& remote, std::chrono::nanoseconds now) {
+  // The time until the other side has finished, too, and follows a reset.
+  constexpr auto kFinished = std::chrono::seconds(2);
+  bool ends = false;
+  std::erase_if(endings_, [&](const EndingSession& one) {
+    if (one.remote != remote) return false;
+    const auto session = lost_sessions_.session(one.local, remote);
+    if (!session) return false;
+    const auto current = presented_.find(one.local);
+    if (current != presented_.end() && session->presented == current->second) return true;
+    if (session->at > one.noted && now - session->at < kFinished) return false;
+    ends = true;
+    return true;
+  });
+  return ends;
 }
 
 bool AuthenticationAdapter::revoke_noted(const std::stop_token& stop, const Revoke& revoke) {
@@ -99,15 +121,14 @@ bool AuthenticationAdapter::revoke_noted(const std::stop_token& stop, const Revo
   bool any = false;
   for (const auto& [remote, guid] : remotes_.all()) {
     if (stop.stop_requested()) return any;
-    const auto ends = [&guid = guid, this](const EndingSession& one) {
-      return one.remote == guid && lost_sessions_.has_session(one.local, guid);
-    };
-    if (std::erase_if(endings_, ends) == 0) continue;
+    if (!take_noted(guid, now)) continue;
     lost_sessions_.about_to_drop(guid);
     revoke(remote.value);
     any = true;
   }
-  std::erase_if(endings_, [&](const EndingSession& one) { return one.until <= now; });
+  std::erase_if(endings_, [&](const EndingSession& one) {
+    return now - one.noted >= kMaxHandshake && !lost_sessions_.has_session(one.local, one.remote);
+  });
   return any;
 }
 

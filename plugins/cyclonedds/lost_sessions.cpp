@@ -31,14 +31,15 @@ std::vector<LostSessions::Reset> LostSessions::remove_local(IdentityHandle local
 }
 
 void LostSessions::established(IdentityHandle local, const Guid& remote,
-                               const spi::SharedSecret& secret) {
+                               const spi::SharedSecret& secret, const Presented& presented) {
   const std::lock_guard lock(mutex_);
   const auto own = locals_.find(local);
   if (own == locals_.end()) return;
   const auto& sender = own->second.prefix;
   Session session{.sender = sender,
                   .token = spi::derive_reset_token(secret, sender),
-                  .to = secret.peer_addresses};
+                  .to = secret.peer_addresses,
+                  .begun = {clock_.monotonic(), presented}};
   if (session.to.size() > kMaxAddresses) session.to.resize(kMaxAddresses);
   const Key key{remote, local};
   auto& known = sessions_[key];
@@ -155,10 +156,12 @@ std::vector<LostSessions::DueReset> LostSessions::due(const Discovers& discovers
   return out;
 }
 
-bool LostSessions::has_session(IdentityHandle local, const Guid& remote) const {
+std::optional<LostSessions::Begun> LostSessions::session(IdentityHandle local,
+                                                         const Guid& remote) const {
   const std::lock_guard lock(mutex_);
   const auto session = sessions_.find({remote, local});
-  return session != sessions_.end() && session->second.lost == 0;
+  if (session == sessions_.end() || session->second.lost != 0) return std::nullopt;
+  return session->second.begun;
 }
 
 std::vector<spi::UdpAddress> LostSessions::addresses_of(const Guid& remote) {

@@ -14,10 +14,12 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/hash.hpp"
 #include "base/ids.hpp"
 #include "plugins/spi/handles.hpp"
 #include "plugins/spi/session_reset.hpp"
@@ -67,9 +69,12 @@ class LostSessions {
   /// Removes a local participant that has ended, with its sessions. Returns the resets that inform
   /// its peers.
   std::vector<Reset> remove_local(spi::IdentityHandle local);
+  /// The SHA-256 of the permissions that a handshake presented (spi::SessionFacts).
+  using Presented = std::optional<Sha256Digest>;
   /// Notes that two participants have authenticated. A session that they had lost before is
   /// forgotten.
-  void established(spi::IdentityHandle local, const Guid& remote, const spi::SharedSecret& secret);
+  void established(spi::IdentityHandle local, const Guid& remote, const spi::SharedSecret& secret,
+                   const Presented& presented = {});
   /// Notes that the host has dropped the remote participant.
   void lost(const Guid& remote);
   /// Notes that the host is about to drop it for all local participants, because one of its
@@ -82,8 +87,16 @@ class LostSessions {
   /// participants.
   void about_to_cut_off(const Guid& remote);
 
+  struct Begun {
+    Duration at{};
+    Presented presented = {};  ///< by the local side
+  };
+  /// Returns how the session of the two began; empty if they have none, or if it was lost.
+  std::optional<Begun> session(spi::IdentityHandle local, const Guid& remote) const;
   /// True if the two have a session that was not lost.
-  bool has_session(spi::IdentityHandle local, const Guid& remote) const;
+  bool has_session(spi::IdentityHandle local, const Guid& remote) const {
+    return session(local, remote).has_value();
+  }
 
   /// Returns the addresses of a peer; empty if there is no session with it.
   std::vector<spi::UdpAddress> addresses_of(const Guid& remote);
@@ -106,6 +119,7 @@ class LostSessions {
     GuidPrefix sender;
     spi::ResetToken token;
     std::vector<spi::UdpAddress> to;
+    Begun begun;
     std::uint64_t lost = 0;  ///< sequence number of its loss; 0 if it is not lost
     Duration lost_at{};
     Duration next{};

@@ -23,7 +23,30 @@ Error rights_lost_event(const Error& first, std::size_t more) {
   return Error(Code::own_rights_lost, std::move(details));
 }
 
+Error rights_gained_event(bool writes, const std::string& topic) {
+  return Error(Code::own_rights_gained,
+               {.document = fmt::format("the {} of topic {}", writes ? "writer" : "reader", topic),
+                .note = "a peer on other plugins learns of the right when the former permissions "
+                        "end"});
+}
+
 }  // namespace
+
+// The request refers to the endpoint, which must not move.
+struct OwnEndpoints::Request {
+  explicit Request(const Endpoint& endpoint)
+      : writes(endpoint.writes),
+        topic(endpoint.topic),
+        partitions(endpoint.partitions.begin(), endpoint.partitions.end()),
+        data_tags(endpoint.data_tags) {}
+  spi::EndpointRequest request() const {
+    return {.topic_name = topic, .partitions = partitions, .data_tags = data_tags};
+  }
+  bool writes;
+  const std::string& topic;
+  std::vector<std::string_view> partitions;
+  const spi::PropertyList& data_tags;
+};
 
 void OwnEndpoints::add(Place place, spi::PermissionsHandle local, bool writes,
                        const spi::EndpointRequest& request) {
@@ -43,42 +66,75 @@ void OwnEndpoints::remove(Place place) {
 
 void OwnEndpoints::forget(spi::PermissionsHandle local) {
   const std::lock_guard lock(mutex_);
-  losses_.erase(local);
+  changes_.erase(local);
   std::erase_if(endpoints_, [&](const auto& entry) { return entry.second.local == local; });
 }
 
-Status OwnEndpoints::ask(const Endpoint& endpoint, spi::AccessControl& plugin) {
-  const std::vector<std::string_view> partitions(endpoint.partitions.begin(),
-                                                 endpoint.partitions.end());
-  return plugin.check_own_endpoint(
-      endpoint.local, endpoint.writes,
-      {.topic_name = endpoint.topic, .partitions = partitions, .data_tags = endpoint.data_tags});
-}
-
-std::optional<Error> OwnEndpoints::poll(spi::PermissionsHandle local, spi::AccessControl& plugin) {
+std::optional<Error> OwnEndpoints::poll(spi::PermissionsHandle local, spi::AccessControl& plugin,
+                                        Duration now) {
   const auto renewals = plugin.renewals(local);
   const std::lock_guard lock(mutex_);
-  auto& losses = losses_[local];
+  if (auto lost = find_lost(local, renewals, plugin)) return lost;
+  auto& last = changes_[local];
+  if (last.renewals >= renewals) return std::nullopt;
+  auto gained = find_gained(local, plugin, now);
+  if (gained) last = {last.count + 1, renewals};
+  return gained;
+}
+
+// The caller holds the lock.
+std::optional<Error> OwnEndpoints::find_lost(spi::PermissionsHandle local, std::uint64_t renewals,
+                                             spi::AccessControl& plugin) {
+  auto& last = changes_[local];
   std::optional<Error> first;
   std::size_t lost = 0;
   for (auto& [place, endpoint] : endpoints_) {
     if (endpoint.local != local || endpoint.judged == renewals) continue;
-    const auto status = ask(endpoint, plugin);
+    const auto status =
+        plugin.check_own_endpoint(local, endpoint.writes, Request(endpoint).request());
     endpoint.judged = renewals;
+    endpoint.first_asked.reset();
+    endpoint.is_known = false;
     const bool was_allowed = std::exchange(endpoint.is_allowed, !is_denial(status));
     if (!was_allowed || endpoint.is_allowed) continue;
     if (++lost > 1) continue;
-    ++losses;  // also counted if there is no memory for the event
+    last = {last.count + 1, renewals};  // also counted if there is no memory for the event
     first = status.error();
   }
   if (!first) return std::nullopt;
   return rights_lost_event(*first, lost - 1);
 }
 
-std::uint64_t OwnEndpoints::losses(spi::PermissionsHandle local) const {
+// A handshake that was under way presents the former permissions, and may finish after the first
+// question.
+bool OwnEndpoints::is_due(const Endpoint& endpoint, Duration now) {
+  constexpr auto kHandshakesHaveEnded = std::chrono::seconds(12);
+  return endpoint.is_allowed && !endpoint.is_known &&
+         (!endpoint.first_asked || now - *endpoint.first_asked >= kHandshakesHaveEnded);
+}
+
+// The caller holds the lock, and has judged the endpoints by the permissions in force.
+std::optional<Error> OwnEndpoints::find_gained(spi::PermissionsHandle local,
+                                               spi::AccessControl& plugin, Duration now) {
+  std::vector<Request> requests;
+  for (auto& [place, endpoint] : endpoints_) {
+    if (endpoint.local != local || !is_due(endpoint, now)) continue;
+    requests.emplace_back(endpoint);
+    endpoint.is_known = endpoint.first_asked.has_value();
+    if (!endpoint.first_asked) endpoint.first_asked = now;
+  }
+  if (requests.empty()) return std::nullopt;
+  std::vector<spi::AccessControl::OwnEndpoint> asked;
+  for (const auto& one : requests) asked.push_back({one.writes, one.request()});
+  const auto found = plugin.find_unknown_right(local, asked);
+  if (!found || *found >= requests.size()) return std::nullopt;
+  return rights_gained_event(requests[*found].writes, requests[*found].topic);
+}
+
+std::uint64_t OwnEndpoints::changes(spi::PermissionsHandle local) const {
   const std::lock_guard lock(mutex_);
-  const auto known = losses_.find(local);
-  return known == losses_.end() ? 0 : known->second;
+  const auto known = changes_.find(local);
+  return known == changes_.end() ? 0 : known->second.count;
 }
 
 }  // namespace ddssec::cyclonedds

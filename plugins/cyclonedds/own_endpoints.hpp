@@ -1,8 +1,11 @@
 // The endpoints of applications, and whether renewed permissions still allow them. The core does
-// not judge again what it has matched. If a right of an endpoint is lost, authentication ends the
-// participant's sessions (AuthenticationAdapter::note_lost_rights).
+// not judge again what it has matched, and peers learn of renewed permissions only in a new
+// handshake. So authentication ends the participant's sessions if a right of an endpoint is lost,
+// or if an endpoint has a right that peers do not know
+// (AuthenticationAdapter::note_changed_rights).
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -20,6 +23,7 @@ class OwnEndpoints {
   /// The place where the host keeps the attributes of an endpoint, for as long as the endpoint
   /// exists.
   using Place = const void*;
+  using Duration = std::chrono::nanoseconds;
 
   void add(Place place, spi::PermissionsHandle local, bool writes,
            const spi::EndpointRequest& request);
@@ -29,10 +33,12 @@ class OwnEndpoints {
 
   /// Judges the endpoints of a local participant by its permissions, if those were renewed since
   /// the last call. Returns own_rights_lost if they no longer allow an endpoint that was allowed
-  /// before.
-  std::optional<Error> poll(spi::PermissionsHandle local, spi::AccessControl& plugin);
+  /// before. Otherwise returns own_rights_gained if peers do not know a right of an endpoint, but
+  /// at most once for each renewal, and not after a loss by the same one: the sessions that begin
+  /// after that have presented these permissions, so an end of theirs would be of no use.
+  std::optional<Error> poll(spi::PermissionsHandle local, spi::AccessControl& plugin, Duration now);
   /// Returns the number of times that `poll` has returned an error for that participant.
-  std::uint64_t losses(spi::PermissionsHandle local) const;
+  std::uint64_t changes(spi::PermissionsHandle local) const;
 
  private:
   struct Endpoint {
@@ -43,12 +49,24 @@ class OwnEndpoints {
     spi::PropertyList data_tags;
     std::uint64_t judged = 0;  ///< the number of renewals of the permissions by which it was judged
     bool is_allowed = true;
+    /// When it was first asked for these permissions whether peers know the right.
+    std::optional<Duration> first_asked = {};
+    bool is_known = false;  ///< true if that is not asked again
   };
-  static Status ask(const Endpoint& endpoint, spi::AccessControl& plugin);
+  struct Changes {
+    std::uint64_t count = 0;
+    std::uint64_t renewals = 0;  ///< of the permissions that caused the last one
+  };
+  struct Request;
+  static bool is_due(const Endpoint& endpoint, Duration now);
+  std::optional<Error> find_lost(spi::PermissionsHandle local, std::uint64_t renewals,
+                                 spi::AccessControl& plugin);
+  std::optional<Error> find_gained(spi::PermissionsHandle local, spi::AccessControl& plugin,
+                                   Duration now);
 
   mutable std::mutex mutex_;
   std::map<Place, Endpoint> endpoints_;
-  std::map<spi::PermissionsHandle, std::uint64_t> losses_;
+  std::map<spi::PermissionsHandle, Changes> changes_;
 };
 
 }  // namespace ddssec::cyclonedds

@@ -29,9 +29,14 @@ std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::u
   return text;
 }
 
-std::uint64_t rights_lost(spi::IdentityHandle local) {
-  void* const symbol = dlsym(RTLD_DEFAULT, kRightsLostSymbol);
-  return symbol == nullptr ? 0 : reinterpret_cast<RightsLost*>(symbol)(local.value);
+std::uint64_t rights_changed(spi::IdentityHandle local) {
+  void* const symbol = dlsym(RTLD_DEFAULT, kRightsChangedSymbol);
+  return symbol == nullptr ? 0 : reinterpret_cast<RightsChanged*>(symbol)(local.value);
+}
+
+void end_sessions_now() noexcept {
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kEndSessionsNowSymbol))
+    reinterpret_cast<EndSessionsNow*>(symbol)();
 }
 
 spi::CipherMask ciphers_of_process() {

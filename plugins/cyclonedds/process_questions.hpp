@@ -21,9 +21,13 @@ bool has_our_authentication();
 /// times; `known` is then set to that number. Empty without libddssec_access_control.
 std::optional<std::string> renewed_permissions(spi::IdentityHandle local, std::uint64_t& known);
 
-/// Returns the number of times that renewed permissions removed a right from an endpoint of a local
-/// participant. 0 without libddssec_access_control.
-std::uint64_t rights_lost(spi::IdentityHandle local);
+/// Returns the number of times that renewed permissions changed the rights of an endpoint of a
+/// local participant so that its sessions must end. 0 without libddssec_access_control.
+std::uint64_t rights_changed(spi::IdentityHandle local);
+
+/// Makes libddssec_authentication end now the sessions of which the answers to its questions say
+/// that they must end. Does nothing without that library.
+void end_sessions_now() noexcept;
 
 /// Returns the ciphers that libddssec_cryptography in this process can decrypt; the standard's
 /// ciphers if it is not loaded.

@@ -6,6 +6,7 @@
 #include "plugins/cyclonedds/cryptography_adapter.hpp"
 #include "plugins/cyclonedds/opened_message.hpp"
 #include "plugins/cyclonedds/peers_with_keys.hpp"
+#include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
 
 namespace ddssec::cyclonedds {
@@ -177,7 +178,7 @@ DDS_Security_boolean decode_rtps_message(Instance* instance, Octets* plain, cons
       encoded != nullptr ? octets_from(encoded).value_or(BytesView()) : BytesView()};
   // A reset contains nothing for the host. An invalid one is ignored.
   const auto reset = spi::read_reset(call.octets);
-  if (reset) SessionResets::of_process().note_reset(*reset);
+  if (reset && SessionResets::of_process().note_reset(*reset)) end_sessions_now();
   // The host already has the plaintext. Another result would replace it, and the first one would
   // leak.
   if (reset || opened.was_opened_for_another(call)) {

@@ -156,6 +156,18 @@ class AccessControl {
   virtual Status check_own_endpoint(PermissionsHandle, bool /*writes*/, const EndpointRequest&) {
     return fail(Code::unknown_permissions_handle);
   }
+  /// An endpoint of the application.
+  struct OwnEndpoint {
+    bool writes;
+    EndpointRequest request;
+  };
+  /// Returns the index of the first of the endpoints that a peer that runs ddssec does not match,
+  /// because it knows only former permissions of the local participant. The caller then ends the
+  /// sessions: a peer that stays nevertheless does not count again. No event is raised.
+  virtual std::optional<std::size_t> find_unknown_right(PermissionsHandle /*local*/,
+                                                        std::span<const OwnEndpoint>) {
+    return std::nullopt;
+  }
 
   /// A governance document: its revision (0 if it has none) and the digest of its signed text.
   struct GovernanceVersion {

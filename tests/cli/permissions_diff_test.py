@@ -218,13 +218,13 @@ class PermissionsDifferences(Differences):
 
     def test_in_cyclonedds_rights_change_with_the_sessions(self):
         few, many = permissions(grant(JOIN, rule("allow", "a"))), permissions(grant(JOIN, rule("allow", "a"), rule("allow", "b")))
-        for old, new, word in ((many, few, "live, sessions begin again"), (few, many, "live when sessions begin again"),
-                               (few, permissions(grant(JOIN, rule("allow", "b"))), "live, sessions begin again"),
-                               (few, few.replace("<not_after>20", "<not_after>21"), "live")):
+        again, one_more = "live, sessions begin again", permissions(grant(JOIN, rule("allow", "b")))
+        for old, new, word, gains in ((many, few, again, False), (few, many, again, True), (few, one_more, again, True),
+                                      (few, few.replace("<not_after>20", "<not_after>21"), "live", False)):
             self.write(old, new)
             out = self.diff(*NOW)["takes_effect"]
             self.assertEqual((out["embedded"], out["cyclonedds_ddssec"]), ("live", word))
-            self.assertEqual("restart one of the two" in self.text(*NOW), word == "live when sessions begin again")
+            self.assertEqual("rights that are new count at once" in self.text(*NOW), gains)
 
     def test_a_participant_that_only_one_document_knows_decides_nothing_while_it_runs(self):
         other = grant(JOIN, subject="CN=listener", name="listener")

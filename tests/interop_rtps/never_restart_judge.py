@@ -154,7 +154,8 @@ def print_report(story, totals):
     print(f"told of the end of an instance (reader, topic, times): {ends_of(story) or 'none'}")
     print(f"slowest command of ddssec: {story.folders.slowest:.1f} s")
     print(f"restarts 0; {LEFT} out {story.figures['out']:.1f} s after its end; right lost after "
-          f"{story.figures['narrowed']:.1f} s (in Cyclone DDS {story.figures['denied']:.1f} s), back after {story.figures['widened']:.1f} s; protection raised after "
+          f"{story.figures['narrowed']:.1f} s (in Cyclone DDS {story.figures['denied']:.1f} s), back after {story.figures['widened']:.1f} s; "
+          f"a new topic read in Cyclone DDS after {story.figures['gained']:.1f} s; protection raised after "
           f"{story.figures['raised']:.1f} s")
     for kind, group in (("embedded", EMBEDDED), ("Cyclone DDS", CYCLONE)):
         seen = collections.Counter(event["name"] for name in group for event in story.peers[name].events())

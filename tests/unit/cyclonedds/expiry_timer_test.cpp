@@ -45,6 +45,18 @@ TEST_F(Timer, StoppedTimer_CallsNothing) {
   timer.stop();  // a second time
 }
 
+TEST_F(Timer, WakeAll_EndsTheWait) {
+  ExpiryTimer slow{clock, 60s};
+  slow.start(tasks());
+  for (int round = 1; round <= 3; ++round) {
+    for (int i = 0; i < 500 && rounds < round; ++i) std::this_thread::sleep_for(10ms);
+    ASSERT_EQ(rounds, round);
+    ExpiryTimer::wake_all();
+  }
+  slow.stop();
+  ExpiryTimer::wake_all();  // a timer that does not run
+}
+
 // Three identities end in one round.
 TEST_F(Timer, ARevocation_MayStopTheTimer) {
   std::atomic<int> revocations = 0;

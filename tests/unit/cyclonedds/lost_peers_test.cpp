@@ -10,6 +10,7 @@
 
 #include "plugins/cyclonedds/authentication_adapter.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
+#include "plugins/spi/session_facts.hpp"
 #include "tests/unit/cyclonedds/revocation_listeners.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
@@ -19,6 +20,8 @@ static std::atomic<DDS_Security_IdentityHandle> stranded_peer{0};
 static std::atomic<int> questions{0};
 // How often renewed permissions took a right from an endpoint of the local participant.
 static std::atomic<std::uint64_t> losses{0};
+// Its renewed permissions; nullptr: they were not renewed.
+static std::atomic<const char*> renewed{nullptr};
 
 namespace ddssec::cyclonedds {
 namespace {
@@ -218,7 +221,18 @@ TEST_F(SessionResetTest, KeysThatNeverCame_CauseOneToo) {
 struct LostRights : SessionResetTest {
   void SetUp() override {
     losses = 0;
+    renewed = nullptr;
     SessionResetTest::SetUp();
+  }
+  void TearDown() override {
+    SessionResetTest::TearDown();
+    renewed = nullptr;
+  }
+  // Handshakes present this from now on.
+  void present(std::string_view permissions) {
+    spi::Token credential;
+    spi::add_session_facts(credential, {.presented_permissions = sha256(as_bytes(permissions))});
+    ON_CALL(plugin, authenticated_peer_credential_token).WillByDefault(Return(credential));
   }
   static void wait_for_two_looks() {
     const auto before = questions.load();
@@ -246,14 +260,64 @@ TEST_F(LostRights, EndTheSessionOnce_AndResetThePeerAtOnce) {
   EXPECT_EQ(revoked, 0);
 }
 
+// The peer may end the session at the same time, because its own permissions were renewed.
+TEST_F(LostRights, SessionThatBeganSinceAndPresentedTheRenewedPermissions_GoesOn) {
+  const auto remote = authenticate();
+  renewed = "renewed";
+  losses = 1;
+  EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);  // the peer has ended it
+  meet();
+  wait_for_two_looks();
+  revoked = 0;
+  present("renewed");
+  authenticate();
+  wait_until_revoked();
+  EXPECT_EQ(revoked, 0);
+}
+
+TEST_F(LostRights, SessionThatPresentedTheRenewedPermissionsBefore_GoesOn) {
+  renewed = "renewed";
+  meet();
+  wait_for_two_looks();
+  present("renewed");
+  authenticate();
+  losses = 1;
+  wait_until_revoked();
+  EXPECT_EQ(revoked, 0);
+}
+
+TEST_F(LostRights, SessionThatPresentedOtherPermissions_Ends) {
+  renewed = "renewed";
+  present("former");
+  const auto remote = authenticate();
+  losses = 1;
+  wait_until_revoked();
+  EXPECT_EQ(revoked, remote);
+}
+
+TEST_F(LostRights, RenewedPermissionsThatCannotBePresented_EndTheSession) {
+  ON_CALL(plugin, set_permissions_credential_and_token).WillByDefault([](auto&&...) {
+    return Status(fail(Code::token_field_length));
+  });
+  present("renewed");
+  const auto remote = authenticate();
+  renewed = "renewed";
+  losses = 1;
+  wait_until_revoked();
+  EXPECT_EQ(revoked, remote);
+}
+
+// While the peer still finishes its half of the handshake, the end of ours would leave it waiting.
 TEST_F(LostRights, SessionWhoseHandshakeWasUnderWay_EndsToo) {
   const auto remote = meet();
   losses = 1;
   wait_for_two_looks();
   EXPECT_EQ(revoked, 0);
   authenticate();
+  const auto began = std::chrono::steady_clock::now();
   wait_until_revoked();
   EXPECT_EQ(revoked, remote);
+  EXPECT_GE(std::chrono::steady_clock::now() - began, 1900ms);
 }
 
 // Such a peer would keep its side of the session, and ignore each new handshake.
@@ -269,8 +333,19 @@ TEST_F(LostRights, SessionWithAPeerOnOtherPlugins_GoesOn) {
 }  // namespace
 }  // namespace ddssec::cyclonedds
 
-DDSSEC_EXPORT std::uint64_t ddssec_rights_lost(DDS_Security_IdentityHandle local) {
+DDSSEC_EXPORT std::uint64_t ddssec_rights_changed(DDS_Security_IdentityHandle local) {
   return local == 5 ? losses.load() : 0;
+}
+DDSSEC_EXPORT std::uint64_t ddssec_renewed_permissions(DDS_Security_IdentityHandle local,
+                                                       std::uint64_t known,
+                                                       ddssec::cyclonedds::TakePermissions* take,
+                                                       void* context) {
+  const char* const text = renewed;
+  if (local != 5 || text == nullptr) return known;
+  const std::string_view octets(text);
+  if (known == 0)
+    take(context, reinterpret_cast<const DDS_Security_octet*>(octets.data()), octets.size());
+  return 1;
 }
 DDSSEC_EXPORT bool ddssec_take_stranded_keys(DDS_Security_IdentityHandle remote) {
   return stranded_peer.compare_exchange_strong(remote, 0);

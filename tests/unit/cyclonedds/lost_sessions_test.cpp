@@ -247,6 +247,22 @@ TEST_F(LostSessionsTest, EachLocalParticipant_HasItsOwnPlaces) {
   EXPECT_EQ(remembered().size(), LostSessions::kMaxOfSubject);
 }
 
+TEST_F(LostSessionsTest, Session_HasItsBeginningAndWhatItPresentedUntilItIsLost) {
+  EXPECT_FALSE(sessions.session(local, remote(1)));
+  clock.advance(5s);
+  const auto digest = sha256(as_bytes(std::string_view("permissions")));
+  sessions.established(local, remote(1), secret_of(1), digest);
+  clock.advance(5s);
+  const auto found = sessions.session(local, remote(1));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->at, clock.monotonic() - 5s);
+  EXPECT_EQ(found->presented, digest);
+  EXPECT_FALSE(sessions.session(second, remote(1)));
+  sessions.lost(remote(1));
+  EXPECT_FALSE(sessions.session(local, remote(1)));
+  EXPECT_FALSE(sessions.has_session(local, remote(1)));
+}
+
 TEST_F(LostSessionsTest, ManyAddresses_OnlyAFewAreTold) {
   sessions.established(local, remote(1), secret_of(1, 9));
   sessions.lost(remote(1));

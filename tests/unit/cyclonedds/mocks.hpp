@@ -71,6 +71,8 @@ class MockAccessControl : public spi::AccessControl {
   MOCK_METHOD(Result<spi::Token>, permissions_token, (Handle), (override));
   MOCK_METHOD(std::uint64_t, renewals, (spi::PermissionsHandle), (override));
   MOCK_METHOD(Status, check_own_endpoint, (Handle, bool, const spi::EndpointRequest&), (override));
+  MOCK_METHOD(std::optional<std::size_t>, find_unknown_right,
+              (Handle, std::span<const OwnEndpoint>), (override));
   MOCK_METHOD(Result<spi::Token>, permissions_credential_token, (Handle), (override));
   MOCK_METHOD(Result<spi::ParticipantSecurityAttributes>, participant_sec_attributes, (Handle),
               (override));
