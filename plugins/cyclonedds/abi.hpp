@@ -116,6 +116,10 @@ inline constexpr const char* kRightsChangedSymbol = "ddssec_rights_changed";
 /// it ends now, and not up to a second later. Any thread may call it.
 using EndSessionsNow = void();
 inline constexpr const char* kEndSessionsNowSymbol = "ddssec_end_sessions_now";
+/// libddssec_access_control exports this for libddssec_authentication. The host has forgotten that
+/// remote participant: access control drops the permissions handles that the host never returned.
+using ReturnPermissionsOf = void(DDS_Security_IdentityHandle);
+inline constexpr const char* kReturnPermissionsOfSymbol = "ddssec_return_permissions_of";
 /// libddssec_authentication exports a PluginVersion under this name.
 inline constexpr const char* kAuthenticationVersionSymbol = "ddssec_authentication_version";
 

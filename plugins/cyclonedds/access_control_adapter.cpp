@@ -83,9 +83,14 @@ CPermissions validate_remote_permissions(Instance* instance, const dds_security_
     DDSSEC_ASSIGN_OR_RETURN(const auto peer, token_from(credential));
     // The announced token is not used, because it can be forged, and the host keeps the first one.
     // The permissions of the handshake are signed.
-    return adapter.plugin().validate_remote_permissions(
-        {local_identity}, {remote_identity}, {.class_id = std::string(spi::class_id::kPermissions)},
-        peer);
+    DDSSEC_ASSIGN_OR_RETURN(const auto handle,
+                            adapter.plugin().validate_remote_permissions(
+                                {local_identity}, {remote_identity},
+                                {.class_id = std::string(spi::class_id::kPermissions)}, peer));
+    Rollback give_back([&] { (void)adapter.plugin().return_permissions_handle(handle); });
+    adapter.peer_permissions().note({remote_identity}, handle);
+    give_back.release();
+    return handle;
   });
 }
 
@@ -385,6 +390,7 @@ DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions 
     adapter.shared_memory().forget(permissions(handle));
     adapter.facts().forget(permissions(handle));
     adapter.endpoints().forget(permissions(handle));
+    adapter.peer_permissions().forget(permissions(handle));
     return adapter.plugin().return_permissions_handle(permissions(handle));
   });
 }

@@ -11,6 +11,7 @@
 #include "plugins/cyclonedds/expiry_timer.hpp"
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/own_endpoints.hpp"
+#include "plugins/cyclonedds/peer_permissions.hpp"
 #include "plugins/cyclonedds/shared_memory_guard.hpp"
 #include "plugins/spi/access_control.hpp"
 
@@ -47,6 +48,10 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// participant of any domain changed the rights of one of its endpoints (OwnEndpoints::poll).
   static std::uint64_t rights_changed(spi::IdentityHandle local) noexcept;
 
+  /// Drops the permissions of a remote participant that the host has forgotten, in any domain.
+  /// Authentication calls this.
+  static void return_permissions_of(spi::IdentityHandle peer) noexcept;
+
   /// Cuts off a local participant of any domain. Authentication calls this.
   static void cut_off(spi::IdentityHandle local);
 
@@ -58,6 +63,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   SharedMemoryGuard& shared_memory() { return shared_memory_; }
   GovernanceFacts& facts() { return facts_; }
   OwnEndpoints& endpoints() { return endpoints_; }
+  PeerPermissions& peer_permissions() { return peer_permissions_; }
   /// The id of the host's domain, as in the last call that names it.
   void set_domain_id(std::uint32_t id) { domain_id_ = id; }
   std::uint32_t domain_id() const { return domain_id_; }
@@ -88,6 +94,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   SharedMemoryGuard shared_memory_;
   GovernanceFacts facts_;
   OwnEndpoints endpoints_;
+  PeerPermissions peer_permissions_ = {};
   std::atomic<std::uint32_t> domain_id_ = 0;
   std::atomic<bool> trusts_type_information_ = false;
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses

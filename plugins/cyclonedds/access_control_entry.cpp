@@ -45,6 +45,10 @@ DDSSEC_EXPORT std::uint64_t ddssec_rights_changed(DDS_Security_IdentityHandle lo
   return AccessControlAdapter::rights_changed({local});
 }
 
+DDSSEC_EXPORT void ddssec_return_permissions_of(DDS_Security_IdentityHandle peer) {
+  AccessControlAdapter::return_permissions_of({peer});
+}
+
 DDSSEC_EXPORT int finalize_access_control(void* context) {
   return cyclonedds::finalize<AccessControlAdapter, dds_security_access_control>(context);
 }

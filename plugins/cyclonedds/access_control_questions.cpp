@@ -74,6 +74,17 @@ void AccessControlAdapter::cut_off(spi::IdentityHandle local) {
     adapter->facts_.cut_off(local, Code::identity_ended);
 }
 
+void AccessControlAdapter::return_permissions_of(spi::IdentityHandle peer) noexcept {
+  try {
+    const std::shared_lock lock(adapters().mutex);
+    for (const auto& [id, adapter] : adapters().by_id)
+      for (const auto permissions : adapter->peer_permissions_.take(peer))
+        static_cast<void>(adapter->plugin().return_permissions_handle(permissions));
+  } catch (...) {
+    // If memory is short, the handles stay.
+  }
+}
+
 std::optional<AccessControlAdapter::RenewedDocument> AccessControlAdapter::renewed_permissions(
     spi::IdentityHandle local, std::uint64_t known) noexcept {
   try {

@@ -336,6 +336,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
     if (const auto guid = adapter.remotes().guid(identity(handle))) {
       adapter.lost_sessions().lost(*guid);
+      return_permissions_of(identity(handle));
     } else {
       for (const auto& reset : adapter.lost_sessions().remove_local(identity(handle)))
         send_datagram(reset.message, reset.to);

@@ -84,6 +84,11 @@ void look_for_ended_readers() noexcept {
     reinterpret_cast<LookForEndedReaders*>(symbol)();
 }
 
+void return_permissions_of(spi::IdentityHandle peer) noexcept {
+  if (void* const symbol = dlsym(RTLD_DEFAULT, kReturnPermissionsOfSymbol))
+    reinterpret_cast<ReturnPermissionsOf*>(symbol)(peer.value);
+}
+
 bool holds(GovernanceFact fact, spi::IdentityHandle local) {
   void* const symbol = dlsym(RTLD_DEFAULT, kGovernanceFactsOfSymbol);
   return symbol != nullptr && has(reinterpret_cast<GovernanceFactsOf*>(symbol)(local.value), fact);

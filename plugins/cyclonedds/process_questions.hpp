@@ -51,6 +51,9 @@ void look_for_ended_readers() noexcept;
 void cut_off_cryptography(spi::IdentityHandle local);
 void cut_off_access_control(spi::IdentityHandle local);
 
+/// Makes access control drop the permissions of a remote participant that the host has forgotten.
+void return_permissions_of(spi::IdentityHandle peer) noexcept;
+
 /// True if the fact holds. False without libddssec_access_control.
 bool holds(GovernanceFact fact, spi::IdentityHandle local);
 inline bool admits_unauthenticated(spi::IdentityHandle local) {

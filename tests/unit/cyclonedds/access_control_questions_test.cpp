@@ -52,6 +52,31 @@ TEST_F(AccessControlAdapterTest, EachRenewal_IsReportedOnce) {
   EXPECT_FALSE(renewed(kLocal, 1));
 }
 
+// The core drops the permissions of a peer that cryptography refused to register.
+TEST_F(AccessControlAdapterTest, PermissionsThatTheHostDropped_AreReturnedWithThePeer) {
+  constexpr spi::IdentityHandle kPeer{41}, kOther{42};
+  EXPECT_CALL(plugin, validate_remote_permissions)
+      .WillOnce(Return(Handle{7}))
+      .WillOnce(Return(Handle{8}))
+      .WillOnce(Return(Handle{9}))
+      .WillOnce(Return(Handle{10}));
+  for (const auto peer : {kPeer, kPeer, kOther, kPeer})
+    EXPECT_NE(c->validate_remote_permissions(c, nullptr, 1, peer.value, nullptr, &token, nullptr),
+              0);
+  std::vector<std::int64_t> returned;
+  ON_CALL(plugin, return_permissions_handle).WillByDefault([&](Handle handle) -> Status {
+    returned.push_back(handle.value);
+    return {};
+  });
+  EXPECT_EQ(c->return_permissions_handle(c, 8, nullptr), 1);
+  AccessControlAdapter::return_permissions_of(kPeer);
+  EXPECT_EQ(returned, (std::vector<std::int64_t>{8, 7, 10}));
+  AccessControlAdapter::return_permissions_of(kPeer);
+  EXPECT_EQ(c->return_permissions_handle(c, 9, nullptr), 1);
+  AccessControlAdapter::return_permissions_of(kOther);
+  EXPECT_EQ(returned, (std::vector<std::int64_t>{8, 7, 10, 9}));
+}
+
 TEST_F(AccessControlAdapterTest, EachAdapter_IsAskedAboutItsOwnAndNoneThatIsGone) {
   std::uint64_t gone = 0;
   {

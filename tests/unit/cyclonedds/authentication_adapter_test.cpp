@@ -11,6 +11,9 @@
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/cyclonedds/support.hpp"
 
+// The last peer that authentication reported to access control.
+static std::atomic<DDS_Security_IdentityHandle> forgotten_peer{0};
+
 namespace ddssec::cyclonedds {
 namespace {
 
@@ -270,6 +273,17 @@ TEST_F(AuthenticationAdapterTest, RefusedAnnouncement_IsLookedAtAgainAndThenDisc
   EXPECT_EQ(c->return_identity_handle(c, third, nullptr), 1);
 }
 
+TEST_F(AuthenticationAdapterTest, PeerThatTheHostForgets_IsToldToAccessControl) {
+  ON_CALL(plugin, return_identity_handle).WillByDefault(Return(Status{}));
+  harness.adapter.remotes().note({1}, {{{0x81}}, kEntityIdParticipant}, {31});
+  harness.adapter.remotes().note({2}, {{{0x81}}, kEntityIdParticipant}, {32});
+  forgotten_peer = 0;
+  EXPECT_EQ(c->return_identity_handle(c, 2, nullptr), 1);
+  EXPECT_EQ(forgotten_peer, 0) << "a local participant is no peer";
+  EXPECT_EQ(c->return_identity_handle(c, 31, nullptr), 1);
+  EXPECT_EQ(forgotten_peer, 31);
+}
+
 TEST_F(AuthenticationAdapterTest, HandshakeSteps_GiveTheHostsResults) {
   using spi::ValidationResult;
   EXPECT_CALL(plugin, begin_handshake_request(spi::IdentityHandle{1}, spi::IdentityHandle{2}, _))
@@ -454,3 +468,8 @@ TEST_F(AuthenticationAdapterTest, HandshakeThatAStrangerDisturbed_IsBegunAgain) 
 
 }  // namespace
 }  // namespace ddssec::cyclonedds
+
+// libddssec_access_control exports this function.
+DDSSEC_EXPORT void ddssec_return_permissions_of(DDS_Security_IdentityHandle peer) {
+  forgotten_peer = peer;
+}

@@ -309,6 +309,35 @@ TEST(OurLife, ForeignReceiver_IsToldToTryTheNextParticipant) {
   }
 }
 
+// The core drops the permissions of a peer that cryptography refuses. It returns the peer's
+// identity.
+TEST(OurLife, PeerThatCryptographyRefuses_LeavesNoPermissions) {
+  Domain domain_a(mix(kAllDdssec)), domain_b(mix(kAllDdssec));
+  Participant a(domain_a, kPki, "a", "encrypt"), b(domain_b, kPki, "b", "encrypt");
+  Peer of_b, of_a;
+  authenticate(a, b, of_b, of_a);
+  auto &auth = domain_a.authentication(), &auth_b = domain_b.authentication();
+  auto& access = domain_a.access_control();
+  DDS_Security_DataHolder credential{};
+  ASSERT_EQ(
+      auth.get_authenticated_peer_credential_token(&auth, &credential, of_b.handshake, nullptr), 1);
+  const auto permissions = access.validate_remote_permissions(
+      &access, &auth, a.identity, of_b.identity, &b.permissions_token, &credential, nullptr);
+  auth.return_authenticated_peer_credential_token(&auth, &credential, nullptr);
+  auto* factory = domain_a.cryptography().crypto_key_factory;
+  EXPECT_EQ(factory->register_matched_remote_participant(factory, a.crypto, of_b.identity,
+                                                         permissions, 0, nullptr),
+            0);
+  DDS_Security_ParticipantBuiltinTopicDataSecure announced{};
+  EXPECT_EQ(access.check_remote_participant(&access, permissions, 0, &announced, nullptr), 1);
+  EXPECT_EQ(auth.return_identity_handle(&auth, of_b.identity, nullptr), 1);
+  Call check("check_remote_participant");
+  EXPECT_EQ(access.check_remote_participant(&access, permissions, 0, &announced, check), 0);
+  EXPECT_EQ(static_cast<Exception*>(check)->code,
+            static_cast<int>(Code::unknown_permissions_handle));
+  EXPECT_EQ(auth_b.return_identity_handle(&auth_b, of_a.identity, nullptr), 1);
+}
+
 TEST(OurLife, AnIdentityThatIsNotThere_IsExplained) {
   Domain domain(mix(kAllDdssec));
   int code = 0;
