@@ -159,7 +159,8 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
                                  CToken* local_auth_request, const CToken* /*remote_auth_request*/,
                                  const CIdentity local_handle, const CToken* remote_token,
                                  const DDS_Security_GUID_t* remote_guid, Exception* ex) {
-  return validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
+  bool is_call_of_core = false;
+  const auto result = validate(instance, ex, [&](Adapter& adapter) -> Result<CResult> {
     // The core calls strlen on this class id later, even after a refusal or without a token to
     // send. When it asks again, it passes the string from the former call.
     DDSSEC_RETURN_IF_ERROR(require(local_auth_request));
@@ -170,6 +171,7 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     const DiscoveredPeer discovered{
         guid_from(*remote_guid),
         adapter.stop_core_timer({instance, local_auth_request, remote_guid})};
+    is_call_of_core = discovered.timer == HandshakeWatch::CoreTimerState::stopped;
     DDSSEC_RETURN_IF_ERROR(may_begin(adapter, identity(local_handle), discovered.guid));
     // The peer's own auth_request is not used, because it can be forged. The plugin would compare a
     // forged challenge with the honest peer's messages until the peer's lease ends. The signatures
@@ -198,6 +200,11 @@ CResult validate_remote_identity(Instance* instance, CIdentity* remote_handle,
     *remote_handle = of_host.value;
     return to_c(remote.result);
   });
+  // Cyclone's core frees its copy of the token only after a success. Strangers would fill the
+  // memory with tokens. The core never uses a refused token again, and may free an empty one.
+  if (is_call_of_core && result == DDS_SECURITY_VALIDATION_FAILED)
+    free_token(const_cast<CToken&>(*remote_token));
+  return result;
 }
 
 // Does nothing for a local participant that is cut off, because the host drops a peer for all its
