@@ -14,6 +14,7 @@
 #include "plugins/cyclonedds/own_readers.hpp"
 #include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
+#include "plugins/cyclonedds/refused_creation.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
 #include "plugins/cyclonedds/unguarded_endpoints.hpp"
 #include "plugins/cyclonedds/value_translation.hpp"
@@ -43,34 +44,40 @@ Result<bool> is_carrier_topic_of(Adapter& adapter, CPermissions handle, std::str
   return is_carrier_topic(name, participant);
 }
 
-CPermissions validate_local_permissions(Instance* instance, const dds_security_authentication*,
+CPermissions validate_local_permissions(Instance* instance,
+                                        const dds_security_authentication* authentication,
                                         const DDS_Security_IdentityHandle identity,
                                         const CDomain domain_id, const DDS_Security_Qos* qos,
                                         Exception* ex) {
-  return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
-    DDSSEC_RETURN_IF_ERROR(require(qos));
-    report_plugins_in_use(adapter.host(), PluginKind::access_control);
-    adapter.set_domain_id(static_cast<std::uint32_t>(domain_id));
-    DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
-    DDSSEC_ASSIGN_OR_RETURN(const auto properties,
-                            spi::with_process_properties(std::move(property_list)));
-    DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
-    adapter.host().calendar().set_grace(grace);
-    DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,
-                            SharedMemoryGuard::is_allowed_by(properties));
-    DDSSEC_ASSIGN_OR_RETURN(const bool trusts_type_information,
-                            spi::flag_property(properties, spi::property::kTrustTypeInformation));
-    if (trusts_type_information) adapter.trust_type_information();
-    DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.plugin().validate_local_permissions(
-                                                   {identity}, domain_id, properties));
-    Rollback give_back([&] { (void)adapter.plugin().return_permissions_handle(handle); });
-    if (allow_shared_memory) adapter.shared_memory().allow(handle);
-    DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                            adapter.plugin().participant_sec_attributes(handle));
-    adapter.facts().note(handle, {identity}, participant);
-    give_back.release();
-    return handle;
-  });
+  const auto permissions_handle =
+      ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
+        DDSSEC_RETURN_IF_ERROR(require(qos));
+        adapter.set_authentication(authentication);
+        report_plugins_in_use(adapter.host(), PluginKind::access_control);
+        adapter.set_domain_id(static_cast<std::uint32_t>(domain_id));
+        DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
+        DDSSEC_ASSIGN_OR_RETURN(const auto properties,
+                                spi::with_process_properties(std::move(property_list)));
+        DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
+        adapter.host().calendar().set_grace(grace);
+        DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,
+                                SharedMemoryGuard::is_allowed_by(properties));
+        DDSSEC_ASSIGN_OR_RETURN(
+            const bool trusts_type_information,
+            spi::flag_property(properties, spi::property::kTrustTypeInformation));
+        if (trusts_type_information) adapter.trust_type_information();
+        DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.plugin().validate_local_permissions(
+                                                       {identity}, domain_id, properties));
+        Rollback give_back([&] { (void)adapter.plugin().return_permissions_handle(handle); });
+        if (allow_shared_memory) adapter.shared_memory().allow(handle);
+        DDSSEC_ASSIGN_OR_RETURN(const auto participant,
+                                adapter.plugin().participant_sec_attributes(handle));
+        adapter.facts().note(handle, {identity}, participant);
+        give_back.release();
+        return handle;
+      });
+  if (permissions_handle == DDS_SECURITY_HANDLE_NIL) give_up_identity(authentication, {identity});
+  return permissions_handle;
 }
 
 CPermissions validate_remote_permissions(Instance* instance, const dds_security_authentication*,
@@ -98,7 +105,8 @@ DDS_Security_boolean check_create_participant(Instance* instance, const CPermiss
                                               const CDomain domain_id, const DDS_Security_Qos*,
                                               Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) {
-    return adapter.plugin().check_create_participant(permissions(handle), domain_id);
+    return or_give_up(adapter, permissions(handle),
+                      adapter.plugin().check_create_participant(permissions(handle), domain_id));
   });
 }
 
@@ -263,7 +271,8 @@ DDS_Security_boolean get_participant_sec_attributes(
     DDSSEC_ASSIGN_OR_RETURN(const auto participant,
                             adapter.plugin().participant_sec_attributes(permissions(handle)));
     // The host asks this once, and creates the participant after it.
-    DDSSEC_RETURN_IF_ERROR(join(adapter, permissions(handle)));
+    DDSSEC_RETURN_IF_ERROR(
+        or_give_up(adapter, permissions(handle), join(adapter, permissions(handle))));
     *attributes = to_c(participant);
     return {};
   });
@@ -387,11 +396,7 @@ DDS_Security_boolean return_permissions_handle(Instance* instance, CPermissions 
                                                Exception* ex) {
   return ask<Adapter>(instance, ex, [&](Adapter& adapter) -> Status {
     if (handle == DDS_SECURITY_HANDLE_NIL) return {};
-    adapter.shared_memory().forget(permissions(handle));
-    adapter.facts().forget(permissions(handle));
-    adapter.endpoints().forget(permissions(handle));
-    adapter.peer_permissions().forget(permissions(handle));
-    return adapter.plugin().return_permissions_handle(permissions(handle));
+    return forget_permissions(adapter, permissions(handle));
   });
 }
 

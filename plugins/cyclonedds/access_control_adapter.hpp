@@ -67,6 +67,9 @@ class AccessControlAdapter final : public dds_security_access_control {
   /// The id of the host's domain, as in the last call that names it.
   void set_domain_id(std::uint32_t id) { domain_id_ = id; }
   std::uint32_t domain_id() const { return domain_id_; }
+  /// The host's authentication plugin, as in the last call that names it; nullptr before.
+  void set_authentication(const dds_security_authentication* plugin) { authentication_ = plugin; }
+  const dds_security_authentication* authentication() const { return authentication_; }
   /// Notes that a property demands that the host asks peers for types.
   void trust_type_information() { trusts_type_information_ = true; }
   /// Returns whether the readers of type lookup stay open. They also stay open with a stock
@@ -96,6 +99,7 @@ class AccessControlAdapter final : public dds_security_access_control {
   OwnEndpoints endpoints_;
   PeerPermissions peer_permissions_ = {};
   std::atomic<std::uint32_t> domain_id_ = 0;
+  std::atomic<const dds_security_authentication*> authentication_ = nullptr;
   std::atomic<bool> trusts_type_information_ = false;
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses
 };

@@ -107,7 +107,8 @@ inline void Life::create(Side& side) {
   attempt_handle(
       "validate_local_permissions", side.permissions,
       [&](Exception* ex) {
-        return access->validate_local_permissions(access, auth, side.identity, 0, qos, ex);
+        // Without authentication, the identity is not given up after a refusal.
+        return access->validate_local_permissions(access, nullptr, side.identity, 0, qos, ex);
       },
       [&](auto handle) { access->return_permissions_handle(access, handle, nullptr); });
   attempt_check("check_create_participant", [&](Exception* ex) {
