@@ -293,9 +293,30 @@ void diagnose_ros(const LoadedFolder& folder, const RosEnvironment& environment,
   diagnose_node_rights(folder, *grant, settings.domain, out);
 }
 
+namespace {
+
+// A warning, because an application that uses no ROS may use the enclave.
+void diagnose_no_ros_topic(const LoadedFolder& folder, const Grant& grant, DomainId domain,
+                           Diagnosis& out) {
+  if (missing_node_rights(grant, domain).empty()) return;
+  out.report({}, {.rule = Rule::PERM034,
+                  .message = fmt::format("grant \"{}\" names no topic of ROS 2, so no ROS 2 node "
+                                         "starts in this enclave",
+                                         grant.name),
+                  .document = folder.paths.permissions,
+                  .line = grant.line,
+                  .hint = "nothing needs to be done if no ROS 2 node uses the enclave; otherwise "
+                          "ddssec keystore permission KEYSTORE ENCLAVE --policy FILE "
+                          "--node-defaults",
+                  .severity = Severity::warning});
+}
+
+}  // namespace
+
 void diagnose_ros_rights(const LoadedFolder& folder, const Settings& settings, Diagnosis& out) {
   const auto* grant = grant_of(folder, settings.now);
-  if (grant == nullptr || !speaks_of_ros(*grant)) return;
+  if (grant == nullptr) return;
+  if (!speaks_of_ros(*grant)) return diagnose_no_ros_topic(folder, *grant, settings.domain, out);
   diagnose_discovery_topic(folder, {folder.permissions.model, *grant, settings.domain}, out);
   diagnose_node_rights(folder, *grant, settings.domain, out);
 }

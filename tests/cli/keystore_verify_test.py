@@ -54,6 +54,14 @@ class Verify(KeystoreTest):
                 if d["id"] == "DOC095"]
         self.assertEqual(told, ["the documents are for domains 2-4; domain 2 was checked"])
 
+    def test_verify_warns_of_an_enclave_in_which_no_node_starts(self):
+        self.create()
+        for name, topic in (("/plain", "chatter"), ("/all", "*")):
+            self.run_program("keystore", "enclave", "ks", name, "--publish", topic, "--subscribe", topic, *NOW)
+        out = self.json("keystore", "verify", "ks", *NOW)
+        told = [(d["id"], d["severity"], d["file"]) for d in out["diagnostics"] if "no topic of ROS 2" in d["message"]]
+        self.assertEqual(told, [("PERM034", "warning", "ks/enclaves/plain/permissions.p7s")], out["diagnostics"])
+
     def test_verify_of_a_keystore_without_enclaves_says_so(self):
         self.create()
         self.assertIn("there is no enclave in it yet", self.run_program("keystore", "verify", "ks", *NOW).stdout)
