@@ -1,4 +1,5 @@
-// Checks whether Cyclone DDS's configuration sets a domain tag, which its core shows to no plugin.
+// Checks whether Cyclone DDS's configuration sets a domain tag, which its core shows to no access
+// control.
 #pragma once
 
 #include <filesystem>

@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 
 #include "plugins/cyclonedds/datagrams.hpp"
+#include "plugins/cyclonedds/own_domain_tag.hpp"
 #include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
 #include "plugins/cyclonedds/token_translation.hpp"
@@ -219,6 +220,17 @@ void note_refused(Adapter& adapter, spi::HandshakeHandle handshake) {
   adapter.watch().note_refused(handshake);
 }
 
+// Returns the core's data about the local participant. If it has a domain tag, no handshake begins,
+// and none is to begin again.
+Result<BytesView> own_data(Adapter& adapter, CIdentity remote, const DDS_Security_OctetSeq* data) {
+  DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(data));
+  if (auto has_none = check_no_domain_tag(octets); !has_none) {
+    adapter.watch().forget(identity(remote));
+    return std::unexpected(std::move(has_none.error()));
+  }
+  return octets;
+}
+
 CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* message,
                                 const CIdentity initiator, const CIdentity replier,
                                 const DDS_Security_OctetSeq* participant_data, Exception* ex) {
@@ -226,7 +238,7 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     DDSSEC_RETURN_IF_ERROR(require(handle, message));
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto data, octets_from(participant_data));
+    DDSSEC_ASSIGN_OR_RETURN(const auto data, own_data(adapter, replier, participant_data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.plugin().begin_handshake_request(identity(initiator), remote, data);
     // The core gives up this peer. No attacker can cause that, so there is nothing to begin again.
@@ -249,7 +261,7 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message_out = {};
     DDSSEC_ASSIGN_OR_RETURN(const auto request, token_from(message_in));
-    DDSSEC_ASSIGN_OR_RETURN(const auto data, octets_from(participant_data));
+    DDSSEC_ASSIGN_OR_RETURN(const auto data, own_data(adapter, initiator, participant_data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
     auto begun = adapter.plugin().begin_handshake_reply(request, remote, identity(replier), data);
     if (!begun) note_refused(adapter, identity(replier), identity(initiator));
