@@ -320,7 +320,8 @@ def names(world, tamper, code="builtin_source_mismatch"):
 
 
 def type_information(world, tamper):
-    """Announcements with type information that ends the process whose core reads it."""
+    """Announcements with type information that ends the process whose core reads it. No event is due: our plugins
+    remove the type information of every peer, and do not read it."""
     subscriber = begin(world)
     honest = list(world.peers)
     roles = ("subscribe", "publish") if tamper == "circle" else ("publish",)  # two could end each other
