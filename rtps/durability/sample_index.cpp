@@ -222,10 +222,12 @@ bool SampleIndex::is_outdated(const Stream& stream, const StoredChange& entry, T
                          last.origin.writer == entry.change.origin().writer;
     return !is_next && time < last.time;
   }
+  // A full history would drop the change at once. Several rows give way if the depth was reduced
+  // since they were stored.
+  const auto count = static_cast<std::ptrdiff_t>(replaced(stream, rows));
+  const bool gives_way = count > 0 && place < std::next(rows.begin(), count - 1)->first;
   // A change before the last row can neither end nor revive the instance.
-  const bool is_first = place < rows.begin()->first;
-  return has_ended || !entry.change.is_alive() || rows.contains(place) ||
-         (is_first && replaced(stream, rows) > 0);
+  return has_ended || !entry.change.is_alive() || rows.contains(place) || gives_way;
 }
 
 // The digest covers a fixed text in addition to the key, because a key has at most 16 octets and

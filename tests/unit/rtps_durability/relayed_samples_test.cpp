@@ -63,6 +63,32 @@ TEST_F(RelayedSamplesTest, KeepLast_AfterARestart_TheOrderIsTheSame) {
   EXPECT_EQ(stored(), (Numbers{8, 9, 10}));
 }
 
+// After the depth was reduced, one change replaces several rows. A relayed one that belongs among
+// them must not remove the rows after it.
+TEST_F(RelayedSamplesTest, KeepLast_WithALowerDepth_AnOlderSampleLeavesTheLatest) {
+  open(keep_last(3));
+  direct(5), direct(7), direct(9);
+  open(keep_last(1));
+  EXPECT_EQ(relayed(6), overtaken);
+  EXPECT_EQ(relayed(8), overtaken);
+  EXPECT_EQ(stored(), (Numbers{5, 7, 9}));
+  EXPECT_EQ(relayed(10), SampleIndex::Decision::stored);
+  EXPECT_EQ(stored(), Numbers{10});
+  EXPECT_EQ(store->size(id), 1u);
+}
+
+TEST_F(RelayedSamplesTest, KeepLast_WithALowerDepth_ASampleWithinItTakesItsPlace) {
+  open(keep_last(3));
+  direct(5), direct(7), direct(9);
+  open(keep_last(2));
+  EXPECT_EQ(relayed(6), overtaken);
+  EXPECT_EQ(relayed(8), SampleIndex::Decision::stored);
+  EXPECT_EQ(stored(), (Numbers{8, 9}));
+  EXPECT_EQ(direct(11), SampleIndex::Decision::stored);
+  EXPECT_EQ(stored(), (Numbers{9, 11}));
+  EXPECT_EQ(store->size(id), 2u);
+}
+
 TEST_F(RelayedSamplesTest, KeepLast_BetweenDifferentWriters_SourceTimestampsDecide) {
   open(keep_last(1));
   EXPECT_EQ(direct(7, 1), SampleIndex::Decision::stored);
