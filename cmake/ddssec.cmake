@@ -270,11 +270,21 @@ function(ddssec_precompile_test target)
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
 endfunction()
 
-# ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...] [LONG filter])
-# A GoogleTest program test_NAME; each TEST becomes a ctest entry "NAME.Suite.Case". Those that fit the
-# filter of LONG get the label "long" too.
+# One process for many tests makes what they share once, such as a PKI. One for each costs a start each.
+option(DDSSEC_TEST_EACH "Make an entry of ctest for each test of GoogleTest, named FOLDER.Suite.Test" OFF)
+# scripts/cross.sh leaves some out by their names, and a program ends at the first report of a sanitizer.
+if(CMAKE_CROSSCOMPILING OR DDSSEC_SANITIZE)
+  set(DDSSEC_TEST_EACH ON)
+endif()
+
+# ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...] [LONG filter] [ALONE filter] [EACH] [SHARDS number])
+# A GoogleTest program test_NAME. One entry of ctest, "NAME.tests", runs its tests in one process. Tests that fit the
+# filter of LONG are another one, "NAME.long", with the label "long" too.
+# SHARDS: so many entries, "NAME.tests_1" and so on, run a part of the tests each.
+# ALONE: what fits this filter needs a process for each test, which becomes an entry "NAME.Suite.Case".
+# EACH: so does every test of the program. DDSSEC_TEST_EACH makes it so for all programs.
 function(ddssec_test name)
-  cmake_parse_arguments(ARG "" "LONG" "SOURCES;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "EACH" "LONG;ALONE;SHARDS" "SOURCES;LIBS;LABELS" ${ARGN})
   ddssec_batches(sources test_${name} ${ARG_SOURCES})
   add_executable(test_${name} ${sources})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -288,12 +298,49 @@ function(ddssec_test name)
   if(DDSSEC_PRECOMPILE AND NOT DDSSEC_SANITIZE)
     ddssec_precompile_test(test_${name})
   endif()
-  if(ARG_LONG)
-    ddssec_discover_tests(${name} "-${ARG_LONG}" unit ${ARG_LABELS})
-    ddssec_discover_tests(${name} "${ARG_LONG}" unit ${ARG_LABELS} long)
-  else()
-    ddssec_discover_tests(${name} "*" unit ${ARG_LABELS})
+  if(ARG_EACH OR DDSSEC_TEST_EACH)
+    if(ARG_LONG)
+      ddssec_discover_tests(${name} "-${ARG_LONG}" unit ${ARG_LABELS})
+      ddssec_discover_tests(${name} "${ARG_LONG}" unit ${ARG_LABELS} long)
+    else()
+      ddssec_discover_tests(${name} "*" unit ${ARG_LABELS})
+    endif()
+    return()
   endif()
+  set(others ${ARG_LONG} ${ARG_ALONE})
+  list(JOIN others ":" others)
+  if(ARG_ALONE)
+    ddssec_discover_tests(${name} "${ARG_ALONE}" unit ${ARG_LABELS})
+  endif()
+  if(ARG_LONG)
+    ddssec_group_tests(${name} long "${ARG_LONG}" 1 unit ${ARG_LABELS} long)
+  endif()
+  if(NOT ARG_SHARDS)
+    set(ARG_SHARDS 1)
+  endif()
+  ddssec_group_tests(${name} tests "*-${others}" ${ARG_SHARDS} unit ${ARG_LABELS})
+endfunction()
+
+# ddssec_group_tests(NAME KIND FILTER SHARDS LABELS ...): the tests of test_NAME that fit GoogleTest's filter, as
+# SHARDS entries.
+function(ddssec_group_tests name kind filter shards)
+  # test_group.py ends the program itself, to name the test that did not end.
+  set(seconds 600)
+  set(timeout 660)
+  foreach(shard RANGE 1 ${shards})
+    set(entry ${name}.${kind})
+    if(shards GREATER 1)
+      string(APPEND entry _${shard})
+    endif()
+    math(EXPR index "${shard} - 1")
+    add_test(NAME ${entry}
+             COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/support/test_group.py
+                     ${CMAKE_BINARY_DIR}/Testing/Temporary/groups/${entry} ${name} ${seconds}
+                     $<TARGET_FILE:test_${name}> "--gtest_filter=${filter}")
+    # The long ones begin early, as ddssec_long_tests lets others do.
+    set_tests_properties(${entry} PROPERTIES LABELS "${ARGN}" TIMEOUT ${timeout} COST 80 ENVIRONMENT
+                         "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${index}")
+  endforeach()
 endfunction()
 
 # ddssec_discover_tests(NAME FILTER LABELS ...): the tests of test_NAME that fit GoogleTest's filter.

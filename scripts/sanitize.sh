@@ -26,7 +26,7 @@ case "$kind" in
                                    grep -E "$threaded" | grep -v _batches)
     [ ${#targets[@]} -gt 0 ] || die "there is no test to build: scripts/bootstrap.sh --dev installs what the tests need"
     cmake --build --preset "$preset" --target "${targets[@]}" || die "the build with the thread sanitizer failed"
-    # ctest names the tests of test_rtps "rtps.Suite.Test".
+    # ctest names the tests of test_rtps "rtps.tests" and "rtps.Suite.Test".
     selection=(-L unit --label-exclude 'long|cli' -R "^($(printf '%s\n' "${targets[@]#test_}" | paste -sd '|'))\\.")
     ;;
   *) die "the first argument is address or thread" ;;

@@ -92,8 +92,8 @@ def test_faults(root):
 
 
 def unclear_names(root):
-    """A line for each test of GoogleTest whose name is not Condition_Outcome, or is no sentence in ctest's list: there
-    "Ocsp.OfAnotherCa_IsRefused" stands alone."""
+    """A line for each test of GoogleTest whose name is not Condition_Outcome, or is no sentence in a list of tests:
+    there "Ocsp.OfAnotherCa_IsRefused" stands alone."""
     pattern = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)\)", re.M)
     tests = [(f"{file.relative_to(root).as_posix()}: {suite}.{name}", name)
              for file in sorted((root / "tests").rglob("*_test.cpp"))
