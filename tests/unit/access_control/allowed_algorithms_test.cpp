@@ -1,6 +1,10 @@
 // <allowed_crypto_algorithms>: whose keys and which handshakes a governance document refuses.
 #include "plugins/access_control/allowed_algorithms.hpp"
 
+#include <map>
+#include <string>
+#include <tuple>
+
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/access_control/access_control_fixture.hpp"
 
@@ -37,6 +41,12 @@ class ListedAlgorithms : public AccessControlTest {
     pki::Authority ca;
     pki::Credential own;
   };
+  // Made once for all tests of the process: an RSA key takes long.
+  static const Party& party(KeySpec key, KeySpec ca_key, const char* subject = kTalker) {
+    static std::map<std::tuple<KeyKind, int, KeyKind, int, std::string>, Party> made;
+    const auto name = std::tuple(key.kind, key.bits, ca_key.kind, ca_key.bits, subject);
+    return made.try_emplace(name, key, ca_key, subject).first->second;
+  }
 
   Result<spi::PermissionsHandle> local_of(const Party& party, const pki::Certificate& authority) {
     auto content = protected_governance();
@@ -69,10 +79,10 @@ class ListedAlgorithms : public AccessControlTest {
 };
 
 TEST_F(ListedAlgorithms, OwnKey_MustBeListed) {
-  EXPECT_TRUE(local_of(Party(kP256, kP256)));
-  EXPECT_TRUE(local_of(Party(kRsa2048, kP256)));
-  EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
-  const auto refused = local_of(Party(kRsa3072, kP256));
+  EXPECT_TRUE(local_of(party(kP256, kP256)));
+  EXPECT_TRUE(local_of(party(kRsa2048, kP256)));
+  EXPECT_REFUSED(local_of(party(kP384, kP256)), identity_algorithm_not_allowed);
+  const auto refused = local_of(party(kRsa3072, kP256));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code(), Code::identity_algorithm_not_allowed);
   const auto& details = refused.error().details();
@@ -82,23 +92,25 @@ TEST_F(ListedAlgorithms, OwnKey_MustBeListed) {
   EXPECT_FALSE(details.document.empty());
   allowed.digital_signature = list({kEc384});
   allowed.digital_signature_identity_trust_chain = list({kEc});
-  EXPECT_TRUE(local_of(Party(kP384, kP256)));
-  EXPECT_REFUSED(local_of(Party(kP256, kP256)), identity_algorithm_not_allowed);
+  EXPECT_TRUE(local_of(party(kP384, kP256)));
+  EXPECT_REFUSED(local_of(party(kP256, kP256)), identity_algorithm_not_allowed);
   allowed.digital_signature = list({"RSASSA-PSS-MGF1SHA256+3072+SHA256"});
-  EXPECT_TRUE(local_of(Party(kRsa3072, kP256)));
+  EXPECT_TRUE(local_of(party(kRsa3072, kP256)));
 }
 
 TEST_F(ListedAlgorithms, NamesOfVersion11_CountToo) {
   allowed.digital_signature = list({"RSASSA-PSS-SHA256"});
   allowed.digital_signature_identity_trust_chain = list({"EC-prime256v1"});
-  EXPECT_TRUE(local_of(Party(kRsa2048, kP256)));
-  EXPECT_REFUSED(local_of(Party(kRsa3072, kP256)), identity_algorithm_not_allowed);
+  EXPECT_TRUE(local_of(party(kRsa2048, kP256)));
+  EXPECT_REFUSED(local_of(party(kRsa3072, kP256)), identity_algorithm_not_allowed);
   allowed.digital_signature = list({"ECDSA-SHA256"});
-  EXPECT_TRUE(local_of(Party(kP256, kP256)));
+  EXPECT_TRUE(local_of(party(kP256, kP256)));
 }
 
 TEST_F(ListedAlgorithms, OwnAuthority_MustBeListed) {
-  const Party under_p384(kP256, kP384), under_rsa(kP256, kRsa3072), plain(kP256, kP256);
+  const auto& under_p384 = party(kP256, kP384);
+  const auto& under_rsa = party(kP256, kRsa3072);
+  const auto& plain = party(kP256, kP256);
   EXPECT_REFUSED(local_of(under_p384), trust_chain_algorithm_not_allowed);
   EXPECT_REFUSED(local_of(under_rsa), trust_chain_algorithm_not_allowed);
   // If the document has a list for the trust chain, only that list counts for the CA. The
@@ -127,7 +139,7 @@ TEST_F(ListedAlgorithms, EveryAuthorityAboveTheCertificate_Counts) {
 }
 
 TEST_F(ListedAlgorithms, APeersKeyAndAuthority_MustBeListed) {
-  const Party own(kP256, kP256);
+  const auto& own = party(kP256, kP256);
   ASSERT_TRUE(local_of(own));
   const auto of = [&](KeySpec key) { return pki::make_leaf(own.ca, kListener, key).certificate; };
   EXPECT_TRUE(remote_of(of(kP256)));
@@ -136,13 +148,13 @@ TEST_F(ListedAlgorithms, APeersKeyAndAuthority_MustBeListed) {
   EXPECT_REFUSED(remote_of(of(kRsa3072)), identity_algorithm_not_allowed);
   // This certificate is of a CA from trusted_ca_dir, not from identity_ca. Its keys are not known
   // here.
-  const Party other(kP256, kP256, kListener);
+  const auto& other = party(kP256, kP256, kListener);
   EXPECT_REFUSED(remote_of(other.own.certificate), trust_chain_algorithm_not_allowed);
 }
 
 TEST_F(ListedAlgorithms, FreeJoining_KeepsTheDomainsAlgorithms) {
   join = false;
-  const Party own(kP256, kP256);
+  const auto& own = party(kP256, kP256);
   ASSERT_TRUE(local_of(own));
   EXPECT_REFUSED(remote_of(pki::make_leaf(own.ca, kListener, kP384).certificate),
                  identity_algorithm_not_allowed);
@@ -150,7 +162,7 @@ TEST_F(ListedAlgorithms, FreeJoining_KeepsTheDomainsAlgorithms) {
 }
 
 TEST_F(ListedAlgorithms, ThePeersHandshake_MustBeListed) {
-  const Party own(kP256, kP256);
+  const auto& own = party(kP256, kP256);
   const auto peer = pki::make_leaf(own.ca, kListener).certificate;
   ASSERT_TRUE(local_of(own));
   for (const auto* name : {kEcdhe, kDhe, "ECDH+prime256v1-CEUM", "DH+MODP-2048-256"})
@@ -172,28 +184,28 @@ TEST_F(ListedAlgorithms, ThePeersHandshake_MustBeListed) {
 
 TEST_F(ListedAlgorithms, WhatOurHandshakesBeginWith_MustBeListed) {
   allowed.key_establishment = list({kEcdhe384, kDhe});
-  EXPECT_REFUSED(local_of(Party(kP256, kP256)), governance_not_enforceable);
+  EXPECT_REFUSED(local_of(party(kP256, kP256)), governance_not_enforceable);
 }
 
 // DDS-Security 1.2, clause 10.4.1.2.5.9: "may use any of the algorithms defined in clause 8.2".
 TEST_F(ListedAlgorithms, AnAbsentList_AllowsWhatTheStandardNames) {
   allowed = {};
-  const Party own(kP256, kP256);
-  EXPECT_TRUE(local_of(Party(kP384, kRsa2048)));
-  EXPECT_REFUSED(local_of(Party(kRsa3072, kP256)), identity_algorithm_not_allowed);
-  EXPECT_REFUSED(local_of(Party(kP256, kRsa3072)), trust_chain_algorithm_not_allowed);
+  const auto& own = party(kP256, kP256);
+  EXPECT_TRUE(local_of(party(kP384, kRsa2048)));
+  EXPECT_REFUSED(local_of(party(kRsa3072, kP256)), identity_algorithm_not_allowed);
+  EXPECT_REFUSED(local_of(party(kP256, kRsa3072)), trust_chain_algorithm_not_allowed);
   ASSERT_TRUE(local_of(own));
   const auto peer = pki::make_leaf(own.ca, kListener).certificate;
   for (const auto* name : {kEcdhe, kEcdhe384, kDhe}) EXPECT_TRUE(remote_of(peer, name)) << name;
   EXPECT_REFUSED(remote_of(peer, "org.example.Handshake"), key_establishment_not_allowed);
   // The other lists count nevertheless.
   allowed.digital_signature = list({kEc});
-  EXPECT_REFUSED(local_of(Party(kP384, kP256)), identity_algorithm_not_allowed);
+  EXPECT_REFUSED(local_of(party(kP384, kP256)), identity_algorithm_not_allowed);
 }
 
 TEST_F(ListedAlgorithms, NoAlgorithmElement_AllowsAll) {
   auto content = protected_governance();
-  const Party own(kP384, kRsa3072);
+  const auto& own = party(kP384, kRsa3072);
   auto all = properties(signed_document(governance::to_xml(content)), open_permissions(kTalker));
   all[0].value = "data:," + own.own.certificate.pem();
   EXPECT_TRUE(plugin->validate_local_permissions(kLocalIdentity, 0, all));
@@ -222,7 +234,8 @@ class AlgorithmsOfLaterCas : public ListedAlgorithms {
 
 TEST_F(AlgorithmsOfLaterCas, CaThatCameLater_IsJudgedByItsKey) {
   ASSERT_TRUE(local_with_file());
-  const Party rsa(kP256, kRsa2048, kListener), p384(kP256, kP384, kListener);
+  const auto& rsa = party(kP256, kRsa2048, kListener);
+  const auto& p384 = party(kP256, kP384, kListener);
   EXPECT_REFUSED(remote_of(rsa.own.certificate), trust_chain_algorithm_not_allowed);
   put(own_.ca.certificate().pem() + rsa.ca.certificate().pem() + p384.ca.certificate().pem());
   EXPECT_TRUE(remote_of(rsa.own.certificate));
@@ -232,7 +245,7 @@ TEST_F(AlgorithmsOfLaterCas, CaThatCameLater_IsJudgedByItsKey) {
 // Authentication keeps the former CAs, too, and reports the file.
 TEST_F(AlgorithmsOfLaterCas, FileThatCannotBeUsed_ChangesNothing) {
   ASSERT_TRUE(local_with_file());
-  const Party other(kP256, kP256, kListener);
+  const auto& other = party(kP256, kP256, kListener);
   log.all.clear();
   put("nonsense");
   put(other.ca.certificate().pem());
