@@ -19,6 +19,7 @@ import re
 import selectors
 import shutil
 import sys
+import tempfile
 import time
 from dataclasses import replace
 
@@ -51,9 +52,11 @@ def those_that_meet(cases, kinds_of):
 class World:
     """A network namespace with an honest pair, which the insider may join."""
 
+    documents = None  # the Pki of all stories, if they share one
+
     def __init__(self, folder, kind, governance):
         self.kind, self.folder = kind, folder
-        self.pki, self.keys = Pki(folder), Keys()
+        self.pki, self.keys = self.documents or Pki(folder), Keys()
         self.side = Side(governance)
         logs = os.path.join(folder, "logs")
         os.mkdir(logs)
@@ -409,5 +412,12 @@ def cases():
         yield f"source/{kind}", kind, MESSAGES_ONLY, source
 
 
+def play(chosen, name):
+    """The exit status. All stories use the same keys and documents: making them takes long."""
+    with tempfile.TemporaryDirectory(prefix=f"ddssec-{name}-documents-") as folder:
+        World.documents = Pki(folder)
+        return stories.run(chosen, stories.attempt_in(World, name))
+
+
 if __name__ == "__main__":
-    sys.exit(stories.run(cases(), stories.attempt_in(World, "insider")))
+    sys.exit(play(cases(), "insider"))

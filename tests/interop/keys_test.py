@@ -25,9 +25,8 @@ import time
 
 sys.dont_write_bytecode = True
 
-import stories  # noqa: E402
 from documents import Governance  # noqa: E402
-from insider_test import (ELSEWHERE, FORGED, HONEST, World, begin, check, go_on, said, samples)  # noqa: E402
+from insider_test import (ELSEWHERE, FORGED, HONEST, begin, check, go_on, play, said, samples)  # noqa: E402
 from scenarios import E, EO  # noqa: E402
 
 SHARED_DISCOVERY = Governance(discovery=E, liveliness=E, metadata=EO)
@@ -188,4 +187,4 @@ def cases():
 
 
 if __name__ == "__main__":
-    sys.exit(stories.run(cases(), stories.attempt_in(World, "keys")))
+    sys.exit(play(cases(), "keys"))
