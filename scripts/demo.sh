@@ -37,9 +37,8 @@ prepare() {
 }
 
 pids=()
-# The background build is a shell with ninja in it.
 pid=
-trap 'for pid in "${pids[@]}"; do pkill -P "$pid" || true; kill "$pid" 2>/dev/null || true; done' EXIT
+trap 'for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done' EXIT
 
 # start LOG PLUGINS NAME ROLE ARGUMENTS...: a peer in the background; PLUGINS is ddssec, stock or fast
 start() {
@@ -124,18 +123,11 @@ if [ "${1:-}" = --in-namespace ]; then
 else
   [ $# = 0 ] || die "unknown option $1; there are none"
   prepare
-  # Meanwhile the tools for what comes next: the participants mostly wait.
-  build ddssec ddssec-peer >"$work/tools.log" 2>&1 &
-  tools=$!
-  pids+=("$tools")
   # A network namespace of its own: nothing else on this machine hears the demo or disturbs it.
   namespace=(unshare --net)
   [ "$(id -u)" = 0 ] || namespace=(unshare --net --map-root-user)
   "${namespace[@]}" "$PWD/scripts/demo.sh" --in-namespace
   printf '\nFrom the start to this table: %d s.\n' "$SECONDS"
-  step "build the tools for what comes next"
-  tail -n 1 -f --pid="$tools" "$work/tools.log"  # ninja's lines: [done/all]
-  wait "$tools" || die "the build failed; see $work/tools.log"
-  pids=()
   printf '\nNext: %s/bin/ddssec init demo makes the security files of your own applications (README.md).\n' "$build"
+  printf 'cmake --build --preset release --target ddssec_all builds it.\n'
 fi
