@@ -109,7 +109,8 @@ folders and a CA first.
 .
 ddssec-peer and ddssec-shapes are test programs: they publish and subscribe,
 secured or not, with any DDS product.")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS ddssec-plugins)
+# `ddssec inspect` loads libpcap, whose package has another name in Debian 13.
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "ddssec-plugins, libpcap0.8 | libpcap0.8t64")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_CONTROL_EXTRA
     ${packaging}/agent/postinst ${packaging}/agent/prerm ${packaging}/agent/postrm ${packaging}/agent/conffiles)
 

@@ -5,7 +5,7 @@ import hashlib
 import struct
 import subprocess
 
-from transcript import DATA, PROGRAM, Transcript, main
+from transcript import DATA, PROGRAM, Transcript, library_path, main
 
 CAPTURE = DATA / "captures/two_participants.pcap"
 
@@ -146,6 +146,17 @@ class Inspect(Transcript):
         radio[20:24] = struct.pack("<I", 105)
         (self.at / "radio.pcap").write_bytes(radio)
         self.refused("capture_unreadable", 3, "inspect", "radio.pcap")
+
+    def test_libpcap_is_loaded_by_inspect_alone(self):
+        needed = subprocess.run(["readelf", "-dW", PROGRAM], text=True, stdout=subprocess.PIPE, check=True).stdout
+        self.assertIn("libcrypto", needed)
+        self.assertNotIn("libpcap", needed)
+        for name in ("libpcap.so.0.8", "libpcap.so.1"):
+            (self.at / name).write_text("no library\n")
+        without = {"LD_LIBRARY_PATH": f"{self.at}:{library_path()}"}
+        self.run_program("version", environment=without)
+        self.assertIn("apt install libpcap0.8", self.refused(
+            "capture_unreadable", 3, "inspect", CAPTURE, environment=without)["message"])
 
     def test_the_command_line(self):
         self.refused("usage", 2, "inspect")
