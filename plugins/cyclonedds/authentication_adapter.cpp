@@ -403,14 +403,15 @@ constexpr dds_security_authentication kTable = {
 
 AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
                                              const MakePlugin<spi::Authentication>& make,
-                                             ddsi_domaingv* domain)
+                                             ddsi_domaingv* domain, Pace pace)
     : dds_security_authentication(kTable),
       host_(std::move(host)),
       plugin_(make(host_->services_with_record(true))),
       core_timer_(CoreTimer::of_host(host_->code())),
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),
-      timer_(host_->clock()) {
+      patience_(pace.patience),
+      timer_(host_->clock(), pace.step) {
   gv = domain;
 }
 

@@ -17,8 +17,16 @@ namespace ddssec::cyclonedds {
 /// The adapter of one domain. The C struct is the base class; the host sees only that.
 class AuthenticationAdapter final : public dds_security_authentication {
  public:
+  /// How long the timer waits. Tests shorten it.
+  struct Pace {
+    std::chrono::milliseconds step{1000};      ///< between two turns, at most
+    std::chrono::milliseconds patience{4000};  ///< for a new session with a peer that is back
+  };
   AuthenticationAdapter(std::unique_ptr<Host> host, const MakePlugin<spi::Authentication>& make,
-                        ddsi_domaingv* domain);
+                        ddsi_domaingv* domain, Pace pace);
+  AuthenticationAdapter(std::unique_ptr<Host> host, const MakePlugin<spi::Authentication>& make,
+                        ddsi_domaingv* domain)
+      : AuthenticationAdapter(std::move(host), make, domain, Pace{}) {}
 
   static AuthenticationAdapter& of(dds_security_authentication& instance) {
     return static_cast<AuthenticationAdapter&>(instance);
@@ -103,6 +111,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
     std::optional<std::chrono::nanoseconds> discovered = {};  ///< when the host discovered it again
   };
   std::map<Guid, EndedSession> ended_by_peer_;  ///< for the timer's thread
+  const std::chrono::milliseconds patience_;    ///< until such a participant is reported
   /// Reports such a participant, if it is time. Returns true if there is nothing more to report.
   bool is_settled(const Guid& guid, EndedSession& end);
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses

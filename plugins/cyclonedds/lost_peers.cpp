@@ -159,7 +159,7 @@ void AuthenticationAdapter::report_ended_by_peer() {
 }
 
 bool AuthenticationAdapter::is_settled(const Guid& guid, EndedSession& end) {
-  constexpr std::chrono::seconds kPatience{4}, kMemory{60};
+  constexpr std::chrono::seconds kMemory{60};
   const auto now = host_->clock().monotonic();
   bool is_discovered = false, is_in_session = false;
   for (const auto& local : dispose_announcements_.locals()) {
@@ -170,12 +170,13 @@ bool AuthenticationAdapter::is_settled(const Guid& guid, EndedSession& end) {
   end.is_dropped = end.is_dropped || !is_in_session;
   if (!end.is_dropped || !is_discovered) return now - end.at > kMemory;
   if (!end.discovered) end.discovered = now;
-  if (now - *end.discovered < kPatience) return false;
+  if (now - *end.discovered < patience_) return false;
+  const auto waited = std::chrono::duration_cast<std::chrono::seconds>(patience_);
   host_->notice(
       Event(Error(Code::session_not_resumed,
                   {.document = "the session with a participant",
                    .expected = "that the peer authenticates us again",
-                   .found = "no new session for " + std::to_string(kPatience.count()) + " s"}),
+                   .found = "no new session for " + std::to_string(waited.count()) + " s"}),
             {}, guid.to_string(), PeerProof::authenticated));
   return true;
 }

@@ -32,6 +32,19 @@ using testing::Return;
 constexpr GuidPrefix kLocal{{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}};
 constexpr GuidPrefix kRemote{{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}};
 std::atomic<DDS_Security_IdentityHandle> revoked{0};
+// How long the adapter waits for a new session with a peer that is back.
+constexpr auto kPatience = 200ms;
+
+// Waits until the adapter has looked that often for resets of a peer.
+void wait_for_looks(int count) {
+  const auto until = questions.load() + count;
+  for (int i = 0; i < 1000 && questions < until; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_GE(questions, until);
+}
+// A turn of its thread lies between two looks, unless a peer is reset.
+void wait_for_two_looks() { wait_for_looks(2); }
+// It looks 21 times, for a second, in the turn in which a peer is reset.
+constexpr int kMoreThanATurn = 25;
 
 // The socket on which a peer receives discovery.
 struct Socket {
@@ -94,6 +107,7 @@ struct SessionResetTest : testing::Test {
     EXPECT_EQ(c->validate_local_identity(c, &handle, &guid, 0, &qos, &guid, nullptr),
               DDS_SECURITY_VALIDATION_OK);
     revoked = 0;
+    losses = 0;
     EXPECT_EQ(c->set_listener(c, &kNotesRevokedIdentity<revoked>, nullptr), 1);
   }
   void TearDown() override { EXPECT_EQ(c->set_listener(c, nullptr, nullptr), 1); }
@@ -124,7 +138,8 @@ struct SessionResetTest : testing::Test {
 
   spi::CipherMask peer_ciphers = spi::kAllCiphers;
   Socket peer;
-  Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness;
+  Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness{
+      AuthenticationAdapter::Pace{.step = 20ms, .patience = kPatience}};
   dds_security_authentication* c = &harness.adapter;
   MockAuthentication& plugin = *harness.plugin;
 };
@@ -140,7 +155,7 @@ TEST_F(SessionResetTest, DroppedPeerMetAgain_GetsIt) {
 TEST_F(SessionResetTest, PeerWithOtherPlugins_DoesNotGetIt) {
   peer_ciphers = spi::kStandardCiphers;
   ON_CALL(plugin, shared_secret).WillByDefault(Return(secret()));
-  const timeval patience{2, 500000};
+  const timeval patience{0, 500000};
   ::setsockopt(peer.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   const auto remote = authenticate();
   EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
@@ -153,9 +168,7 @@ TEST_F(SessionResetTest, ReceivedReset_MakesTheHostBeginAnew) {
   auto& resets = SessionResets::of_process();
   resets.expect({{70}, {1}}, {remote}, spi::derive_reset_token(*secret(), kRemote));
   // When the second question is asked, the first one has had no effect.
-  const auto before = questions.load();
-  for (int i = 0; i < 1000 && questions < before + 2; ++i) std::this_thread::sleep_for(10ms);
-  EXPECT_GE(questions, before + 2);
+  wait_for_two_looks();
   EXPECT_EQ(revoked, 0);
   const auto message = spi::write_reset(kRemote, spi::derive_reset_token(*secret(), kRemote));
   EXPECT_TRUE(resets.note_reset(*spi::read_reset(message)));
@@ -191,18 +204,20 @@ struct EndedByPeer : SessionResetTest {
 
 TEST_F(EndedByPeer, AndMetAgainWithoutANewSession_IsReportedOnce) {
   meet();
-  std::this_thread::sleep_for(8s);
+  std::this_thread::sleep_for(3 * kPatience);
+  wait_for_looks(kMoreThanATurn);
   EXPECT_EQ(reports(), 1);
 }
 
 TEST_F(EndedByPeer, AndResumed_IsNoReport) {
   authenticate();
-  std::this_thread::sleep_for(6s);
+  std::this_thread::sleep_for(3 * kPatience);
+  wait_for_looks(kMoreThanATurn);
   EXPECT_EQ(reports(), 0);
 }
 
 TEST_F(EndedByPeer, AndGone_IsNoReport) {
-  std::this_thread::sleep_for(6s);
+  std::this_thread::sleep_for(1s + 3 * kPatience);
   EXPECT_EQ(reports(), 0);
 }
 
@@ -220,7 +235,6 @@ TEST_F(SessionResetTest, KeysThatNeverCame_CauseOneToo) {
 
 struct LostRights : SessionResetTest {
   void SetUp() override {
-    losses = 0;
     renewed = nullptr;
     SessionResetTest::SetUp();
   }
@@ -233,11 +247,6 @@ struct LostRights : SessionResetTest {
     spi::Token credential;
     spi::add_session_facts(credential, {.presented_permissions = sha256(as_bytes(permissions))});
     ON_CALL(plugin, authenticated_peer_credential_token).WillByDefault(Return(credential));
-  }
-  static void wait_for_two_looks() {
-    const auto before = questions.load();
-    for (int i = 0; i < 1000 && questions < before + 2; ++i) std::this_thread::sleep_for(10ms);
-    EXPECT_GE(questions, before + 2);
   }
   static void wait_until_revoked() {
     for (int i = 0; i < 500 && revoked == 0; ++i) std::this_thread::sleep_for(10ms);

@@ -48,7 +48,9 @@ class Recorder final : public EventSink {
 /// An adapter with a mock plugin, and the events that the adapter raised.
 template <class Adapter, class Plugin, class Spi>
 struct Harness {
-  Harness()
+  /// `more`: what the adapter's constructor takes besides.
+  template <class... More>
+  explicit Harness(More... more)
       : adapter(
             std::make_unique<Host>(std::make_unique<Recorder>(events)),
             [this](const PluginServices& given) {
@@ -57,7 +59,7 @@ struct Harness {
               plugin = made.get();
               return std::unique_ptr<Spi>(std::move(made));
             },
-            domain()) {}
+            domain(), more...) {}
 
   /// Returns any address that is not null.
   ddsi_domaingv* domain() { return reinterpret_cast<ddsi_domaingv*>(&events); }
