@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/guarded_path.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/folders/folder_kind.hpp"
 #include "cli/frame/notices.hpp"
@@ -28,6 +29,24 @@ Status check_key_mode(const fs::path& key, const Arguments& arguments) {
               {.document = key,
                .expected = "mode 0600",
                .found = fmt::format("mode {:04o}", status.st_mode & 07777)});
+}
+
+// True for the form of sros2: one key for both roles, with a link to it in the same folder.
+bool links_to_neighbour(const fs::path& key) {
+  std::error_code error;
+  const auto target = fs::read_symlink(key, error);
+  return !error && !target.has_parent_path() &&
+         fs::symlink_status(key.parent_path() / target, error).type() == fs::file_type::regular;
+}
+
+// Another user's link in the path could lead to another CA, whose key would sign what that user
+// asks for, or be replaced. A name after the key's own makes open_guarded() judge the key, too.
+Status check_links_to(const fs::path& key) {
+  const auto way = open_guarded(links_to_neighbour(key) ? key : key / "end", O_PATH);
+  if (way) return {};
+  auto details = way.error().details();
+  details.document = key;
+  return fail(way.error().code(), std::move(details));
 }
 
 }  // namespace
@@ -65,6 +84,7 @@ Result<OpenCa> CaOpener::open(const CaPaths& paths) {
   DDSSEC_RETURN_IF_ERROR(
       // Checked first, so that the user types no passphrase for a folder without a CA.
       read_certificates(paths.certificate));
+  DDSSEC_RETURN_IF_ERROR(check_links_to(paths.key));
   DDSSEC_RETURN_IF_ERROR(prepare(paths.key));
   DDSSEC_ASSIGN_OR_RETURN(auto&& lock, lock_records(paths));
   DDSSEC_ASSIGN_OR_RETURN(const auto trust, read_certificates(paths.certificate));

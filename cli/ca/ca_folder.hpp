@@ -42,8 +42,9 @@ class CaOpener {
   /// another command that signs or rotates, and only then reads the files. The key is used only if
   /// no other user can read it, unless --insecure-key-mode is given. If both CAs are needed, open
   /// the identity CA first, so that two commands do not wait for each other. Errors:
-  /// key_readable_by_others, those of passphrase() for an encrypted key, of lock_records,
-  /// read_file, Authority::load.
+  /// link_untrusted (a link in the path of the key that another user can change, except one to a
+  /// file beside it), key_readable_by_others, those of passphrase() for an encrypted key, of
+  /// lock_records, read_file, Authority::load.
   Result<OpenCa> open(const CaPaths& paths);
   /// Opens the CA of --ca with that role. Errors as above, and those of check_signing_ca.
   Result<OpenCa> open(std::string_view role);

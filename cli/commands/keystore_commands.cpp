@@ -1,11 +1,13 @@
 // keystore: creates and maintains the keystore of ROS 2, with two separate CAs and keys that only
 // their owner can read.
 #include <algorithm>
+#include <fcntl.h>
 #include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "base/guarded_path.hpp"
 #include "base/shell_word.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/governance_revision.hpp"
@@ -239,6 +241,8 @@ Result<EnclaveJob> enclave_job(const Arguments& arguments, const Context& contex
   if (is_again) {
     DDSSEC_RETURN_IF_ERROR(hold_folder(target));
     DDSSEC_RETURN_IF_ERROR(finish_interrupted(target));
+  } else {
+    DDSSEC_RETURN_IF_ERROR(open_guarded(target, O_PATH));  // refuses links of other users above it
   }
   if (is_again && files.key.extension() == ".p11")
     return fail(Code::key_in_token, {.document = files.key});

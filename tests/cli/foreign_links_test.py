@@ -153,6 +153,41 @@ class ForeignLinks(TwoHomes):
         self.denied("key_mismatch", 1, *renew)
         self.assertFalse(key.exists())
 
+    def test_ca_of_another_user_with_a_link_to_the_operators_refused(self):
+        self.run_program("keystore", "create", "plant", "--no-passphrase")
+        self.run_program("identity", "csr", "mallory", "-o", "request")
+        key = self.at / "plant/private/identity_ca.key.pem"
+        before = key.read_bytes()
+        for link in ("private", "private/identity_ca.key.pem"):
+            with self.subTest(link):
+                hers = self.home / "alice/keystore"
+                shutil.rmtree(hers, ignore_errors=True)
+                shutil.copytree(self.at / "plant", hers, symlinks=True)
+                (shutil.rmtree if link == "private" else os.unlink)(hers / link)
+                (hers / link).symlink_to(self.at / "plant" / link)
+                give(hers, ALICE)
+                for command in (("identity", "sign-csr", "request", "--ca", hers, "--yes"),
+                                ("keystore", "enclave", hers, "/a", "--allow-all"),
+                                ("keystore", "rotate", hers, "--role", "identity")):
+                    told = self.json(*command, exit=4)["diagnostics"]
+                    self.assertEqual([one["id"] for one in told], ["link_untrusted"], command)
+        self.assertEqual(key.read_bytes(), before)
+        self.assertFalse((self.at / "request/cert.pem").exists())
+
+    def test_new_enclave_link_above_it_refused(self):
+        self.run_program("keystore", "create", "plant", "--no-passphrase")
+        (self.at / "plant/enclaves").rename(self.at / "elsewhere")
+        (self.at / "plant/enclaves").symlink_to("../elsewhere")
+        give(self.at / "plant", ALICE)
+        told = self.json("keystore", "enclave", "plant", "/a", "--allow-all", exit=4)["diagnostics"]
+        self.assertEqual([one["id"] for one in told], ["link_untrusted"])
+        self.assertFalse((self.at / "elsewhere/a").exists())
+
+    def test_ca_of_another_user_with_a_link_in_its_folder_followed(self):
+        self.run_program("keystore", "create", "one", "--single-ca", "--no-passphrase")
+        give(self.at / "one", ALICE)
+        self.run_program("keystore", "enclave", "one", "/a", "--allow-all")
+
     def test_link_in_or_below_a_folder_of_another_user_refused(self):
         """Also a link of root: the owner can move it, or put another folder in its place."""
         (self.home / "alice/links").mkdir()
