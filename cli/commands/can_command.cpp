@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/revocation_lists.hpp"
 #include "cli/commands/groups.hpp"
@@ -341,8 +342,8 @@ struct UseVerdict {
   }
   std::string text() const {
     return fmt::format("{} in domain {} by {}'s plugins: {} ({}{})\n",
-                       allowed ? "allowed" : "denied", domain, judge, because, file.string(),
-                       line > 0 ? fmt::format(":{}", line) : "");
+                       allowed ? "allowed" : "denied", domain, judge, because,
+                       printable(file.string()), line > 0 ? fmt::format(":{}", line) : "");
   }
 };
 

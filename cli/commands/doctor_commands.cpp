@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/text.hpp"
 #include "cli/commands/groups.hpp"
 #include "cli/doctor/doctor_options.hpp"
 #include "cli/doctor/folder_configuration.hpp"
@@ -166,8 +167,8 @@ ShownDiagnosis shown_diagnosis(Report& report, const fs::path& folder, doctor::D
                                const doctor::Settings& settings, const Products& products) {
   add_findings(report, findings_for(products, diagnosis), folder);
   if (!is_good(diagnosis.outcomes(), products)) report.exit = Exit::no;
-  return {fmt::format("{}, domain {}", folder.string(), settings.domain), std::move(diagnosis),
-          products};
+  return {fmt::format("{}, domain {}", printable(folder.string()), settings.domain),
+          std::move(diagnosis), products};
 }
 
 // A product of one participant and a product of the other one.
@@ -452,11 +453,11 @@ Result<DomainId> domain_for(const Arguments& arguments,
 }
 
 void name_parties(const fs::path& a, const fs::path& b, std::string (&names)[2]) {
-  names[0] = folder_name(a);
-  names[1] = folder_name(b);
+  names[0] = printable(folder_name(a));
+  names[1] = printable(folder_name(b));
   if (names[0] != names[1]) return;
-  names[0] = a.string();
-  names[1] = b.string();
+  names[0] = printable(a.string());
+  names[1] = printable(b.string());
 }
 
 std::vector<Command> doctor_commands() {

@@ -9,6 +9,7 @@
 
 #include "base/hash.hpp"
 #include "base/stable_sort.hpp"
+#include "base/text.hpp"
 #include "base/time_left.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/commands/groups.hpp"
@@ -366,7 +367,8 @@ struct ExpiryEntry {
   }
   std::string text() const {
     return fmt::format("{:<9} {:<15} {:<35}  {}  {}{}\n", shown(state), kind, when, subject,
-                       file.string(), places > 1 ? fmt::format(" and {} more", places - 1) : "");
+                       printable(file.string()),
+                       places > 1 ? fmt::format(" and {} more", places - 1) : "");
   }
 };
 

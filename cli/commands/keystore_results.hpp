@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/ids.hpp"
+#include "base/text.hpp"
 #include "cli/ca/certificate_facts.hpp"
 #include "cli/frame/fields.hpp"
 #include "cli/inputs/times.hpp"
@@ -58,7 +59,7 @@ struct ListedEnclaves {
   static constexpr auto fields() { return std::tuple(field<&ListedEnclaves::enclaves>()); }
   std::string text() const {
     std::string out;
-    for (const auto& name : enclaves) out += name + "\n";
+    for (const auto& name : enclaves) out += printable(name) + "\n";
     return out;
   }
 };
@@ -109,7 +110,7 @@ struct VerifiedKeystore {
       return "there is no enclave in it yet: ddssec keystore enclave KEYSTORE ENCLAVE\n";
     std::string out;
     for (const auto& one : enclaves)
-      out += fmt::format("{:<30}  domain {}{}\n", one.name, one.domain, one.words);
+      out += fmt::format("{:<30}  domain {}{}\n", printable(one.name), one.domain, one.words);
     return out;
   }
 };
@@ -129,10 +130,11 @@ struct ImportedKeystore {
   std::string text() const {
     std::string out;
     for (std::size_t i = 0; i < logged.size(); ++i)
-      out += fmt::format("logged {}  {}\n", logged[i], subjects[i]);
+      out += fmt::format("logged {}  {}\n", printable(logged[i]), subjects[i]);
     for (const auto& key : keys_closed)
       out += fmt::format(
-          "{} is for its owner only now; other users of this machine may have copied it\n", key);
+          "{} is for its owner only now; other users of this machine may have copied it\n",
+          printable(key));
     for (const auto& folder : folders_closed)
       out += fmt::format("{} is for its owner only now; it was mode {}\n", folder, closed_mode);
     return out.empty() && is_complete ? "nothing was left to do\n" : out;

@@ -133,7 +133,7 @@ class KeyCopies {
     return fmt::format(
         "ddssec keystore enclave {} {} --replace, with its rights (--publish, --subscribe or "
         "--policy), gives it a key of its own",
-        shell_word(keystore_.string()), name);
+        shell_word(keystore_.string()), shell_word(name));
   }
 
   fs::path keystore_;

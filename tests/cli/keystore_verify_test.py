@@ -3,9 +3,10 @@
 
 import pathlib
 import shutil
+import subprocess
 
 from keystore_folders import KeystoreTest
-from transcript import NOW, main
+from transcript import NOW, PROGRAM, main
 
 
 class Verify(KeystoreTest):
@@ -81,6 +82,23 @@ class Verify(KeystoreTest):
         self.assertEqual([(d["id"], d["file"]) for d in told],
                          [("DOC006", f"ks/enclaves/b/{name}")
                           for name in ("identity_ca.cert.pem", "permissions_ca.cert.pem", "governance.p7s")])
+
+    def test_the_name_of_a_folder_forges_no_line_and_no_command(self):
+        self.create()
+        self.run_program("keystore", "enclave", "ks", "/a", "--allow-all", *NOW)
+        shutil.copytree(self.at / "ks/enclaves/a", self.at / "ks/enclaves/b\n$(id) ok")
+        self.assertEqual(self.run_program("keystore", "list", "ks", *NOW).stdout, "/a\n/b?$(id) ok\n")
+        told = self.run_program("keystore", "verify", "ks", *NOW, exit=1)
+        self.assertEqual([line.split("  ")[0] for line in told.stdout.splitlines()], ["/a", "/b?$(id) ok"])
+        self.assertIn("hint: ddssec keystore enclave ks '/b?$(id) ok' --replace,", told.stderr)
+        folder = "ks/enclaves/b\n$(id) ok"
+        for command in (("doctor", folder), ("expiry", folder), ("can", folder, "publish", "x"),
+                        ("check", folder, "ks/enclaves/a")):
+            with self.subTest(command[0]):
+                lines = subprocess.run([PROGRAM, *command, *NOW], cwd=self.at, text=True, capture_output=True,
+                                       timeout=60, check=False).stdout.splitlines()
+                self.assertTrue(any("b?$(id) ok" in line for line in lines), lines)
+                self.assertFalse([line for line in lines if line.startswith("$(id)")])
 
     def test_plain_text_that_was_edited_is_told(self):
         self.create()
