@@ -11,6 +11,7 @@
 #include "base/guarded_path.hpp"
 #include "cli/documents/documents.hpp"
 #include "cli/folders/folder_kind.hpp"
+#include "cli/frame/held_folder.hpp"
 #include "cli/frame/notices.hpp"
 #include "cli/inputs/passphrase.hpp"
 #include "pki/certificate_source.hpp"
@@ -49,6 +50,14 @@ Status check_links_to(const fs::path& key) {
   return fail(way.error().code(), std::move(details));
 }
 
+// The files of the key are read and replaced in this folder, wherever its path leads later.
+Status hold_folder_of(const fs::path& key) {
+  std::error_code error;
+  const auto folder = key.parent_path();
+  const bool is_folder = fs::symlink_status(folder, error).type() == fs::file_type::directory;
+  return is_folder ? hold_folder(folder) : Status();
+}
+
 }  // namespace
 
 Result<std::string> role_option(const Arguments& arguments) {
@@ -85,10 +94,13 @@ Result<OpenCa> CaOpener::open(const CaPaths& paths) {
       // Checked first, so that the user types no passphrase for a folder without a CA.
       read_certificates(paths.certificate));
   DDSSEC_RETURN_IF_ERROR(check_links_to(paths.key));
+  DDSSEC_RETURN_IF_ERROR(hold_folder_of(paths.key));
   DDSSEC_RETURN_IF_ERROR(prepare(paths.key));
   DDSSEC_ASSIGN_OR_RETURN(auto&& lock, lock_records(paths));
   DDSSEC_ASSIGN_OR_RETURN(const auto trust, read_certificates(paths.certificate));
   DDSSEC_ASSIGN_OR_RETURN(auto own_key, key(paths.key));
+  // The owner of the folder can put a link there while this command waits for the lock.
+  DDSSEC_RETURN_IF_ERROR(check_links_to(paths.key));
   DDSSEC_ASSIGN_OR_RETURN(
       auto authority, with_default_document(pki::Authority::load(trust.front(), std::move(own_key)),
                                             paths.certificate));

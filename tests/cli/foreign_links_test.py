@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Who owns a folder above a participant's puts a link there, to the folder of another participant."""
 
+import fcntl
 import json
 import os
 import shutil
+import subprocess
 import threading
 import unittest
 
 from agent_folders import AgentTest, Running, ShortLived
-from transcript import Transcript, main
+from transcript import PROGRAM, Transcript, main
 
 ALICE, BOB = 65533, 65534
 LATER = ("--now", "+300d")
@@ -173,6 +175,26 @@ class ForeignLinks(TwoHomes):
                     self.assertEqual([one["id"] for one in told], ["link_untrusted"], command)
         self.assertEqual(key.read_bytes(), before)
         self.assertFalse((self.at / "request/cert.pem").exists())
+
+    def test_ca_exchanged_for_the_operators_while_the_command_waits_refused(self):
+        self.run_program("keystore", "create", "plant", "--no-passphrase")
+        self.run_program("keystore", "create", "home/alice/keystore", "--no-passphrase")
+        self.run_program("identity", "csr", "mallory", "-o", "request")
+        hers = self.home / "alice/keystore"
+        give(hers, ALICE)
+        with open(hers / "private/identity_ca.key.pem", "rb") as key:
+            fcntl.flock(key, fcntl.LOCK_EX)
+            command = subprocess.Popen([PROGRAM, "identity", "sign-csr", "request", "--ca", hers, "--yes"], cwd=self.at,
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            with self.assertRaises(subprocess.TimeoutExpired):  # it waits
+                command.wait(1)
+            for name in ("private", "public"):
+                (hers / name).rename(hers / f"{name}.real")
+                (hers / name).symlink_to(self.at / "plant" / name)
+                os.chown(hers / name, ALICE, ALICE, follow_symlinks=False)
+        told, _ = command.communicate(timeout=60)
+        self.assertNotEqual(command.returncode, 0, told)
+        self.assertFalse((self.at / "request/cert.pem").exists(), told)
 
     def test_new_enclave_link_above_it_refused(self):
         self.run_program("keystore", "create", "plant", "--no-passphrase")
