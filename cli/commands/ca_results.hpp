@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/ca/ca_progress.hpp"
 #include "cli/ca/certificate_facts.hpp"
 #include "cli/ca/revocation_lists.hpp"
@@ -206,10 +207,11 @@ struct RotatedCa {
   }
   std::string text() const {
     auto out = summary();
-    for (const auto& name : folders) out += fmt::format("  {}\n", name);
-    for (const auto& name : revoked) out += fmt::format("revoked and left out: {}\n", name);
+    for (const auto& name : folders) out += fmt::format("  {}\n", printable(name));
+    for (const auto& name : revoked)
+      out += fmt::format("revoked and left out: {}\n", printable(name));
     for (const auto& file : unlogged)
-      out += fmt::format("signed although the log does not have it: {}\n", file);
+      out += fmt::format("signed although the log does not have it: {}\n", printable(file));
     return out;
   }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/ca_rotation.hpp"
 #include "cli/ca/certificate_facts.hpp"
@@ -66,7 +67,7 @@ struct KeystoreCa {
         "ddssec's plugins: old ones and new ones do not authenticate each other.\n",
         keystore.string(), ca.role, ca.subject, count_text(enclaves.size(), "enclave"));
     for (const auto& file : unlogged.value_or(std::vector<std::string>()))
-      out += fmt::format("signed although the log does not have it: {}\n", file);
+      out += fmt::format("signed although the log does not have it: {}\n", printable(file));
     return out;
   }
 };
@@ -165,7 +166,7 @@ Result<Answer<KeystoreCa>> new_identity_ca(const fs::path& keystore, const Argum
   DDSSEC_ASSIGN_OR_RETURN(auto files, put_in_place(out, rotation));
   auto answer = answer_of(keystore, "identity", ca.certificate(), rotation.updated);
   for (const auto& name : rotation.revoked)
-    answer.report.text += name + " is revoked and was left out\n";
+    answer.report.text += printable(name) + " is revoked and was left out\n";
   add_unreached(rotation, answer.report);
   add_unseen(enclaves, answer.report);
   answer.report.files_written = std::move(files);
