@@ -181,6 +181,12 @@ class Groups(unittest.TestCase):
         self.assertIn("what A.Crash says", said)
         self.assertIn("FAILED TWICE: some.A.Crash, some.tests", said)
 
+    def test_a_group_whose_filter_fits_no_test_fails(self):
+        status, said, _ = self.run_group()
+        self.assertNotEqual(status, 0, said)
+        self.assertIn("0 tests ran, and there should be some", said)
+        self.assertIn("FAILED TWICE: some.tests", said)
+
     def test_a_program_that_is_not_there_fails(self):
         with tempfile.TemporaryDirectory(prefix="ddssec-ctest-") as folder:
             done = subprocess.run([GROUP, f"{folder}/notes", "some", "5", f"{folder}/nowhere"], text=True,

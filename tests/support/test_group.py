@@ -8,7 +8,7 @@ not come to its end then, they all run.
 Usage: test_group.py NOTES NAME SECONDS PROGRAM [OPTION ...]
 
 NOTES: the file of the notes. A line is "tests NUMBER", "failed NAME.Suite.Test", "skipped NAME.Suite.Test", or
-"unfinished" if the program crashed, or did not end within SECONDS.
+"unfinished" if the program crashed, did not end within SECONDS, or ran too few tests.
 """
 
 import os
@@ -75,6 +75,13 @@ def failed_before(notes, name):
                                              if line.startswith("failed ")]
 
 
+def not_run(group, again):
+    """A sentence if tests that should have run did not: a filter fits none, or a test has another name now."""
+    if not group.finished or (group.planned and group.planned == (len(again) or group.planned)):
+        return ""
+    return f"{group.planned} tests ran, and there should be {len(again) or 'some'}: does the filter still fit?"
+
+
 def main():
     notes, name, seconds, *command = sys.argv[1:]
     notes, environment = pathlib.Path(notes), dict(os.environ)
@@ -86,8 +93,9 @@ def main():
     notes.unlink(missing_ok=True)
     status, text = run(command, environment, float(seconds))
     group = Group(text)
+    wrong = not_run(group, again)
     notes.parent.mkdir(parents=True, exist_ok=True)
-    notes.write_text(group.notes(name), encoding="utf-8")
+    notes.write_text(group.notes(name) + ("unfinished\n" if wrong and group.finished else ""), encoding="utf-8")
     print(f"{group.planned} tests, {len(group.failed)} failed, {len(group.skipped)} skipped")
     for kind, tests in (("FAILED", group.failed), ("SKIPPED", group.skipped)):
         for test in tests:
@@ -99,7 +107,9 @@ def main():
         print(text[-LAST_OCTETS:])
     elif status != 0 and not group.failed:  # such as a sanitizer's report at the end
         print(f"Exit status {status}. Its last lines:\n{text[-LAST_OCTETS:]}")
-    return 0 if status == 0 and group.finished and not group.failed else 1
+    if wrong:
+        print(wrong)
+    return 0 if status == 0 and group.finished and not group.failed and not wrong else 1
 
 
 if __name__ == "__main__":
