@@ -10,7 +10,6 @@
 #include "base/rollback.hpp"
 #include "plugins/cyclonedds/endpoint_scope.hpp"
 #include "plugins/cyclonedds/exempt_topics.hpp"
-#include "plugins/cyclonedds/host_entities.hpp"
 #include "plugins/cyclonedds/own_readers.hpp"
 #include "plugins/cyclonedds/plugins_in_use.hpp"
 #include "plugins/cyclonedds/process_questions.hpp"
@@ -49,35 +48,33 @@ CPermissions validate_local_permissions(Instance* instance,
                                         const DDS_Security_IdentityHandle identity,
                                         const CDomain domain_id, const DDS_Security_Qos* qos,
                                         Exception* ex) {
-  const auto permissions_handle =
-      ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
-        DDSSEC_RETURN_IF_ERROR(require(qos));
-        adapter.set_authentication(authentication);
-        report_plugins_in_use(adapter.host(), PluginKind::access_control);
-        adapter.set_domain_id(static_cast<std::uint32_t>(domain_id));
-        DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
-        DDSSEC_ASSIGN_OR_RETURN(const auto properties,
-                                spi::with_process_properties(std::move(property_list)));
-        DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
-        adapter.host().calendar().set_grace(grace);
-        DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,
-                                SharedMemoryGuard::is_allowed_by(properties));
-        DDSSEC_ASSIGN_OR_RETURN(
-            const bool trusts_type_information,
-            spi::flag_property(properties, spi::property::kTrustTypeInformation));
-        if (trusts_type_information) adapter.trust_type_information();
-        DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.plugin().validate_local_permissions(
-                                                       {identity}, domain_id, properties));
-        Rollback give_back([&] { (void)adapter.plugin().return_permissions_handle(handle); });
-        if (allow_shared_memory) adapter.shared_memory().allow(handle);
-        DDSSEC_ASSIGN_OR_RETURN(const auto participant,
-                                adapter.plugin().participant_sec_attributes(handle));
-        adapter.facts().note(handle, {identity}, participant);
-        give_back.release();
-        return handle;
-      });
-  if (permissions_handle == DDS_SECURITY_HANDLE_NIL) give_up_identity(authentication, {identity});
-  return permissions_handle;
+  return ask_handle<Adapter>(instance, ex, [&](Adapter& adapter) -> Result<spi::PermissionsHandle> {
+    Rollback refused([&] { give_up_identity(authentication, {identity}); });
+    DDSSEC_RETURN_IF_ERROR(require(qos));
+    adapter.set_authentication(authentication);
+    report_plugins_in_use(adapter.host(), PluginKind::access_control);
+    adapter.set_domain_id(static_cast<std::uint32_t>(domain_id));
+    DDSSEC_ASSIGN_OR_RETURN(auto property_list, properties_from(qos));
+    DDSSEC_ASSIGN_OR_RETURN(const auto properties,
+                            spi::with_process_properties(std::move(property_list)));
+    DDSSEC_ASSIGN_OR_RETURN(const auto grace, spi::clock_step_grace(properties));
+    adapter.host().calendar().set_grace(grace);
+    DDSSEC_ASSIGN_OR_RETURN(const bool allow_shared_memory,
+                            SharedMemoryGuard::is_allowed_by(properties));
+    DDSSEC_ASSIGN_OR_RETURN(const bool trusts_type_information,
+                            spi::flag_property(properties, spi::property::kTrustTypeInformation));
+    if (trusts_type_information) adapter.trust_type_information();
+    DDSSEC_ASSIGN_OR_RETURN(const auto handle, adapter.plugin().validate_local_permissions(
+                                                   {identity}, domain_id, properties));
+    Rollback give_back([&] { (void)adapter.plugin().return_permissions_handle(handle); });
+    if (allow_shared_memory) adapter.shared_memory().allow(handle);
+    DDSSEC_ASSIGN_OR_RETURN(const auto participant,
+                            adapter.plugin().participant_sec_attributes(handle));
+    adapter.facts().note(handle, {identity}, participant);
+    give_back.release();
+    refused.release();
+    return handle;
+  });
 }
 
 CPermissions validate_remote_permissions(Instance* instance, const dds_security_authentication*,
@@ -254,14 +251,6 @@ DDS_Security_boolean get_permissions_credential_token(Instance* instance, CToken
   });
 }
 
-Status join(Adapter& adapter, spi::PermissionsHandle permissions) {
-  const auto now = adapter.host().clock().monotonic();
-  auto status = adapter.facts().join(permissions, now, false);
-  if (!status && !may_have_participants(adapter.host().code(), adapter.domain_id()))
-    status = adapter.facts().join(permissions, now, true);
-  return status;
-}
-
 DDS_Security_boolean get_participant_sec_attributes(
     Instance* instance, const CPermissions handle,
     DDS_Security_ParticipantSecurityAttributes* attributes, Exception* ex) {
@@ -271,8 +260,7 @@ DDS_Security_boolean get_participant_sec_attributes(
     DDSSEC_ASSIGN_OR_RETURN(const auto participant,
                             adapter.plugin().participant_sec_attributes(permissions(handle)));
     // The host asks this once, and creates the participant after it.
-    DDSSEC_RETURN_IF_ERROR(
-        or_give_up(adapter, permissions(handle), join(adapter, permissions(handle))));
+    DDSSEC_RETURN_IF_ERROR(join_or_give_up(adapter, permissions(handle)));
     *attributes = to_c(participant);
     return {};
   });

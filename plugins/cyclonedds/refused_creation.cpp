@@ -1,6 +1,9 @@
 #include "plugins/cyclonedds/refused_creation.hpp"
 
 #include <cstdlib>
+#include <utility>
+
+#include "plugins/cyclonedds/host_entities.hpp"
 
 namespace ddssec::cyclonedds {
 
@@ -31,6 +34,14 @@ Status or_give_up(AccessControlAdapter& adapter, spi::PermissionsHandle permissi
   static_cast<void>(forget_permissions(adapter, permissions));
   give_up_identity(adapter.authentication(), *identity);
   return status;
+}
+
+Status join_or_give_up(AccessControlAdapter& adapter, spi::PermissionsHandle permissions) {
+  const auto now = adapter.host().clock().monotonic();
+  auto status = adapter.facts().join(permissions, now, false);
+  if (!status && !may_have_participants(adapter.host().code(), adapter.domain_id()))
+    status = adapter.facts().join(permissions, now, true);
+  return or_give_up(adapter, permissions, std::move(status));
 }
 
 }  // namespace ddssec::cyclonedds

@@ -18,4 +18,8 @@ void give_up_identity(const dds_security_authentication* authentication,
 /// authentication. After a lack of memory nothing is given up.
 Status or_give_up(AccessControlAdapter& adapter, spi::PermissionsHandle permissions, Status status);
 
+/// Notes that the host creates the participant. Gives it up if it may not exist beside others of
+/// the process (GovernanceFacts::join).
+Status join_or_give_up(AccessControlAdapter& adapter, spi::PermissionsHandle permissions);
+
 }  // namespace ddssec::cyclonedds
