@@ -62,8 +62,10 @@ void ExpiryTimer::run(std::stop_token stop, const Tasks& tasks) {
     try {
       tasks.revoke_ended(stop);
       const auto wait = next_wait(tasks);
+      const auto pause = std::min(wait, kMinPause);
       std::unique_lock lock(sleep_);
-      wake_.wait_for(lock, stop, wait, [this] { return is_due_; });
+      wake_.wait_for(lock, stop, pause, [] { return false; });
+      wake_.wait_for(lock, stop, wait - pause, [this] { return is_due_; });
       is_due_ = false;
     } catch (...) {
       // An exception would end the process. Whatever could not be checked is checked again soon.

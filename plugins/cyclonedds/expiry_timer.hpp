@@ -23,14 +23,17 @@ class ExpiryTimer {
     std::function<std::optional<WallTime>()> next_expiry;
   };
 
+  /// The shortest time between two checks, however often it is woken: peers can cause that.
+  static constexpr std::chrono::milliseconds kMinPause{50};
+
   explicit ExpiryTimer(const Clock& clock,
                        std::chrono::milliseconds longest_wait = std::chrono::milliseconds(1000));
   ~ExpiryTimer();
   ExpiryTimer(const ExpiryTimer&) = delete;
   ExpiryTimer& operator=(const ExpiryTimer&) = delete;
 
-  /// Makes all timers of this library check now, each in its own thread. Any thread may call it,
-  /// also while it holds locks of the host. Only events that peers cannot cause at will do.
+  /// Makes all timers of this library check soon (kMinPause), each in its own thread. Any
+  /// thread may call it, also while it holds locks of the host.
   static void wake_all() noexcept;
 
   /// Replaces the tasks of an earlier start.

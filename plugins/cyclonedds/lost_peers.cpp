@@ -108,7 +108,7 @@ bool AuthenticationAdapter::take_noted(const Guid& remote, std::chrono::nanoseco
     if (!session) return false;
     const auto current = presented_.find(one.local);
     if (current != presented_.end() && session->presented == current->second) return true;
-    if (session->at > one.noted && now - session->at < kFinished) return false;
+    if (now - session->at < kFinished) return false;
     ends = true;
     return true;
   });

@@ -57,6 +57,23 @@ TEST_F(Timer, WakeAll_EndsTheWait) {
   ExpiryTimer::wake_all();  // a timer that does not run
 }
 
+// A peer can repeat the message that wakes it.
+TEST_F(Timer, WokenAllTheTime_RestsBetweenItsRounds) {
+  ExpiryTimer slow(clock, 10s);
+  std::atomic<int> asked = 0;
+  slow.start({.revoke_ended = [&](const std::stop_token&) { ++asked; },
+              .next_expiry = [] { return std::optional<WallTime>(); }});
+  const auto start = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - start < 5 * ExpiryTimer::kMinPause) {
+    ExpiryTimer::wake_all();
+    std::this_thread::sleep_for(100us);
+  }
+  const auto passed = std::chrono::steady_clock::now() - start;
+  EXPECT_GE(asked, 2);
+  EXPECT_LE(asked, 2 + passed / ExpiryTimer::kMinPause);
+  slow.stop();
+}
+
 // Three identities end in one round.
 TEST_F(Timer, ARevocation_MayStopTheTimer) {
   std::atomic<int> revocations = 0;
