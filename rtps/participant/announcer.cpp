@@ -70,7 +70,7 @@ void Announcer::answer(const GuidPrefix& participant, std::span<const Locator> m
 }
 
 void Announcer::announce_soon() {
-  announce_often();
+  if (bursts_.try_spend(core_.now)) announce_often();
   next_ = std::min(next_, std::max(core_.now, last_ + kMinPeriod));
 }
 

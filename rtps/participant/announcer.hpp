@@ -17,6 +17,9 @@ class Announcer {
   /// The shortest time between two announcements to all, if more announcements arrive than can be
   /// answered.
   static constexpr MonotonicTime kMinPeriod = std::chrono::milliseconds(250);
+  /// How often announce_soon() begins a burst of announcements, at once and in each kBurstPeriod.
+  static constexpr int kMaxBursts = 4;
+  static constexpr MonotonicTime kBurstPeriod = std::chrono::seconds(5);
 
   Announcer(ParticipantCore& core, BuiltinEndpoints& builtin);
 
@@ -29,7 +32,8 @@ class Announcer {
   void announce_again();
   /// Announces from now on as often as in the beginning.
   void announce_often() { announcements_ = 0; }
-  /// Does the same, and sends the first announcement as soon as kMinPeriod allows.
+  /// Announces as soon as kMinPeriod allows, and often after that if kMaxBursts allows. Peers can
+  /// cause it.
   void announce_soon();
   /// Sends to authenticated participants the data that must not be sent unprotected, or a dispose
   /// if `leaving`.
@@ -52,6 +56,7 @@ class Announcer {
   ParticipantCore& core_;
   BuiltinEndpoints& builtin_;
   WorkBudget answers_{kMaxAnswers, kAnswerPeriod, {}};
+  WorkBudget bursts_{kMaxBursts, kBurstPeriod, {}};
   int announcements_ = 0;
   MonotonicTime next_{}, last_{};
 };
