@@ -14,7 +14,7 @@ import pathlib
 import re
 import sys
 
-MAX_EXCEPTIONS = 56  # lower it with each line that goes
+MAX_EXCEPTIONS = 54  # lower it with each line that goes
 MAX_THROUGH = 115  # this, too
 FOLDERS = ("base", "governance", "idl", "pki", "plugins", "rtps", "secured", "wire")
 

@@ -51,7 +51,7 @@ class Folders : public testing::Test {
  protected:
   Folders() {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    // Each test is a process of its own.
+    // Several programs may run at once.
     root_ = fs::path(testing::TempDir()) /
             ("ddssec-doctor-" + std::string(info->name()) + '-' + std::to_string(::getpid()));
   }

@@ -190,7 +190,7 @@ TEST_F(RosEnvironmentTest, RightsAlone_AreJudgedWithoutTheEnvironment) {
   enclave({"rt/chatter"}, false);
   EXPECT_THAT(rights(), Contains(Rule::PERM040));
   enclave({"Square"}, false);  // a participant without ROS
-  EXPECT_THAT(rights(), IsEmpty());
+  EXPECT_THAT(rights(), ElementsAre(Rule::PERM034));
 }
 
 TEST(RosEnvironmentVariables, OnlyThoseThatAreSet_AreReturned) {
