@@ -94,6 +94,25 @@ constexpr std::array kSentences = {
                 "the node was started without --ros-args --enclave NAME and asked for the root "
                 "enclave, which the keystore does not have; or the enclave lacks a file",
                 "ddssec doctor ENCLAVE_FOLDER --ros", "ROS 2"},
+    LogSentence{
+        "failed to initialize rcl: error not set",
+        "ROS_SECURITY_KEYSTORE is not set where the node starts; in another line, such as "
+        "'error not set, at ...', the words do not name a cause: ddssec's line above it has the "
+        "cause",
+        "ddssec doctor ENCLAVE_FOLDER --ros, in the terminal in which the node starts", "ROS 2"},
+    LogSentence{"SECURITY ERROR: directory ... does not exist",
+                "the keystore has no enclave of the name after --enclave; or ROS_SECURITY_KEYSTORE "
+                "is a relative path or names another folder",
+                "ddssec keystore list KEYSTORE; ddssec doctor ENCLAVE_FOLDER --ros", "ROS 2"},
+    LogSentence{"failed to create DDS participant",
+                "follows after the participant was refused: certificate, permissions, domain or "
+                "plugins; the line says no more",
+                "the first line with \"ddssec error\" above it; ddssec doctor ENCLAVE_FOLDER --ros",
+                "ROS 2"},
+    LogSentence{"rmw handle is invalid",
+                "follows after the node did not start; the line says no more",
+                "the first line with \"ddssec error\" above it; ddssec doctor ENCLAVE_FOLDER --ros",
+                "ROS 2"},
     LogSentence{"failed to create topic [...]",
                 "a topic was refused; of a topic of every node, such as "
                 "rr/talker/get_parametersReply: the node probably has the enclave of another node "

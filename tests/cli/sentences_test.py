@@ -6,6 +6,7 @@ import re
 from transcript import DATA, Transcript, main
 
 PAGE = DATA.parent.parent / "docs/sentences-of-cyclone-dds.md"
+ROS_PAGE = DATA.parent.parent / "docs/secure-a-ros2-robot.md"
 
 
 def sentences_of_page():
@@ -34,10 +35,23 @@ class Sentences(Transcript):
     def test_sentences_of_ros_are_found_by_a_line(self):
         for line, sentence in (("[ERROR] [rcl]: could not find all security files at /k/enclaves", "could not find all security files"),
                                ("failed to create topic [rt/chatter] for unknown reasons", "failed to create topic [...]"),
-                               ("rmw_create_node: invalid allocator", "invalid allocator")):
+                               ("rmw_create_node: invalid allocator", "invalid allocator"),
+                               ("  what():  failed to initialize rcl: error not set", "failed to initialize rcl: error not set"),
+                               ("error not set", "failed to initialize rcl: error not set"),
+                               ("failed to initialize rcl: SECURITY ERROR: directory '/k/enclaves/tlaker' does not exist., at src/x.c:202",
+                                "SECURITY ERROR: directory ... does not exist"),
+                               ("[rmw_cyclonedds_cpp]: rmw_create_node: failed to create DDS participant", "failed to create DDS participant"),
+                               ("failed to initialize rcl node: rcl node's rmw handle is invalid, at src/x.c:415", "rmw handle is invalid")):
             told, = self.json("explain", line)["result"]["sentences"]
             self.assertEqual((told["product"], told["sentence"]), ("ROS 2", sentence))
         self.assertIn("ROS 2: failed to create topic", self.run_program("explain", "failed to create topic").stdout)
+
+    def test_each_sentence_of_the_page_of_ros_is_found(self):
+        rows = [line.split("|")[1] for line in ROS_PAGE.read_text().splitlines() if line.startswith("| `")]
+        sentences = [part for row in rows for part in re.findall(r"`([^`]+)`", row)]
+        self.assertGreater(len(sentences), 7)
+        for sentence in sentences:
+            self.assertIn(sentence, self.found(sentence))
 
     def test_a_line_of_a_log_with_a_code_is_explained_by_the_code(self):
         for line in ('ddssec error: peer "CN=x" is on the list; found [crl_expired 1153] [certificate_revoked 1144]',
