@@ -228,6 +228,15 @@ RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::str
                           question, cut_name(topic), nearest.is_expression() ? ", and" : " and")};
 }
 
+std::string hint_for_ros_topic(std::string_view topic) {
+  if (!topic.starts_with("rt/") && !topic.starts_with("rq/") && !topic.starts_with("rr/"))
+    return {};
+  return "in a keystore of ROS 2, allow the topic in the enclave's policy, then: ddssec keystore "
+         "permission KEYSTORE ENCLAVE --policy FILE --node-defaults; elsewhere, add it to an "
+         "allow_rule of the grant, before any deny_rule that matches it, and sign the permissions "
+         "again";
+}
+
 RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,
                         const Decision& decision) {
   auto out = advice_on_endpoint(grant, action, request, decision);

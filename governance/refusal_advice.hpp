@@ -30,6 +30,10 @@ RefusalAdvice advice_on_endpoint(const CompiledGrant& grant, Action action, cons
 /// prefix of ROS 2). It compares many names, so do not call it for a peer's request.
 RefusalAdvice advice_on_name(const CompiledGrant& grant, Action action, std::string_view topic);
 
+/// Returns what to do about a refused topic whose name has a prefix of ROS 2 (rt/, rq/, rr/): most
+/// permissions with such names come from a policy. Empty for other names.
+std::string hint_for_ros_topic(std::string_view topic);
+
 /// Returns the advice on the endpoint, or that on the name if the former is empty and no rule
 /// decided.
 RefusalAdvice advice_on(const CompiledGrant& grant, Action action, const Request& request,

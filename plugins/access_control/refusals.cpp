@@ -91,8 +91,9 @@ Error endpoint_denied_error(const PermissionsHolder& holder, const CompiledGrant
   const governance::Request asked{request.topic_name, request.partitions, tags};
   // Names are compared only in local permissions: with a peer's own permissions, the peer could
   // make that as expensive as it likes.
-  const auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, decision)
-                                      : advice_on(grant, action, asked, decision);
+  auto advice = holder.remote() ? advice_on_endpoint(grant, action, asked, decision)
+                                : advice_on(grant, action, asked, decision);
+  if (advice.hint.empty()) advice.hint = governance::hint_for_ros_topic(request.topic_name);
   const auto refusal = denied_error(
       code, holder, grant, decision,
       fmt::format("an allow_rule to {} {}", to_string(action), shown(request)), advice);
@@ -120,6 +121,7 @@ Error topic_denied_error(const PermissionsHolder& holder, const CompiledGrant& g
     advice = advice_on_name(grant, Action::publish, topic);
     if (advice.hint.empty()) advice = advice_on_name(grant, Action::subscribe, topic);
   }
+  if (advice.hint.empty()) advice.hint = governance::hint_for_ros_topic(topic);
   return denied_error(Code::topic_not_allowed, holder, grant, decision,
                       fmt::format("an allow_rule for topic \"{}\"", shortened(topic)), advice);
 }

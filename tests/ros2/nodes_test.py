@@ -64,7 +64,7 @@ def refused(node, code, *parts):
 def outside_the_policy(setting, keystore):
     talker = setting.start("talker", OURS, keystore, "-r", "chatter:=forbidden")
     refused(talker, "topic_not_allowed 1423", keystore.enclave("talker") / "permissions.p7s", "line ", "rt/forbidden",
-            'grant "/talker_listener/talker"', "add the topic to an allow_rule")
+            'grant "/talker_listener/talker"', "allow the topic in the enclave's policy", "ddssec keystore permission")
 
 
 def changed(keystore, setting, name, change):

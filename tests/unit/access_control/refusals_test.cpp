@@ -35,6 +35,21 @@ TEST_F(Decisions, ANameThatIsClose_IsProposedToTheLocalParticipantOnly) {
   EXPECT_EQ(peers.error().hint().find("is \"closed_chatter\" meant?"), std::string::npos);
 }
 
+TEST_F(Decisions, ATopicOfRos_IsAllowedByThePolicyFirst) {
+  governance_document.domain_rules[0].topic_rules = {{.topic_expression = "*"}};
+  const auto own = with({rule(true)});
+  const auto writer = plugin->check_create_datawriter(own, 0, {.topic_name = "rt/secret"});
+  const auto topic = plugin->check_create_topic(own, 0, "rt/secret");
+  const auto peers =
+      plugin->check_remote_datawriter(peer_with({rule(true)}), 0, {.topic_name = "rt/secret"});
+  ASSERT_FALSE(writer || topic || peers);
+  for (const auto& error : {writer.error(), topic.error()})
+    EXPECT_TRUE(error.hint().starts_with("in a keystore of ROS 2, allow the topic"))
+        << error.hint();
+  EXPECT_NE(peers.error().hint().find("in a keystore of ROS 2, allow the topic"),
+            std::string::npos);
+}
+
 TEST_F(Decisions, ARefusedPeer_IsToldApartFromTheLocalParticipant) {
   const auto peer = peer_with({publish_rule(true, {"closed_out"})});
   const auto own = with({publish_rule(true, {"closed_out"})});

@@ -78,6 +78,13 @@ TEST(RefusalAdvice, TopicOfAnotherNode_NamesTheEnclave) {
   EXPECT_EQ(advice(compiled(publishes({"rt/x"})), {.topic = "rr/a/get_parametersReply"}).hint, "");
 }
 
+TEST(RefusalAdvice, TopicOfRos_BeginsWithThePolicy) {
+  for (const auto* topic : {"rt/secret", "rq/addRequest", "rr/addReply"})
+    EXPECT_THAT(hint_for_ros_topic(topic), testing::StartsWith("in a keystore of ROS 2")) << topic;
+  for (const auto* topic : {"", "secret", "rt", "art/secret", "ros_discovery_info"})
+    EXPECT_EQ(hint_for_ros_topic(topic), "") << topic;
+}
+
 TEST(RefusalAdvice, NameNearToAnExpression_IsProposed) {
   const auto grant = compiled(publishes({"DDSPref*", "rt/chat*", "Cam?ra"}));
   for (const auto* typed : {"DDSPerfRDataKS", "ddsprefA", "DDSPrfX", "DDPSrefX"})
