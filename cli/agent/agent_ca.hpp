@@ -20,7 +20,7 @@ namespace ddssec::cli {
 /// certificate is issued. They must be the last that the CA signed for a file
 /// (signed.jsonl). If the CA can issue no certificate with a later end, but can extend the
 /// permissions, the answer has the old certificate. Errors: those of CaOpener, check_issued_for,
-/// check_renewal_request, Authority::sign_request; renewal_goes_back, outlives_ca.
+/// check_renewal_request, Authority::sign_request; renewal_goes_back, outlives_ca, ends_before_ca.
 Result<RenewalAnswer> renew_by_ca(const RenewalRequest& request,
                                   const std::filesystem::path& folder, const Arguments& arguments,
                                   const Context& context);

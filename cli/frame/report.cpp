@@ -156,8 +156,9 @@ Exit exit_of(Code code) {
       is_between(code, tool_code::status_not_shown, tool_code::status_unanswered))
     return Exit::unreadable;
   if (code == tool_code::not_confirmed || code == tool_code::folder_untrusted ||
-      code == tool_code::hook_unsafe || code == tool_code::trust_unsafe ||
-      code == tool_code::link_untrusted || code == tool_code::status_folder_untrusted)
+      code == tool_code::ends_before_ca || code == tool_code::hook_unsafe ||
+      code == tool_code::trust_unsafe || code == tool_code::link_untrusted ||
+      code == tool_code::status_folder_untrusted)
     return Exit::refused;
   if (code == tool_code::interrupted_between_files) return Exit::failed;
   switch (code) {

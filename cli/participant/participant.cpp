@@ -98,6 +98,10 @@ Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca
                                       .found = to_string(wanted.not_after)});
     wanted.not_after = ca.not_after();
   }
+  if (wanted.not_after <= ca.not_before())
+    return fail(tool_code::ends_before_ca,
+                {.expected = "an end after " + to_string(ca.not_before()),
+                 .found = to_string(wanted.not_after)});
   wanted.not_before = std::max(wanted.not_before, ca.not_before());
   return wanted;
 }

@@ -58,7 +58,7 @@ struct Issuers {
 
 /// Returns the validity `wanted`, which does not begin before the CA's. An end after the CA's is
 /// cut if `clamp` is true, otherwise refused: the certificate would become invalid before its own
-/// end. Error: outlives_ca.
+/// end. An end before the CA's beginning is refused. Errors: outlives_ca, ends_before_ca.
 Result<pki::Validity> within_ca(pki::Validity wanted, const pki::Certificate& ca, bool clamp);
 
 /// Adds lint's findings about topics and partitions of the spec that match nothing, that products

@@ -87,6 +87,12 @@ class Identity(Transcript):
         out = self.run_with_secret(self.json, *self.issue("--days", "5000", "--clamp"))
         self.assertEqual(out["result"]["not_after"], "2036-11-18T00:00:00Z")
 
+    def test_nothing_ends_before_its_ca_begins(self):
+        early = [word if word != NOW[1] else "2026-11-01T00:00:00Z" for word in self.issue("--days", "1")]
+        told = self.run_with_secret(lambda *w, **m: self.refused("ends_before_ca", 4, *w, **m), *early)
+        self.assertIn("expected an end after 2026-11-20T00:00:00Z, found 2026-11-02T00:00:00Z", told["message"])
+        self.assertIn("--days", told["hint"])
+
     def test_a_device_keeps_its_key_and_gets_a_certificate(self):
         out = self.json("identity", "csr", "device", "-o", "device")
         self.assertEqual({f["path"]: f["mode"] for f in out["files_written"]},
