@@ -23,6 +23,7 @@ constexpr OtherSeverity kOthers[] = {
     {"DOC043", error, "where Cyclone DDS takes the grant of another subject"},
     {"DOC050", warning, "for an enclave that is being made"},
     {"DOC053", warning, "where can answers for ddssec and Cyclone DDS refuses the topic"},
+    {"DOC062", warning, "where ROS_SECURITY_KEYSTORE is a relative path"},
     {"DOC068", warning, "where the application may run without ROS 2"},
     {"DOC083", note, "where --vendor does not name the products"},
     {"DOC086", warning, "where not every topic was looked at"},

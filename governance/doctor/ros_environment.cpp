@@ -73,6 +73,14 @@ void diagnose_enclave(const LoadedFolder& folder, const RosEnvironment& environm
         fmt::format("ROS_SECURITY_ENCLAVE_OVERRIDE is \"{}\"; this is the enclave \"/{}\"", name,
                     inside.string()));
   out.pass(Rule::DOC062);
+  if (fs::path(keystore).is_relative())
+    out.report({}, {.rule = Rule::DOC062,
+                    .message = fmt::format("ROS_SECURITY_KEYSTORE is \"{}\": a node that starts in "
+                                           "another folder does not find the enclave",
+                                           keystore),
+                    .document = folder.paths.folder,
+                    .hint = "set ROS_SECURITY_KEYSTORE to the whole path of the keystore",
+                    .severity = Severity::warning});
 }
 
 // A node runs in the domain of its environment, whatever the documents say.

@@ -115,6 +115,16 @@ TEST_F(RosEnvironmentTest, KeystoreThatDoesNotHoldTheFolder_IsNamed) {
               HasSubstr("is not below its enclaves/"));
 }
 
+TEST_F(RosEnvironmentTest, RelativeKeystore_IsAWarning) {
+  const auto former = fs::current_path();
+  fs::current_path(keystore_.parent_path());
+  environment_["ROS_SECURITY_KEYSTORE"] = keystore_.filename().string();
+  const auto all = said();
+  fs::current_path(former);
+  EXPECT_THAT(finding_of(all, Rule::DOC062).message, HasSubstr("starts in another folder"));
+  EXPECT_TRUE(all.outcomes().all_ok());
+}
+
 TEST_F(RosEnvironmentTest, DomainOfNoDocument_IsSaidWithTheRightOne) {
   EXPECT_THAT(message_with("ROS_DOMAIN_ID", "7", Rule::DOC096),
               AllOf(HasSubstr("domain 7"), HasSubstr("documents are for 0")));
