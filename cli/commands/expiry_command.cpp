@@ -40,9 +40,9 @@ struct ExpiringItem {
   std::string subject;
   WallTime not_after;
   fs::path file;
-  std::size_t places = 1;    // the number of files that contain it
-  std::string id = {};       // for a certificate: issuer and serial number
-  WallTime not_before = {};  // hosts refuse it before this time
+  std::vector<fs::path> also_in = {};  // the other files that contain it
+  std::string id = {};                 // for a certificate: issuer and serial number
+  WallTime not_before = {};            // hosts refuse it before this time
 };
 
 // Finds everything that expires below some paths. The same object in several files is one row. A
@@ -236,7 +236,7 @@ class Search {
             certificate.subject(),
             certificate.not_after(),
             file,
-            1,
+            {},
             certificate.issuer() + ' ' + certificate.serial(),
             certificate.not_before()};
   }
@@ -314,8 +314,9 @@ class Search {
 
   void add(ExpiringItem item, const std::string& key) {
     ++hits_;
+    const auto file = item.file;
     const auto [at, is_new] = found_.try_emplace(key, std::move(item));
-    if (!is_new) ++at->second.places;
+    if (!is_new) at->second.also_in.push_back(file);
   }
 
   std::map<std::string, ExpiringItem> found_;
@@ -354,8 +355,10 @@ struct ExpiryEntry {
   std::int64_t days_left;
   fs::path file;
   std::size_t places;
-  std::string when = {};  // the end and its distance
-  bool is_quiet = false;  // --quiet leaves this line out
+  std::vector<fs::path> also_in;
+  std::string when = {};    // the end and its distance
+  bool is_quiet = false;    // --quiet leaves this line out
+  bool is_verbose = false;  // --verbose names each file
 
   static constexpr auto fields() {
     using Self = ExpiryEntry;
@@ -363,12 +366,17 @@ struct ExpiryEntry {
         field<&Self::state>({.words = "ok|soon|expired|not yet|revoked"}),
         field<&Self::kind>({.words = "CA|certificate|OCSP response|permissions|revocation list"}),
         field<&Self::subject>(), field<&Self::not_after>(), field<&Self::days_left>(),
-        field<&Self::file>(), field<&Self::places>({.note = "how many files have it", .min = 1}));
+        field<&Self::file>(), field<&Self::places>({.note = "how many files have it", .min = 1}),
+        field<&Self::also_in>({"the other files that have it"}));
   }
   std::string text() const {
-    return fmt::format("{:<9} {:<15} {:<35}  {}  {}{}\n", shown(state), kind, when, subject,
-                       printable(file.string()),
-                       places > 1 ? fmt::format(" and {} more", places - 1) : "");
+    auto out = fmt::format("{:<9} {:<15} {:<35}  {}  {}{}\n", shown(state), kind, when, subject,
+                           printable(file.string()),
+                           places > 1 ? fmt::format(" and {} more", places - 1) : "");
+    if (is_verbose)
+      for (const auto& other : also_in)
+        out += fmt::format("  also in {}\n", printable(other.string()));
+    return out;
   }
 };
 
@@ -409,9 +417,11 @@ Result<Answer<Expiry>> expiry(const Arguments& arguments, const Context& context
          .not_after = item.not_after,
          .days_left = std::chrono::floor<std::chrono::days>(item.not_after - now).count(),
          .file = item.file,
-         .places = item.places,
+         .places = item.also_in.size() + 1,
+         .also_in = item.also_in,
          .when = in_time(item.not_after, now),
-         .is_quiet = by_time == "ok" && arguments.has("--quiet")});
+         .is_quiet = by_time == "ok" && arguments.has("--quiet"),
+         .is_verbose = arguments.has("--verbose")});
   }
   auto& report = out.report;
   report.errors = search.unreadable();

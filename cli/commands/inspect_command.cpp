@@ -348,18 +348,20 @@ Result<Answer<Inspection>> inspect(const Arguments& arguments, const Context&) {
 }  // namespace
 
 std::vector<Command> inspect_commands() {
-  return {{.group = "",
-           .name = "inspect",
-           .summary = "Says how far participants on a network get with each other; exit 1: some do "
-                      "not talk.",
-           .positionals = {{.name = "FILE",
-                            .summary = "a capture by tcpdump or Wireshark (- is standard input)",
-                            .optional = true}},
-           .options = {{"--listen", "IFACE", "listen on this interface instead"},
-                       {"--for", "SECONDS", "how long", "10"},
-                       {"--save", "FILE", "keep what was heard as a capture"}},
-           .examples = {"ddssec inspect capture.pcapng", "ddssec inspect --listen eth0 --for 30"},
-           .run = inspect}};
+  return {
+      {.group = "",
+       .name = "inspect",
+       .summary = "Says how far participants on a network get with each other; exit 1: some do "
+                  "not talk.",
+       .positionals = {{.name = "FILE",
+                        .summary = "a capture by tcpdump or Wireshark (- is standard input)",
+                        .optional = true}},
+       .options = {{"--listen", "IFACE", "listen on this interface instead"},
+                   {"--for", "SECONDS",
+                    "how long; a Cyclone DDS participant announces itself every 8 seconds", "10"},
+                   {"--save", "FILE", "keep what was heard as a capture"}},
+       .examples = {"ddssec inspect capture.pcapng", "ddssec inspect --listen eth0 --for 30"},
+       .run = inspect}};
 }
 
 }  // namespace ddssec::cli

@@ -31,7 +31,7 @@ const std::vector<Option>& common_options() {
        .letter = "-q"},
       {.name = "--verbose",
        .value = "",
-       .summary = "tell every file that is written",
+       .summary = "tell every file that is written; of expiry: every file that has the entry",
        .letter = "-v"},
   };
   return kOptions;

@@ -28,6 +28,25 @@ class Expiry(Transcript):
                          [("CA", f"CN=demo {role} CA", "2036-11-18T00:00:00Z", 3)
                           for role in ("Identity", "Permissions")])
 
+    def test_verbose_names_each_file_that_has_it(self):
+        ca = self.entries("demo", *NOW)[-1]
+        self.assertEqual((ca["kind"], ca["places"], len(ca["also_in"])), ("CA", 3, 2))
+        plain, whole = (self.run_program("expiry", "demo", *more, *NOW).stdout for more in ((), ("-v",)))
+        self.assertNotIn("also in", plain)
+        for file in ca["also_in"]:
+            self.assertIn(f"  also in {file}\n", whole)
+
+    def test_after_a_renewal_it_says_which_folder_has_the_new_certificate(self):
+        self.run_program("ca", "renew", "demo", "--role", "identity", "--days", "5000", *NOW)
+        new = (self.at / "demo/ca/identity/ca.pem").read_text()
+        (self.at / "demo/listener/identity_ca.pem").write_text(new)
+        old, = [e for e in self.entries("demo", *NOW) if e["kind"] == "CA" and "Identity" in e["subject"]
+                and e["not_after"] < "2037"]
+        new, = [e for e in self.entries("demo", *NOW) if e["kind"] == "CA" and e["not_after"] > "2037"]
+        self.assertEqual(sorted([old["file"], *old["also_in"]]),
+                         ["demo/ca/identity/ca.pem", "demo/listener/identity_ca.pem", "demo/talker/identity_ca.pem"])
+        self.assertEqual(sorted([new["file"], *new["also_in"]]), ["demo/ca/identity/ca.pem", "demo/listener/identity_ca.pem"])
+
     def test_the_exit_code_says_whether_something_ends_within_the_time(self):
         self.entries("demo", *NOW)
         soon = self.entries("demo", "--within", "52w", "--now", "2026-12-01T00:00:00Z", exit=1)
