@@ -308,7 +308,7 @@ class Story:
         self.idle_after = idle_now()
 
     def is_idle(self):
-        """Only --strict applies these limits: rights in Cyclone DDS take longer than 2 s (docs/test-results.md)."""
+        """Only --strict applies the limits of an idle machine: in the suite, other tests run beside this one."""
         return self.is_strict
 
     def pairs(self, kinds=JUDGED):
