@@ -1,5 +1,6 @@
 #include "base/file_watch.hpp"
 
+#include <algorithm>
 #include <sys/stat.h>
 
 #include "base/uri_source.hpp"
@@ -13,7 +14,8 @@ FileWatch::FileWatch(std::string_view uri, std::chrono::nanoseconds interval)
       last_(stamp()) {}
 
 bool FileWatch::may_have_changed(std::chrono::nanoseconds now) {
-  if (path_.empty() || (last_query_ && now - *last_query_ < interval_)) return false;
+  const auto shortest = interval_ - std::min(interval_ / 8, kMaxSlack);
+  if (path_.empty() || (last_query_ && now - *last_query_ < shortest)) return false;
   last_query_ = now;
   const auto current = stamp();
   const bool same = current == last_;

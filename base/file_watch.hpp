@@ -22,7 +22,8 @@ class FileWatch {
   FileWatch(std::string_view uri, std::chrono::nanoseconds interval);
 
   /// True if the file must be read now, because it may have been changed, replaced, created or
-  /// deleted. Queries the file system at most once per interval. `now` is Clock::monotonic.
+  /// deleted. Queries the file system at most once per interval, which may be shorter by kMaxSlack.
+  /// `now` is Clock::monotonic.
   bool may_have_changed(std::chrono::nanoseconds now);
 
   /// The device and the inode of a file. A file that is renamed into place has others than the one
@@ -46,6 +47,10 @@ class FileWatch {
   }
 
  private:
+  // A host that asks once per interval asks a little sooner whenever it did more before the last
+  // question. The file would then be looked at only an interval later.
+  static constexpr std::chrono::nanoseconds kMaxSlack = std::chrono::milliseconds(100);
+
   /// Device, inode, size, and seconds and nanoseconds of the last change to the content and to the
   /// inode.
   using Stamp = std::array<std::uint64_t, 7>;
