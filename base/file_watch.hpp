@@ -22,8 +22,8 @@ class FileWatch {
   FileWatch(std::string_view uri, std::chrono::nanoseconds interval);
 
   /// True if the file must be read now, because it may have been changed, replaced, created or
-  /// deleted. Queries the file system at most once per interval, which may be shorter by kMaxSlack.
-  /// `now` is Clock::monotonic.
+  /// deleted. Queries the file system at most once per interval, less an eighth of it or 100 ms,
+  /// whichever is shorter. `now` is Clock::monotonic.
   bool may_have_changed(std::chrono::nanoseconds now);
 
   /// The device and the inode of a file. A file that is renamed into place has others than the one
@@ -47,8 +47,9 @@ class FileWatch {
   }
 
  private:
-  // A host that asks once per interval asks a little sooner whenever it did more before the last
-  // question. The file would then be looked at only an interval later.
+  // A host that asks once per interval is not exactly on time. If one question was late and the
+  // next one is not, they are less than an interval apart. Without this slack, the second one would
+  // be skipped.
   static constexpr std::chrono::nanoseconds kMaxSlack = std::chrono::milliseconds(100);
 
   /// Device, inode, size, and seconds and nanoseconds of the last change to the content and to the

@@ -31,7 +31,7 @@ target_compile_options(ddssec_options INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual>
   # GNU-unique symbols would bind to whichever plugin was loaded first.
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>
-  # With its own values, g++ collects its garbage for an eighth of the time that it takes.
+  # By default, g++ spends an eighth of its time on garbage collection.
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1000000>
   -fstack-protector-strong
   # Only x86-64 has it. It takes effect where the C library's start files have it too: Debian 13, not 12.

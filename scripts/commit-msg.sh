@@ -47,7 +47,7 @@ body=${body#*$'\t'}
 printf '%s\n' "${lines[@]}" | grep -qE '^Tested: +[^ ]' || fail "there is no line \"Tested: ...\": name the programs and commands that you ran"
 
 tested=$(printf '%s\n' "${lines[@]}" | sed -n '/^Tested: /,/^$/p')
-! grep -qiE '\b(series|last commit|pending|not (yet )?compiled|fsyntax-only|after the merge)\b' <<< "$tested" ||
+! grep -qiE '\b(series|last commit|pending|not (yet )?compiled|fsyntax-only|after the merge|commit before|joined branch|(before|without) (its|the) last change|(was|were) not (built|run|tested))\b' <<< "$tested" ||
   fail "what was tested is a series, or nothing yet: build this commit, and say what you ran on it"
 
 # Of a commit that is being made, HEAD is not asked: `git commit --amend` replaces it.

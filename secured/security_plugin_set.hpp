@@ -16,7 +16,7 @@ class SecurityPluginSet {
  public:
   /// The clock, random source and event sink in `services` must outlive this object.
   /// If the environment variable DDSSEC_STATUS_DIR names a folder, a socket there shows the
-  /// documents in use (base/status_service.hpp).
+  /// documents in use (docs/configuration.md).
   explicit SecurityPluginSet(const PluginServices& services);
   ~SecurityPluginSet();
 
@@ -41,11 +41,11 @@ class SecurityPluginSet {
 /// `ddssec init` or of a ROS 2 keystore.
 /// - crl.pem, the list of revoked certificates, is optional. It also takes effect if it is created
 ///   later.
-/// - security.properties, a file of further properties (spi/property_file.hpp), is optional.
-/// The contents of the documents are checked only when a participant is created.
-/// Errors: those of explain_unless_participant (participant_check.hpp), those of pki::uri_of, those
-/// of spi::read_property_file, property_without_effect (security.properties sets a property that a
-/// file of the folder already sets).
+/// - security.properties, a file of further properties (plugins/spi/property_file.hpp), is
+/// optional. The contents of the documents are checked only when a participant is created. Errors:
+/// those of a folder that is no participant's (file_not_found, file_unreadable), those of
+/// pki::uri_of, those of spi::read_property_file, property_without_effect (security.properties sets
+/// a property that a file of the folder already sets).
 Result<spi::PropertyList> folder_properties(const std::filesystem::path& folder);
 
 }  // namespace ddssec::secured

@@ -128,6 +128,7 @@ Status Capture::each(std::chrono::nanoseconds how_long,
     if (impl_->dump)
       impl_->library->dump(static_cast<unsigned char*>(static_cast<void*>(impl_->dump.get())),
                            header, octets);
+    // With PCAP_TSTAMP_PRECISION_NANO, tv_usec has nanoseconds.
     take({std::chrono::seconds(header->ts.tv_sec) + std::chrono::nanoseconds(header->ts.tv_usec),
           BytesView(octets, header->caplen), header->caplen == header->len});
   }

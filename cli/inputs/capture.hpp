@@ -22,7 +22,8 @@ struct CapturedFrame {
 /// A source of frames: a network interface, or a file that tcpdump wrote.
 class Capture {
  public:
-  /// Opens a pcap or pcapng file; "-" is standard input. Error: capture_unreadable.
+  /// Opens a pcap or pcapng file; "-" is standard input. Error: capture_unreadable (also if libpcap
+  /// is missing).
   static Result<Capture> open(const std::string& file);
   /// Captures from an interface from now on. Error: capture_unreadable.
   static Result<Capture> listen(const std::string& interface);

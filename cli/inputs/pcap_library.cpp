@@ -13,8 +13,9 @@ constexpr const char* kNames[] = {"libpcap.so.0.8", "libpcap.so.1"};
 
 std::unexpected<Error> no_library_error(std::string found) {
   return fail(Code::capture_unreadable,
-              {.expected = "libpcap, which reads captures (Debian: apt install libpcap0.8)",
-               .found = std::move(found)});
+              {.expected = "libpcap, which reads captures",
+               .found = std::move(found),
+               .hint = "install libpcap (Debian: apt install libpcap0.8)"});
 }
 
 // `found` gets what the loader says of the first name.

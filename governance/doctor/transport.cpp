@@ -24,7 +24,7 @@ void diagnose_transport(const std::optional<std::string>& configuration, Diagnos
                   .message = fmt::format(
                       "{} is set in CYCLONEDDS_URI: one forged announcement can part two "
                       "participants until one of them starts again, since the datagrams by which "
-                      "ddssec's plugins bring them together again go by UDP only "
+                      "ddssec's plugins reconnect them are sent over UDP only "
                       "(transport_without_resets)",
                       setting),
                   .severity = Severity::warning});

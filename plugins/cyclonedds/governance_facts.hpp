@@ -41,13 +41,13 @@ class GovernanceFacts {
     const std::lock_guard lock(mutex_);
     locals_.erase(permissions);
   }
-  /// The host may take so long to finish a participant that it has begun to create.
+  /// The longest time that the host takes to finish creating a participant.
   static constexpr std::chrono::seconds kCreation{1};
 
   /// Notes that the host creates the participant. Error: unauthenticated_peers_need_own_process if
   /// it or another participant of this domain of the process admits unauthenticated participants.
-  /// `shows_none`: the host shows no participant of this domain. Then it is deleting those that it
-  /// had, except if it began to create one less than kCreation ago.
+  /// `shows_none` is true if the host shows no participant of this domain. Those that it began to
+  /// create at least kCreation ago are then being deleted, and do not count.
   ///
   /// The core has one security state of a remote participant for all local ones. If a handshake of
   /// one that admits unauthenticated participants fails, the core removes that state. The

@@ -63,11 +63,12 @@ class HandshakeWatch {
   /// Notes that a request, or a message of this handshake, was refused.
   void note_refused(spi::IdentityHandle remote);
   void note_refused(spi::HandshakeHandle handshake);
-  /// Notes that the handshake has ended. Afterwards the remote participant is given up in two cases
-  /// only. Either its keys do not come, because then it did not finish its half. Or another local
-  /// participant gets no session with it; that happens once, because it ends the session of the
-  /// first. It does not happen if the peer would keep that session. Then the handshake stays as it
-  /// is, and continues when the peer answers.
+  /// Notes that the handshake has ended. From now on the remote participant is given up in two
+  /// cases only:
+  /// - Its keys do not come, so it did not finish its half.
+  /// - Another local participant gets no session with it. This is done once, because it ends the
+  ///   present session. It is not done if the peer would keep that session; then the handshake
+  ///   waits until the peer answers.
   void note_finished(spi::HandshakeHandle handshake);
   /// Notes that the peer has finished its half, and would not notice that the local side begins
   /// again. Its keys are awaited as long as a handshake can last, unless a message was refused.

@@ -15,7 +15,7 @@ constexpr const char* kGrowingIntervals =
     "DDS may log each attempt";
 constexpr std::size_t kMaxEndedByPeer = 1024;
 // A handshake that was under way when permissions were renewed presents the former ones. After this
-// time there is none.
+// time no such handshake is under way any more.
 constexpr auto kMaxHandshake = std::chrono::seconds(10);
 constexpr const char* kOnce = "this is done once; then the handshake waits for the peer";
 }  // namespace

@@ -34,8 +34,9 @@ class OwnEndpoints {
   /// Judges the endpoints of a local participant by its permissions, if those were renewed since
   /// the last call. Returns own_rights_lost if they no longer allow an endpoint that was allowed
   /// before. Otherwise returns own_rights_gained if peers do not know a right of an endpoint, but
-  /// at most once for each renewal, and not after a loss by the same one: the sessions that begin
-  /// after that have presented these permissions, so an end of theirs would be of no use.
+  /// not after a loss by the same renewal. Each renewal causes at most one of the two errors: the
+  /// sessions that begin afterwards have presented these permissions, and to end them again would
+  /// change nothing.
   std::optional<Error> poll(spi::PermissionsHandle local, spi::AccessControl& plugin, Duration now);
   /// Returns the number of times that `poll` has returned an error for that participant.
   std::uint64_t changes(spi::PermissionsHandle local) const;

@@ -34,7 +34,7 @@ inline constexpr std::string_view kRenewalList = "org.ddssec.renewal_list";
 inline constexpr std::string_view kGovernanceChangeTime = "org.ddssec.governance_change_time";
 
 /// Specific to embedded participants: "on" lets large samples go to readers of other processes
-/// through shared memory (shared_memory.hpp).
+/// through shared memory (docs/shared-memory.md).
 inline constexpr std::string_view kSharedMemory = "org.ddssec.shm";
 /// Specific to ddssec: "true" lets payloads be in shared memory unencrypted although messages or
 /// submessages are encrypted.

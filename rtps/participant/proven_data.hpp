@@ -19,10 +19,10 @@ inline Duration lease_that_counts(const Duration& announced, bool is_proven) {
 }
 
 /// Takes over the data that the peer signed but that no handshake needs. For Cyclone DDS this is
-/// its version, which determines how it lays out keys. It announces its lease only by
-/// DCPSParticipantsSecure, so until then there is only one that may be forged. ddssec also signs
-/// its name and user data, unless DCPSParticipantsSecure carries them. For other vendors, name and
-/// user data stay as announced.
+/// its version, which determines how it lays out keys. Cyclone DDS signs no lease, but announces it
+/// by DCPSParticipantsSecure. Until that arrives, only the lease of SPDP is known, which may be
+/// forged. ddssec also signs its name and user data, unless DCPSParticipantsSecure carries them.
+/// For other vendors, name and user data stay as announced.
 inline void adopt_proven(ParticipantData& known, const ParticipantData& proven) {
   known.vendor = proven.vendor;
   const bool is_cyclone = proven.vendor == kVendorCyclone;

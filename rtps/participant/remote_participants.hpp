@@ -58,11 +58,10 @@ struct RemoteParticipant {
   bool has_displaced_addresses = false;  ///< messages also went to addresses that are not known now
   bool heard_participants_secure = false;
   bool marks_ends = false;  ///< it signed kMarksEndsProperty
-  /// Its endpoints and their prices: those that anyone can have announced, then those that are
-  /// proven.
+  /// What its endpoints cost: [0] those that anyone can have announced, [1] those that are proven.
   std::array<AnnouncedShares::Amount, 2> announced = {};
   GuidPrefix account = {};  ///< the identity that its endpoints count for
-  /// True if it announced more than the limit, and the event was raised. In the same order.
+  /// [i]: it announced more than the limit of announced[i], and the event was raised.
   std::array<bool, 2> exceeds = {};
   /// The sources that announced these locators.
   std::vector<SourceAddress> metatraffic_sources = {}, user_sources = {};

@@ -50,8 +50,8 @@ using HistoryAllowance = OctetAllowance<std::size_t{4} << 20, std::size_t{1} << 
 /// octets made the writer compute for 3.3 ms, or for 60 ms if the samples were large.
 using EvaluationAllowance = OctetAllowance<4096, 16>;
 
-/// Returns the price of an evaluation. The sample must be decoded first, which takes the longer,
-/// the more octets it has.
+/// Returns the price of an evaluation. The sample must be decoded first, which takes longer
+/// for larger samples.
 constexpr std::size_t evaluation_price(std::size_t octets) { return 1 + octets / 1024; }
 
 /// Larger samples are repeated without an evaluation, and their readers decide.

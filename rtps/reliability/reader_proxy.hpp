@@ -108,8 +108,8 @@ class ReaderProxy {
   }
   /// Notes that the change did not pass the filter.
   void note_rejected(SequenceNumber number) { rejected_.add(number); }
-  /// Returns the first number after `number` of which it is not known that the filter rejects it.
-  /// Empty if that is not known of `number`.
+  /// Returns the end of the range of rejected changes that contains `number`. Empty if `number` is
+  /// not known to be rejected.
   std::optional<SequenceNumber> rejected_until(SequenceNumber number) const {
     return rejected_.end_of(number);
   }

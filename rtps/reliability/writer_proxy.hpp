@@ -104,10 +104,10 @@ class WriterProxy {
   bool on_heartbeat(const Heartbeat& heartbeat, bool is_protected, KeyAge age);
   /// Call it when keys of the writer have come that revise the former ones.
   void note_revised();
-  /// Call it when former keys of the writer have ended, with which others may have sent in its
-  /// name: gives up what is held, and lets the next HEARTBEAT, or with best effort the next change,
-  /// decide again where the writer is. That is never before what came under the newest keys:
-  /// everything else under these may have been recorded, and is repeated.
+  /// Call it when former keys of the writer have ended. Others who had them may have sent in its
+  /// name. Gives up what is held. The next HEARTBEAT, or with best effort the next change, decides
+  /// where the writer is, but never before what came under the newest keys: older changes may be
+  /// recordings.
   void distrust_former_keys();
   /// True while the next HEARTBEAT determines where the writer starts.
   bool waits_for_heartbeat() const { return waits_for_heartbeat_; }

@@ -421,8 +421,8 @@ bool CryptoTokenExchange::on_endpoint_tokens(Peer& peer, GenericMessage message,
   const auto protection = protection_in(message);
   if (protection != 0 && !core_.keyring.phases().endpoints().knows(local.entity, protection))
     return true;
-  // The peer may find a pair first that lacks a protection. The pair then gets it here, unless it
-  // is suspended: then its tokens wait, because they are not sent again.
+  // The peer may be the first to add the second protection to this pair; it is added here now. The
+  // tokens of a suspended pair are kept, because the peer does not send them again.
   if (protection != 0) complete(peer, local.entity, remote);
   if (has_pair(core_.keyring.phases().endpoints(), local.entity, remote, protection)) {
     if (apply_tokens(peer, message)) core_.host.on_keys(local.entity, remote);

@@ -38,25 +38,26 @@ class MessageKeys {
   /// participant that demand it. Errors: those of the plugin.
   Status add_second(const spi::ParticipantSecurityAttributes& attributes);
   bool has_second() const { return second_.has_value(); }
-  /// True if it is one of the protections that there are.
+  /// True if messages have this protection now, as the first or the second one.
   bool has(ProtectionId protection) const {
     return protection == id() || (second_ && protection == id_of(second_->kind));
   }
-  /// The protection that the document that takes the place of the other one demands.
+  /// Returns the protection under the new governance document.
   ProtectionId next_id() const { return id_of(next().kind); }
   /// From now on the second protection is the first one, and the other way round.
   void swap() noexcept;
   void remove_second();
-  /// That of the second protection; if there is one only, its own.
+  /// Returns the kind of the second protection, or of the first one if there is no second.
   ProtectionKind second_kind() const { return second_ ? second_->kind : first_.kind; }
 
   // Tokens:
-  /// The tokens that the remote participant needs for a protection; 0: that of what is sent.
+  /// Returns the tokens that the remote participant needs for a protection; 0 means the one that
+  /// is used for sending.
   /// Errors: crypto_not_matched, those of the plugin.
   Result<std::vector<spi::Token>> tokens(spi::ParticipantCryptoHandle remote, ProtectionId of = 0,
                                          spi::KeyStage stage = spi::KeyStage::in_use);
-  /// Takes those of the remote participant, for a protection that there is. 0: they are for one
-  /// that they fit. Errors: those of the plugin.
+  /// Sets the remote participant's tokens for a protection; 0 means whichever they fit. Errors:
+  /// those of the plugin.
   Status set_tokens(spi::ParticipantCryptoHandle remote, std::span<const spi::Token> tokens,
                     ProtectionId of = 0);
 
@@ -75,8 +76,8 @@ class MessageKeys {
     std::size_t size;
     KeyAge age;
   };
-  /// `says_next`: the sender no longer uses the former one of two protections. Error then:
-  /// message_from_before.
+  /// `says_next` is true if the sender no longer uses the former one of two protections. Error
+  /// then: message_from_before.
   Result<OpenResult> open(spi::ParticipantCryptoHandle sender, BytesView message,
                           MutableBytes scratch, bool says_next);
 
@@ -96,7 +97,7 @@ class MessageKeys {
   void release(const Protection& protection);
   Result<OpenResult> open(const Protection& protection, spi::ParticipantCryptoHandle sender,
                           BytesView message, MutableBytes scratch);
-  /// The protection that the document that takes the place of the other one demands.
+  /// Returns the protection under the new governance document.
   const Protection& next() const { return has_swapped_ || !second_ ? first_ : *second_; }
   spi::CryptoKeyFactory& factory() { return own_.plugins().cryptography.key_factory(); }
 

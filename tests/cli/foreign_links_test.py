@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Who owns a folder above a participant's puts a link there, to the folder of another participant."""
+"""The owner of a folder above a participant's folder puts a link there, to the folder of another participant."""
 
 import fcntl
 import json

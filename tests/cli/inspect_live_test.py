@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""inspect, listening to the real products: who authenticates, and why who does not.
+"""inspect, listening to the real products: which participants authenticate, and why the others do not.
 
 Usage: inspect_live_test.py DDSSEC; the peers of tests/interop stand beside it.
 """

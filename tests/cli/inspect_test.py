@@ -156,7 +156,7 @@ class Inspect(Transcript):
         without = {"LD_LIBRARY_PATH": f"{self.at}:{library_path()}"}
         self.run_program("version", environment=without)
         self.assertIn("apt install libpcap0.8", self.refused(
-            "capture_unreadable", 3, "inspect", CAPTURE, environment=without)["message"])
+            "capture_unreadable", 3, "inspect", CAPTURE, environment=without)["hint"])
 
     def test_the_command_line(self):
         self.refused("usage", 2, "inspect")

@@ -40,7 +40,7 @@ MULTICAST = ("<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterf
 ELSEWHERE = MULTICAST.replace("</Discovery>", "<Ports><Base>8000</Base></Ports><SPDPMulticastAddress>239.255.0.9</SPDPMulticastAddress></Discovery>")
 NAMELESS = {"nameless": MULTICAST, "nameless-elsewhere": ELSEWHERE}  # where discovery is heard
 
-# What comes to a process that is stopped does not wait for it.
+# With this small buffer, datagrams that are sent to a stopped process are lost.
 SHORT_OF_MEMORY = MULTICAST.replace("</Discovery>", "</Discovery><Internal><SocketReceiveBufferSize min=\"16kB\" max=\"16kB\"/></Internal>")
 
 

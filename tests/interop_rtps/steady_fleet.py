@@ -21,7 +21,7 @@ from pki import CA_CONFIGURATION
 DOMAIN = 9
 # Seconds that a certificate lasts, and permissions. The agent begins each certificate earlier by an eighth of its time.
 LASTING = {"short": (48, 60), "long": (32, 40)}
-START = 1.5        # the first certificates last so many times longer: until all processes have started
+START = 1.5        # the first certificates last this many times longer, until all processes have started
 LOOKS = 1          # seconds between two looks at the files
 USUAL, SLOWEST = 0.2, 2  # seconds of a command of ddssec; documents last longer where it takes longer, to this factor
 ANSWER = 30.0      # seconds that a process on a loaded machine may need for an answer

@@ -45,6 +45,9 @@ UNTESTED = [
     "pki: read delta lists\n\nWhy.\n\n# Tested: test_pki.\n",
     "pki: read delta lists\n\nWhy.\n\nTested: all programs,\nwith the whole series.\n",
     "pki: read delta lists\n\nWhy.\n\nTested: PENDING\n",
+    "pki: read delta lists\n\nWhy.\n\nTested: the tools were not built.\n",
+    "pki: read delta lists\n\nWhy.\n\nTested: test_pki, with the libraries of the commit before.\n",
+    "pki: read delta lists\n\nWhy.\n\nTested: test_pki, on the joined branch.\n",
 ]
 TESTED = "\nTested: test_pki.\n"
 

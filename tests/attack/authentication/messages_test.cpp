@@ -27,7 +27,8 @@ TEST(Downgrade, ChangedAlgorithmInTheRequest_IsNoticed) {
     Token patched = with(*reply->message, "c.kagree_algo", bytes("ECDH+prime256v1-CEUM"));
     patched = with(patched, "dh1", field(*request->message, "dh1"));
     patched = with(patched, "hash_c1", field(*request->message, "hash_c1"));
-    EXPECT_FALSE(two.process_at_lower_guid(request->handle, without(patched, "hash_c2")));
+    EXPECT_CODE(two.process_at_lower_guid(request->handle, without(patched, "hash_c2")),
+                public_key_malformed);
   }
 }
 

@@ -265,11 +265,11 @@ TEST(Replay, RecordedHandshake_LeadsNowhere) {
   Two again(two.low, two.high);
   const auto rep2 = again.reply(*req1->message);
   ASSERT_OK(rep2);
-  EXPECT_FALSE(again.process_at_higher_guid(rep2->handle, *fin1->message));
+  EXPECT_CODE(again.process_at_higher_guid(rep2->handle, *fin1->message), token_field_differs);
   const auto req2 = again.request();
   ASSERT_OK(req2);
-  EXPECT_FALSE(again.process_at_lower_guid(req2->handle, *rep1->message));
-  EXPECT_FALSE(again.process_at_lower_guid(req2->handle, *rep2->message));
+  EXPECT_CODE(again.process_at_lower_guid(req2->handle, *rep1->message), token_field_differs);
+  EXPECT_CODE(again.process_at_lower_guid(req2->handle, *rep2->message), token_field_differs);
   const auto rep3 = again.reply(*req2->message);
   ASSERT_OK(rep3);
   pairing.two.high_at_low = again.high_at_low;
@@ -283,8 +283,8 @@ TEST(HandshakeReflection, OwnMessagesSentBack_LeadNowhere) {
   const auto request = two.request();
   const auto reply = two.reply(*request->message);
   ASSERT_OK(reply);
-  EXPECT_FALSE(two.process_at_lower_guid(request->handle, *request->message));
-  EXPECT_FALSE(two.process_at_higher_guid(reply->handle, *reply->message));
+  EXPECT_CODE(two.process_at_lower_guid(request->handle, *request->message), unexpected_message);
+  EXPECT_CODE(two.process_at_higher_guid(reply->handle, *reply->message), unexpected_message);
   Token mirrored = *request->message;
   mirrored.class_id = "DDS:Auth:PKI-DH:1.0+Reply";
   mirrored = with(with(with(mirrored, "dh2", field(mirrored, "dh1")), "challenge2",

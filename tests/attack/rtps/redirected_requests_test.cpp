@@ -87,6 +87,9 @@ TEST_F(RedirectedRequests, RequestsOfAPeerThatIsGone_AreNoSignOfLife) {
   const auto lease =
       pair.a->remote_participants().all().begin()->second.data.lease_duration.to_nanoseconds();
   for (int i = 0; i < lease / 1s + 1; ++i) {
+    if (i < lease / 2s) {
+      ASSERT_TRUE(pair.a.knows(pair.b)) << i;
+    }
     if (pair.a.knows(pair.b)) redirect(acknack(1, kFarAhead + i));
     pair.world.run(100);
   }

@@ -246,14 +246,19 @@ TEST_P(OneProcess, AParticipant_MayEndWhileAnotherWrites) {
 }
 
 TEST_P(OneProcess, OtherDomainsAndTags_StayApart) {
-  auto other = options();
-  other.domain_tag += "x";
-  testing::End c{services, other};
   auto& writer = a.writer(reliable());
-  auto& reader = c.reader(reliable());
-  for (int i = 0; i < 20; ++i) run(20ms), c.participant->poll(0ms);
-  EXPECT_THAT(writer.matched_subscriptions(), IsEmpty());
-  EXPECT_THAT(reader.matched_publications(), IsEmpty());
+  for (const bool by_tag : {true, false}) {
+    auto other = options();
+    if (by_tag)
+      other.domain_tag += "x";
+    else
+      ++other.domain_id;
+    testing::End c{services, other};
+    auto& reader = c.reader(reliable());
+    for (int i = 0; i < 20; ++i) run(20ms), c.participant->poll(0ms);
+    EXPECT_THAT(writer.matched_subscriptions(), IsEmpty());
+    EXPECT_THAT(reader.matched_publications(), IsEmpty());
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Over, OneProcess, ::testing::Values(testing::Way::in_process),

@@ -333,7 +333,7 @@ TEST_F(ReaderCacheTest, Deadlines_AreOfEachInstance) {
   EXPECT_NE(missed.back(), two);
 }
 
-TEST_F(ReaderCacheTest, AMillionSamplesThroughAFewInstances_GrowNothing) {
+TEST_F(ReaderCacheTest, ManySamplesThroughAFewInstances_GrowNothing) {
   for (int i = 0; i < 20'000; ++i) {
     put(static_cast<std::uint8_t>(i % 7), 1);
     if (i % 50 == 0) take();

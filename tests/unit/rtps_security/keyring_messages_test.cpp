@@ -20,6 +20,9 @@ TEST(KeyringTransform, InfoSourceInAClearMessage_GivesNoRights) {
   source.source.prefix = pair.a->prefix();
   pair.b->receive(forged(GuidPrefix::from(Bytes(12, 9)), source, pair.data(1)), pair.world.now);
   EXPECT_TRUE(pair.b.listener.changes.empty());
+  pair.write();
+  pair.world.run(200);
+  EXPECT_EQ(pair.b.listener.changes.size(), 1u);
 }
 
 TEST(KeyringTransform, AProtectedMessageWithOneOctetChangedOrCut_IsNothing) {
