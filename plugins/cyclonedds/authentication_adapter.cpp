@@ -411,6 +411,7 @@ AuthenticationAdapter::AuthenticationAdapter(std::unique_ptr<Host> host,
       watch_(host_->clock()),
       lost_sessions_(host_->clock()),
       patience_(pace.patience),
+      kept_handshake_(pace.kept_handshake),
       timer_(host_->clock(), pace.step) {
   gv = domain;
 }

@@ -21,6 +21,9 @@ class AuthenticationAdapter final : public dds_security_authentication {
   struct Pace {
     std::chrono::milliseconds step{1000};      ///< between two turns, at most
     std::chrono::milliseconds patience{4000};  ///< for a new session with a peer that is back
+    /// How long a handshake that was under way when permissions were renewed can go on, with the
+    /// former ones, after the host has dropped the peer and discovered it again.
+    std::chrono::milliseconds kept_handshake{10000};
   };
   AuthenticationAdapter(std::unique_ptr<Host> host, const MakePlugin<spi::Authentication>& make,
                         ddsi_domaingv* domain, Pace pace);
@@ -97,21 +100,18 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// The number of times that renewed permissions changed the rights of their endpoints; for the
   /// timer's thread.
   std::map<spi::IdentityHandle, std::uint64_t> rights_changes_;
-  /// A session that presented permissions with other rights, or a handshake that presents them.
-  struct EndingSession {
-    spi::IdentityHandle local;
-    Guid remote;
-    std::chrono::nanoseconds noted;
-  };
-  std::vector<EndingSession> endings_;  ///< for the timer's thread
+  /// The sessions that presented permissions with other rights, or the handshakes that present
+  /// them, by remote and local participant, and when they were noted; for the timer's thread.
+  std::map<std::pair<Guid, spi::IdentityHandle>, std::chrono::nanoseconds> endings_;
   /// A remote participant that has proven the end of its session, and what happened after that.
   struct EndedSession {
     std::chrono::nanoseconds at;
     bool is_dropped = false;                                  ///< the host has dropped it, too
     std::optional<std::chrono::nanoseconds> discovered = {};  ///< when the host discovered it again
   };
-  std::map<Guid, EndedSession> ended_by_peer_;  ///< for the timer's thread
-  const std::chrono::milliseconds patience_;    ///< until such a participant is reported
+  std::map<Guid, EndedSession> ended_by_peer_;      ///< for the timer's thread
+  const std::chrono::milliseconds patience_;        ///< until such a participant is reported
+  const std::chrono::milliseconds kept_handshake_;  ///< see Pace
   /// Reports such a participant, if it is time. Returns true if there is nothing more to report.
   bool is_settled(const Guid& guid, EndedSession& end);
   ExpiryTimer timer_;  ///< last member: destroyed before the objects that it uses

@@ -14,9 +14,6 @@ constexpr const char* kGrowingIntervals =
     "from now on it is begun again at growing intervals; this event is not repeated, but Cyclone "
     "DDS may log each attempt";
 constexpr std::size_t kMaxEndedByPeer = 1024;
-// A handshake that was under way when permissions were renewed presents the former ones. After this
-// time no such handshake is under way any more.
-constexpr auto kMaxHandshake = std::chrono::seconds(10);
 constexpr const char* kOnce = "this is done once; then the handshake waits for the peer";
 }  // namespace
 
@@ -84,14 +81,15 @@ void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Rev
   }
 }
 
-// Notes only sessions with peers that follow a reset. Other peers would keep their side of the
-// session, and ignore each new handshake.
+// Also notes peers whose handshake is under way, because it presents the former permissions however
+// late the peer answers. Ends only sessions with peers that follow a reset: other peers would keep
+// their side of the session, and ignore each new handshake.
 void AuthenticationAdapter::note_changed_rights(spi::IdentityHandle local, std::uint64_t changes) {
   auto& known = rights_changes_[local];
   if (changes <= known) return;
   const auto now = host_->clock().monotonic();
   for (const auto& [remote, guid] : remotes_.all())
-    if (remotes_.has_discovered(local, guid)) endings_.push_back({local, guid, now});
+    if (remotes_.has_discovered(local, guid)) endings_[{guid, local}] = now;
   known = changes;
 }
 
@@ -102,16 +100,18 @@ bool AuthenticationAdapter::take_noted(const Guid& remote, std::chrono::nanoseco
   // The time until the other side has finished, too, and follows a reset.
   constexpr auto kFinished = std::chrono::seconds(2);
   bool ends = false;
-  std::erase_if(endings_, [&](const EndingSession& one) {
-    if (one.remote != remote) return false;
-    const auto session = lost_sessions_.session(one.local, remote);
-    if (!session) return false;
-    const auto current = presented_.find(one.local);
-    if (current != presented_.end() && session->presented == current->second) return true;
-    if (now - session->at < kFinished) return false;
-    ends = true;
-    return true;
-  });
+  auto at = endings_.lower_bound({remote, spi::IdentityHandle{INT64_MIN}});
+  while (at != endings_.end() && at->first.first == remote) {
+    const auto one = at++;
+    const auto local = one->first.second;
+    const auto session = lost_sessions_.session(local, remote);
+    if (!session) continue;
+    const auto current = presented_.find(local);
+    const bool is_current = current != presented_.end() && session->presented == current->second;
+    if (!is_current && now - session->at < kFinished) continue;
+    ends = ends || !is_current;
+    endings_.erase(one);
+  }
   return ends;
 }
 
@@ -126,8 +126,11 @@ bool AuthenticationAdapter::revoke_noted(const std::stop_token& stop, const Revo
     revoke(remote.value);
     any = true;
   }
-  std::erase_if(endings_, [&](const EndingSession& one) {
-    return now - one.noted >= kMaxHandshake && !lost_sessions_.has_session(one.local, one.remote);
+  std::erase_if(endings_, [&](const auto& entry) {
+    const auto& [pair, noted] = entry;
+    const auto& [guid, local] = pair;
+    return now - noted >= kept_handshake_ && !lost_sessions_.has_session(local, guid) &&
+           !remotes_.has_discovered(local, guid);
   });
   return any;
 }

@@ -1,5 +1,6 @@
 #include "plugins/cyclonedds/own_endpoints.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -93,8 +94,7 @@ std::optional<Error> OwnEndpoints::find_lost(spi::PermissionsHandle local, std::
     const auto status =
         plugin.check_own_endpoint(local, endpoint.writes, Request(endpoint).request());
     endpoint.judged = renewals;
-    endpoint.first_asked.reset();
-    endpoint.is_known = false;
+    endpoint.asked.reset();
     const bool was_allowed = std::exchange(endpoint.is_allowed, !is_denial(status));
     if (!was_allowed || endpoint.is_allowed) continue;
     if (++lost > 1) continue;
@@ -105,12 +105,17 @@ std::optional<Error> OwnEndpoints::find_lost(spi::PermissionsHandle local, std::
   return rights_lost_event(*first, lost - 1);
 }
 
-// A handshake that was under way presents the former permissions, and may finish after the first
-// question.
+// A handshake that was under way presents the former permissions. It usually ends before the second
+// question, but the host repeats its message for as long as the peer does not answer, and an
+// attacker can hold back the answer. So the question comes again, after twice the time.
+void OwnEndpoints::note_asked(Endpoint& endpoint, Duration now) {
+  constexpr Duration kFirst = std::chrono::seconds(12), kMaxPause = std::chrono::minutes(10);
+  endpoint.pause = endpoint.asked ? std::min(2 * endpoint.pause, kMaxPause) : kFirst;
+  endpoint.asked = now;
+}
+
 bool OwnEndpoints::is_due(const Endpoint& endpoint, Duration now) {
-  constexpr auto kHandshakesHaveEnded = std::chrono::seconds(12);
-  return endpoint.is_allowed && !endpoint.is_known &&
-         (!endpoint.first_asked || now - *endpoint.first_asked >= kHandshakesHaveEnded);
+  return endpoint.is_allowed && (!endpoint.asked || now - *endpoint.asked >= endpoint.pause);
 }
 
 // The caller holds the lock, and has judged the endpoints by the permissions in force.
@@ -120,8 +125,7 @@ std::optional<Error> OwnEndpoints::find_gained(spi::PermissionsHandle local,
   for (auto& [place, endpoint] : endpoints_) {
     if (endpoint.local != local || !is_due(endpoint, now)) continue;
     requests.emplace_back(endpoint);
-    endpoint.is_known = endpoint.first_asked.has_value();
-    if (!endpoint.first_asked) endpoint.first_asked = now;
+    note_asked(endpoint, now);
   }
   if (requests.empty()) return std::nullopt;
   std::vector<spi::AccessControl::OwnEndpoint> asked;

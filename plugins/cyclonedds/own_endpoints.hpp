@@ -50,15 +50,17 @@ class OwnEndpoints {
     spi::PropertyList data_tags;
     std::uint64_t judged = 0;  ///< the number of renewals of the permissions by which it was judged
     bool is_allowed = true;
-    /// When it was first asked for these permissions whether peers know the right.
-    std::optional<Duration> first_asked = {};
-    bool is_known = false;  ///< true if that is not asked again
+    /// When it was last asked for these permissions whether peers know the right, and the time to
+    /// the next question.
+    std::optional<Duration> asked = {};
+    Duration pause{};
   };
   struct Changes {
     std::uint64_t count = 0;
     std::uint64_t renewals = 0;  ///< of the permissions that caused the last one
   };
   struct Request;
+  static void note_asked(Endpoint& endpoint, Duration now);
   static bool is_due(const Endpoint& endpoint, Duration now);
   std::optional<Error> find_lost(spi::PermissionsHandle local, std::uint64_t renewals,
                                  spi::AccessControl& plugin);

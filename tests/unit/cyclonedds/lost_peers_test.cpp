@@ -34,6 +34,8 @@ constexpr GuidPrefix kRemote{{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}};
 std::atomic<DDS_Security_IdentityHandle> revoked{0};
 // How long the adapter waits for a new session with a peer that is back.
 constexpr auto kPatience = 200ms;
+// How long a handshake goes on although the host dropped the peer in between.
+constexpr auto kKeptHandshake = 100ms;
 
 // Waits until the adapter has looked that often for resets of a peer.
 void wait_for_looks(int count) {
@@ -139,7 +141,8 @@ struct SessionResetTest : testing::Test {
   spi::CipherMask peer_ciphers = spi::kAllCiphers;
   Socket peer;
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness{
-      AuthenticationAdapter::Pace{.step = 20ms, .patience = kPatience}};
+      AuthenticationAdapter::Pace{
+          .step = 20ms, .patience = kPatience, .kept_handshake = kKeptHandshake}};
   dds_security_authentication* c = &harness.adapter;
   MockAuthentication& plugin = *harness.plugin;
 };
@@ -327,6 +330,28 @@ TEST_F(LostRights, SessionWhoseHandshakeWasUnderWay_EndsToo) {
   wait_until_revoked();
   EXPECT_EQ(revoked, remote);
   EXPECT_GE(std::chrono::steady_clock::now() - began, 1900ms);
+}
+
+// An attacker can hold back the peer's answer, and the host repeats what it sent.
+TEST_F(LostRights, SessionWhoseHandshakeTookLong_EndsToo) {
+  const auto remote = meet();
+  losses = 1;
+  std::this_thread::sleep_for(3 * kKeptHandshake);
+  wait_for_two_looks();
+  authenticate();
+  wait_until_revoked();
+  EXPECT_EQ(revoked, remote);
+}
+
+TEST_F(LostRights, PeerThatWasGoneSince_IsNotEnded) {
+  const auto remote = meet();
+  losses = 1;
+  wait_for_two_looks();
+  EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
+  std::this_thread::sleep_for(3 * kKeptHandshake);
+  authenticate();
+  wait_until_revoked();
+  EXPECT_EQ(revoked, 0);
 }
 
 // Such a peer would keep its side of the session, and ignore each new handshake.

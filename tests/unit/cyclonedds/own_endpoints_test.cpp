@@ -209,15 +209,34 @@ TEST_F(OwnEndpointsTest, TheSecondQuestion_ComesAfterTwelveSecondsHoweverManyLoo
   for (; now < 12s; now += 50ms) EXPECT_FALSE(endpoints.poll(kUs, plugin, now));
   testing::Mock::VerifyAndClearExpectations(&plugin);
   EXPECT_CALL(plugin, find_unknown_right).WillOnce(Return(std::nullopt));
-  for (; now < 40s; now += 50ms) EXPECT_FALSE(endpoints.poll(kUs, plugin, now));
+  for (; now < 36s; now += 50ms) EXPECT_FALSE(endpoints.poll(kUs, plugin, now));
 }
 
-TEST_F(OwnEndpointsTest, RightsThatPeersKnow_AreAskedForTwiceForEachRenewalAllAtOnce) {
+// An attacker can hold back the answer of the peer for longer.
+TEST_F(OwnEndpointsTest, HandshakeThatEndsLate_IsFoundByALaterQuestion) {
+  renewals = 1;
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(poll());
+  unknown = "Square";
+  int polls = 1;
+  while (!poll() && polls < 100) ++polls;
+  EXPECT_EQ(polls, 7) << "24 seconds after the second question";
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(poll());
+  EXPECT_EQ(endpoints.changes(kUs), 1u);
+}
+
+TEST_F(OwnEndpointsTest, RightsThatPeersKnow_AreAskedForAllAtOnceAfterTwiceTheTime) {
   EXPECT_CALL(plugin, find_unknown_right(kUs, testing::SizeIs(2)))
-      .Times(4)
+      .Times(8)
       .WillRepeatedly(Return(std::nullopt));
   for (renewals = 1; renewals <= 2; ++renewals)
     for (int i = 0; i < 100; ++i) EXPECT_FALSE(poll());
+}
+
+TEST_F(OwnEndpointsTest, RightsThatPeersKnow_AreAskedForEachTenMinutesAtLast) {
+  renewals = 1;
+  for (int i = 0; i < 2000; ++i) EXPECT_FALSE(poll());
+  EXPECT_CALL(plugin, find_unknown_right).Times(3).WillRepeatedly(Return(std::nullopt));
+  for (int i = 0; i < 1800; ++i) EXPECT_FALSE(poll());
 }
 
 using access_control_adapters::AccessControlAdapterTest;
