@@ -35,7 +35,7 @@ class HandshakeWatch {
   static constexpr Duration kForgetAfter = std::chrono::minutes(10);
   static constexpr std::size_t kMaxPeers = 1024;
   /// The time between unused resets that are followed. A peer that refuses the permissions of one
-  /// local participant loses that session each time, and asks for half an hour
+  /// local participant loses that session each time, and asks for as long as it is there
   /// (LostSessions::kMemory).
   static constexpr Duration kUnusedResets = std::chrono::minutes(20);
 

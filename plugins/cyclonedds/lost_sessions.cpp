@@ -101,10 +101,12 @@ void LostSessions::forget_first(const InOrder& in_order) {
   sessions_.erase(session);
 }
 
-void LostSessions::forget_lost_before(Duration time) {
+void LostSessions::forget_lost_before(Duration time, const Discovers& discovers) {
   for (auto at = sessions_.begin(); at != sessions_.end();) {
     const auto session = at++;
     if (session->second.lost == 0 || session->second.lost_at > time) continue;
+    const auto& [remote, local] = session->first;
+    if (discovers(local, remote)) continue;
     forget_loss(session->first, session->second);
     sessions_.erase(session);
   }
@@ -136,7 +138,7 @@ std::vector<LostSessions::DueReset> LostSessions::due(const Discovers& discovers
   if (std::ranges::all_of(locals_, [](const auto& one) { return one.second.all_lost == 0; }))
     return {};
   const auto now = clock_.monotonic();
-  forget_lost_before(now - kMemory);
+  forget_lost_before(now - kMemory, discovers);
   std::vector<DueReset> out;
   unsigned undiscovered = 0;
   for (auto& [key, session] : sessions_) {

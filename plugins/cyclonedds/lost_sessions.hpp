@@ -47,9 +47,9 @@ class LostSessions {
   static constexpr Duration kFirstOfCutOff = std::chrono::seconds(2);
   /// The largest number of resets for such peers at once. The others are due the next time.
   static constexpr unsigned kMaxUndiscovered = 32;
-  /// How long a lost session is remembered. A peer that was out of reach for longer and kept the
-  /// session would need a lease of that length.
-  static constexpr Duration kMemory = std::chrono::minutes(30);
+  /// How long a lost session is remembered. It is remembered for longer while the host discovers
+  /// the peer: an attacker can keep every reset from it.
+  static constexpr Duration kMemory = std::chrono::hours(24);
   /// The largest number of lost sessions for each local participant, and of those with participants
   /// of one certificate: as many as it may have. Beyond the share of a certificate, its oldest lost
   /// session is dropped. Beyond kMaxLost, that of the certificate with the most lost sessions is
@@ -149,7 +149,7 @@ class LostSessions {
   void note_lost(const Key& key, Session& session);
   void forget_loss(const Key& key, Session& session);
   void forget_first(const InOrder& in_order);
-  void forget_lost_before(Duration time);
+  void forget_lost_before(Duration time, const Discovers& discovers);
 
   const Clock& clock_;
   mutable std::mutex mutex_;

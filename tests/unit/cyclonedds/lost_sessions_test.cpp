@@ -43,6 +43,7 @@ struct LostSessionsTest : testing::Test {
   }
   // Returns the sessions that are remembered, none of which is sent.
   std::vector<Guid> remembered() {
+    due(false);  // also asks about sessions that it forgets
     std::vector<Guid> all;
     sessions.due([&](auto, const Guid& guid) {
       all.push_back(guid);
@@ -96,7 +97,9 @@ TEST_F(LostSessionsTest, PeerNotMet_GetsThemSeldom) {
     EXPECT_EQ(all[0].own, kOwn);
     sent.push_back(waited);
   }
-  EXPECT_EQ(sent, (std::vector<std::chrono::nanoseconds>{4s, 32s, 64s, 128s, 256s, 512s, 1024s}));
+  EXPECT_EQ(sent,
+            (std::vector<std::chrono::nanoseconds>{4s, 32s, 64s, 128s, 256s, 512s, 1024s, 2048s,
+                                                   4096s, 8192s, 16384s, 32768s, 65536s}));
 }
 
 // Without this rule, two processes with two participants each reset one another every 4 to 8 s for
@@ -188,7 +191,19 @@ TEST_F(LostSessionsTest, LostSession_IsForgottenAfterATime) {
   sessions.established(local, remote(1), secret_of(1));
   sessions.lost(remote(1));
   clock.advance(LostSessions::kMemory);
+  EXPECT_TRUE(due(false).empty());
   EXPECT_TRUE(due().empty());
+}
+
+// An attacker on the path can drop each reset, and nothing else.
+TEST_F(LostSessionsTest, PeerThatIsDiscovered_IsRemembered) {
+  lose(remote(1));
+  clock.advance(LostSessions::kMemory);
+  EXPECT_EQ(due().size(), 1u);
+  clock.advance(LostSessions::kMemory);
+  EXPECT_EQ(due().size(), 1u);
+  EXPECT_TRUE(due(false).empty());
+  EXPECT_TRUE(remembered().empty()) << "it is gone";
 }
 
 TEST_F(LostSessionsTest, ManyOfOneCertificate_DisplaceItsFirst) {
