@@ -1,6 +1,8 @@
 // Adapts spi::Authentication to Cyclone's dds_security_authentication.
 #pragma once
 
+#include <set>
+
 #include "plugins/cyclonedds/adapter_calls.hpp"
 #include "plugins/cyclonedds/core_timer.hpp"
 #include "plugins/cyclonedds/dispose_announcements.hpp"
@@ -97,9 +99,15 @@ class AuthenticationAdapter final : public dds_security_authentication {
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;
   /// The permissions that their handshakes present, if these were renewed; for the timer's thread.
   std::map<spi::IdentityHandle, Sha256Digest> presented_;
-  /// The number of times that renewed permissions changed the rights of their endpoints; for the
+  /// The number of times that renewed permissions changed the rights of their endpoints, when the
+  /// last change was noted, and the permissions that handshakes have presented since; for the
   /// timer's thread.
-  std::map<spi::IdentityHandle, std::uint64_t> rights_changes_;
+  struct RightsChanges {
+    std::uint64_t count = 0;
+    std::chrono::nanoseconds noted{};
+    std::set<Sha256Digest> presented = {};
+  };
+  std::map<spi::IdentityHandle, RightsChanges> rights_changes_;
   /// The sessions that presented permissions with other rights, or the handshakes that present
   /// them, by remote and local participant, and when they were noted; for the timer's thread.
   std::map<std::pair<Guid, spi::IdentityHandle>, std::chrono::nanoseconds> endings_;

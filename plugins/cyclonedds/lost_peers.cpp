@@ -14,6 +14,7 @@ constexpr const char* kGrowingIntervals =
     "from now on it is begun again at growing intervals; this event is not repeated, but Cyclone "
     "DDS may log each attempt";
 constexpr std::size_t kMaxEndedByPeer = 1024;
+constexpr std::size_t kMaxPresented = 32;  // documents in force since rights changed
 constexpr const char* kOnce = "this is done once; then the handshake waits for the peer";
 }  // namespace
 
@@ -82,15 +83,24 @@ void AuthenticationAdapter::follow_resets(const std::stop_token& stop, const Rev
 }
 
 // Also notes peers whose handshake is under way, because it presents the former permissions however
-// late the peer answers. Ends only sessions with peers that follow a reset: other peers would keep
-// their side of the session, and ignore each new handshake.
+// late the peer answers. A handshake that was under way when the host dropped its peer goes on if
+// the host discovers the peer again soon, so peers are noted for a while. Ends only sessions with
+// peers that follow a reset: other peers would keep their side of the session, and ignore each new
+// handshake.
 void AuthenticationAdapter::note_changed_rights(spi::IdentityHandle local, std::uint64_t changes) {
   auto& known = rights_changes_[local];
-  if (changes <= known) return;
   const auto now = host_->clock().monotonic();
+  const bool has_changed = changes > known.count;
+  if (has_changed) known = {changes, now};
+  const auto current = presented_.find(local);
+  const bool is_known = current != presented_.end();
+  if (known.presented.size() >= kMaxPresented) known.presented.clear();
+  if (is_known) known.presented.insert(current->second);
+  // If it is not known what is presented, each new session would count as one of the former ones.
+  const bool is_recent = is_known && known.count > 0 && now - known.noted < kept_handshake_;
+  if (!has_changed && !is_recent) return;
   for (const auto& [remote, guid] : remotes_.all())
     if (remotes_.has_discovered(local, guid)) endings_[{guid, local}] = now;
-  known = changes;
 }
 
 // Both sides of a session may get renewed permissions at the same time, and each ends the session
@@ -106,8 +116,8 @@ bool AuthenticationAdapter::take_noted(const Guid& remote, std::chrono::nanoseco
     const auto local = one->first.second;
     const auto session = lost_sessions_.session(local, remote);
     if (!session) continue;
-    const auto current = presented_.find(local);
-    const bool is_current = current != presented_.end() && session->presented == current->second;
+    const auto& current = rights_changes_[local].presented;
+    const bool is_current = session->presented && current.contains(*session->presented);
     if (!is_current && now - session->at < kFinished) continue;
     ends = ends || !is_current;
     endings_.erase(one);
