@@ -220,16 +220,43 @@ std::optional<std::size_t> WriterHistory::place_of(SequenceNumber number) const 
   return is_here ? std::optional(place) : std::nullopt;
 }
 
+std::size_t WriterHistory::place_after(std::size_t place) const {
+  const auto next = changes_[place].next;
+  return next.value == 0 ? place + 1 : place_from(next);
+}
+
+std::size_t WriterHistory::place_before(std::size_t place) const {
+  const auto previous = changes_[place].previous;
+  return previous.value == 0 ? place - 1 : std::min(place - 1, place_from(previous));
+}
+
+// Readers' requests cause searches. So what a search finds is noted in the places of all dropped
+// changes on its way: a later one from there is short.
 SequenceNumber WriterHistory::next_held(SequenceNumber number) const {
-  for (auto place = place_from(number); place < changes_.size(); ++place)
-    if (changes_[place].change) return changes_[place].number;
-  return next_;
+  const auto begin = place_from(number);
+  auto end = begin;
+  while (end < changes_.size() && !changes_[end].change) end = place_after(end);
+  const auto found = end < changes_.size() ? changes_[end].number : next_;
+  for (auto place = begin; place < end;) {
+    const auto& dropped = changes_[place];
+    place = place_after(place);
+    dropped.next = found;
+  }
+  return found;
 }
 
 SequenceNumber WriterHistory::previous_held(SequenceNumber number) const {
-  for (auto place = place_from(number); place-- > 0;)
-    if (changes_[place].change) return changes_[place].number;
-  return {0};
+  const auto end = place_from(number);
+  if (end == 0) return {0};
+  auto begin = end - 1;
+  while (begin > 0 && !changes_[begin].change) begin = place_before(begin);
+  const auto found = changes_[begin].number;  // the first place is never that of a dropped change
+  for (auto place = end - 1; place > begin;) {
+    const auto& dropped = changes_[place];
+    place = place_before(place);
+    dropped.previous = found;
+  }
+  return found;
 }
 
 const Change* WriterHistory::find(SequenceNumber number) const {

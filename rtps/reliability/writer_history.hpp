@@ -36,8 +36,8 @@ class WriterHistory {
   /// Returns nullptr if the change was dropped, or is not yet written.
   const Change* find(SequenceNumber number) const;
   /// Returns the first number from `number` on that is held; one after the last if there is none.
-  /// The cost does not depend on how many numbers in between are not held. This is also true of
-  /// previous_held.
+  /// Numbers in between that are not held cost time only once, after they were dropped. This is
+  /// also true of previous_held.
   SequenceNumber next_held(SequenceNumber number) const;
   /// Returns the last number below `number` that is held; 0 if there is none.
   SequenceNumber previous_held(SequenceNumber number) const;
@@ -55,11 +55,12 @@ class WriterHistory {
 
  private:
   /// A change, and its neighbours of the same instance if instances are counted; 0 if there is
-  /// none.
+  /// none. Those of a change that was dropped are the numbers where a search for one that is held
+  /// goes on; 0 for the next place.
   struct Slot {
     SequenceNumber number;
     std::optional<Change> change;  ///< empty if it was dropped
-    SequenceNumber previous, next;
+    mutable SequenceNumber previous, next;
   };
   struct Instance {
     SequenceNumber first, last;
@@ -72,6 +73,9 @@ class WriterHistory {
   std::size_t place_from(SequenceNumber number) const;
   /// Returns the index of a change that is held, or was dropped and is not forgotten yet.
   std::optional<std::size_t> place_of(SequenceNumber number) const;
+  // The place where a search goes on from that of a dropped change.
+  std::size_t place_after(std::size_t place) const;
+  std::size_t place_before(std::size_t place) const;
   Slot& slot(SequenceNumber number) { return changes_[*place_of(number)]; }
   void join_instance(Slot& added);
   void leave_instance(const Slot& slot);
