@@ -5,6 +5,7 @@
 namespace ddssec::rtps {
 
 std::int64_t EarlyChanges::count_below(SequenceNumber number) const {
+  if (empty() || last() < number) return static_cast<std::int64_t>(size());
   return std::ranges::distance(changes_.begin(), changes_.lower_bound(number));
 }
 

@@ -172,6 +172,7 @@ std::optional<std::size_t> WriterProxy::forget_refused() {
 bool WriterProxy::misses_any(SequenceNumber last) const {
   if (next_ > last) return false;
   if (!partial_.empty() && partial_.first() <= last) return true;
+  if (!early_.contains(next_)) return true;  // usually nothing need be counted
   return early_.count_below(last.next()) <= last.value - next_.value;
 }
 
