@@ -243,6 +243,13 @@ Result<OneLine> parse_one_line(std::string_view text) {
   return out;
 }
 
+std::string subject_printed(const Certificate& certificate, unsigned long flags) {
+  const auto* subject = X509_get_subject_name(impl_of(certificate).x509.get());
+  const BioPtr bio(BIO_new(BIO_s_mem()));
+  if (!bio || X509_NAME_print_ex(bio.get(), subject, 0, flags) < 0) return {};
+  return std::string(as_text(bio_octets(bio)));
+}
+
 }  // namespace
 
 Result<SubjectName> SubjectName::parse(std::string_view text) {
@@ -324,11 +331,11 @@ bool SubjectName::matches(const SubjectName& other) const {
 }
 
 std::string subject_in_utf8(const Certificate& certificate) {
-  constexpr unsigned long kWithoutEscapes = XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB;
-  const auto* subject = X509_get_subject_name(impl_of(certificate).x509.get());
-  const BioPtr bio(BIO_new(BIO_s_mem()));
-  if (!bio || X509_NAME_print_ex(bio.get(), subject, 0, kWithoutEscapes) < 0) return {};
-  return std::string(as_text(bio_octets(bio)));
+  return subject_printed(certificate, XN_FLAG_RFC2253 & ~ASN1_STRFLGS_ESC_MSB);
+}
+
+std::string subject_with_types(const Certificate& certificate) {
+  return subject_printed(certificate, XN_FLAG_RFC2253 | ASN1_STRFLGS_SHOW_TYPE);
 }
 
 }  // namespace ddssec::pki

@@ -65,4 +65,9 @@ class SubjectName {
 /// Certificate::subject only in octets above 127, which that function escapes (\C3\A4).
 std::string subject_in_utf8(const Certificate& certificate);
 
+/// Returns the subject of a certificate as RFC 2253 text with the ASN.1 type of each value, such as
+/// `CN=PRINTABLESTRING:talker`. So two subjects of the same text but other octets can be told
+/// apart.
+std::string subject_with_types(const Certificate& certificate);
+
 }  // namespace ddssec::pki

@@ -14,9 +14,9 @@ while [ $# -gt 0 ]; do
   case "$1" in
     --dev) packages+=(libgtest-dev libgmock-dev libbenchmark-dev libxml2-utils faketime python3 python3-jsonschema tshark zsh fish
                       libengine-pkcs11-openssl softhsm2 opensc iceoryx dpkg-dev file)
-           # For the ROS 2 nodes that tests/ros2 runs, which are made for Debian 12.
+           # For the ROS 2 nodes that tests/ros2 runs, which are made for Debian 12, and a CA that is not ours.
            # shellcheck source=/dev/null
-           [ "$(. /etc/os-release && echo "${VERSION_ID:-}")" = 12 ] && packages+=(libconsole-bridge1.0 libyaml-0-2)
+           [ "$(. /etc/os-release && echo "${VERSION_ID:-}")" = 12 ] && packages+=(libconsole-bridge1.0 libyaml-0-2 golang-cfssl)
            # Our packages need it, or systemd, which has the same program.
            [ -e /usr/bin/systemd-sysusers ] || packages+=(systemd-standalone-sysusers) ;;
     *) die "unknown option $1; the only one is --dev" ;;

@@ -5,6 +5,7 @@
 
 #include "base/time_left.hpp"
 #include "pki/document_parts.hpp"
+#include "pki/subject_name.hpp"
 #include "plugins/authentication/adjusted_guid.hpp"
 #include "plugins/authentication/document_errors.hpp"
 #include "plugins/authentication/identity_token.hpp"
@@ -179,6 +180,11 @@ Status OwnIdentity::check_renewed(const IdentityWatch::FoundIdentity& found,
                  .found = std::move(is),
                  .hint = std::string(hint)});
   };
+  const bool has_same_text = renewed.subject() == former.subject();
+  if (renewed.subject_digest() != former.subject_digest() && has_same_text)
+    return differs("subject", pki::subject_with_types(former), pki::subject_with_types(renewed),
+                   "its CA writes the same subject in another string type, and the GUID depends on "
+                   "it: start the participant again to use it");
   if (renewed.subject_digest() != former.subject_digest())
     return differs("subject", former.subject(), renewed.subject());
   if (renewed.key_algorithm() != former.key_algorithm())

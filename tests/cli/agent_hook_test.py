@@ -104,7 +104,8 @@ class Hooks(AgentTest):
     def test_the_same_subject_in_another_encoding(self):
         hook = self.signing_hook("-days", "400", "-in", self.printable_request())
         event = self.refused("renewal_unfit", "--hook", hook, *self.LATER)
-        self.assertIn("encoding", event["message"])
+        self.assertIn("CN=UTF8STRING:talker, found CN=PRINTABLESTRING:talker", event["message"])
+        self.assertIn("stop the participant", event["hint"])
 
     def test_a_ca_that_writes_names_in_another_way_renews_what_it_issued(self):
         """As step-ca and Vault do: the first certificate and the next have the same octets."""

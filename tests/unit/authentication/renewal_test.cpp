@@ -1,5 +1,6 @@
 // Which renewed certificates are refused, and what changes with one that is adopted: ends,
 // sessions, warnings.
+#include "tests/support/printable_subject.hpp"
 #include "tests/unit/authentication/renewal_fixture.hpp"
 
 namespace ddssec::authentication {
@@ -14,6 +15,15 @@ TEST_F(Renewal, AnotherSubject_IsRefused) {
 // Names are compared by their octets, not by their printed form.
 TEST_F(Renewal, SubjectInAnotherOrder_IsRefused) {
   expect_refused(renewed(0, kLater, "O=Example,CN=alice"), "subject", kAlice, "O=Example,CN=alice");
+}
+
+// A CA on Go's crypto/x509 writes a PrintableString. The GUID depends on the octets.
+TEST_F(Renewal, SubjectInAnotherStringType_IsRefusedWithBothTypes) {
+  auto identity = renewed();
+  identity.certificate = test::with_printable(identity.certificate, "alice");
+  expect_refused(identity, "subject", "CN=UTF8STRING:alice,O=UTF8STRING:Example",
+                 "CN=PRINTABLESTRING:alice,O=UTF8STRING:Example");
+  EXPECT_THAT(events().front().error.hint(), HasSubstr("start the participant again"));
 }
 
 TEST_F(Renewal, AnotherKindOfKey_IsRefused) {

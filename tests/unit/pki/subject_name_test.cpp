@@ -1,6 +1,7 @@
 #include "pki/subject_name.hpp"
 
 #include "pki_fixture.hpp"
+#include "tests/support/printable_subject.hpp"
 
 namespace ddssec::pki {
 namespace {
@@ -101,6 +102,16 @@ TEST(SubjectName, EscapesAndMultiValuedRdns_SurviveTheCertificate) {
   EXPECT_TRUE(name("OU=b+CN=a,O=c").matches(joined));
   EXPECT_FALSE(name("OU=b,CN=a,O=c").matches(joined));
   EXPECT_TRUE(name("/O=c/CN=a+OU=b").matches(joined));
+}
+
+TEST(SubjectName, SameTextInAnotherStringType_IsToldApart) {
+  const auto certificate = make_ca("CN=Alice,O=Example").certificate();
+  const auto other = test::with_printable(certificate, "Alice");
+  EXPECT_EQ(other.subject(), certificate.subject());
+  EXPECT_NE(other.subject_digest(), certificate.subject_digest());
+  EXPECT_EQ(subject_with_types(certificate), "CN=UTF8STRING:Alice,O=UTF8STRING:Example");
+  EXPECT_EQ(subject_with_types(other), "CN=PRINTABLESTRING:Alice,O=UTF8STRING:Example");
+  EXPECT_TRUE(name("CN=Alice,O=Example").matches(other)) << "permissions name a text";
 }
 
 TEST(SubjectName, OtherTexts_AreRefused) {
