@@ -58,8 +58,8 @@ class DocumentWatch {
 
   /// Returns the last error of poll(), or nothing if the file has been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
-  /// True if RenewalRefusals::begins_later is.
-  bool begins_later() const { return refusals_.begins_later(); }
+  /// Returns the state of the file.
+  FileState state() const { return refusals_.state(); }
 
   /// Returns the absolute path of the file, or WatchedDocument::name if the document is not in a
   /// file.

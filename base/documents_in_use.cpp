@@ -82,6 +82,7 @@ void DocumentsInUse::note(Document& document, const DocumentState& state, WallTi
     document.since = now;
   }
   document.waiting = state.waiting;
+  document.state = std::max(state.state, state.waiting ? FileState::candidate : FileState::current);
   auto& refusal = document.refusal;
   // Copies of an Error share one ErrorDetails object. The same address therefore means that this
   // refusal was stored before, and its time stays.
@@ -89,7 +90,7 @@ void DocumentsInUse::note(Document& document, const DocumentState& state, WallTi
       refusal && state.refused && &refusal->why.details() == &state.refused->details();
   if (state.refused && !is_known) refusal = Refusal{*state.refused, now, true};
   if (refusal) refusal->stands = state.refused.has_value();
-  if (refusal) refusal->waits = state.refused && state.begins_later;
+  if (refusal) refusal->waits = state.refused && state.state == FileState::candidate;
 }
 
 void DocumentsInUse::note(std::int64_t identity, const std::vector<DocumentState>& states,
@@ -136,6 +137,7 @@ std::string DocumentsInUse::json_of(std::int64_t identity, const Participant& pa
     documents.push_back(
         {{"kind", to_string(kind)},
          {"file", shortened(document.file, kMaxAnswerStringOctets)},
+         {"state", to_string(document.state)},
          {"since", to_string(document.since)},
          {"in_force", ddssec::json_of(parts)},
          {"more", parts.size() - std::min(parts.size(), kMaxParts)},

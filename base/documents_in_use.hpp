@@ -15,6 +15,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "base/clock.hpp"
+#include "base/renewal_refusals.hpp"
 #include "base/result.hpp"
 
 namespace ddssec {
@@ -50,7 +51,8 @@ struct DocumentState {
   std::vector<DocumentPart> parts = {};      ///< the parts in force
   std::optional<Error> refused = {};         ///< why the file's present content is not in force
   std::optional<DocumentPart> waiting = {};  ///< it comes into force when the peers are ready
-  bool begins_later = false;  ///< the refused content is adopted when its validity begins
+  /// The state of the file. A candidate with `refused` is adopted when its validity begins.
+  FileState state = FileState::current;
 };
 
 /// The record of all participants of a library. Plugins note the state again and again; the record
@@ -92,6 +94,7 @@ class DocumentsInUse {
     WallTime since = {};
     std::optional<Refusal> refusal = {};
     std::optional<DocumentPart> waiting = {};
+    FileState state = FileState::current;
   };
   struct Participant {
     std::string guid = {};

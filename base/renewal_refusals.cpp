@@ -7,6 +7,18 @@
 
 namespace ddssec {
 
+std::string_view to_string(FileState state) {
+  switch (state) {
+    case FileState::current:
+      return "current";
+    case FileState::candidate:
+      return "candidate";
+    case FileState::refused:
+      return "refused";
+  }
+  return "";
+}
+
 std::optional<Error> folder_refused(const Error& why, const std::string& path) {
   const auto slash = path.rfind('/');
   if (why.code() != Code::file_unreadable || slash == path.npos) return std::nullopt;

@@ -38,6 +38,8 @@ class AuthorityWatch {
 
   /// Returns the last error of poll(), or nothing if the file has been good since.
   const std::optional<Error>& refused() const { return file_.refused(); }
+  /// Returns the state of the file.
+  FileState state() const { return file_.state(); }
 
   /// Returns the path of the file, or the name of the property if the CAs are not in a file.
   const std::string& name() const { return file_.name(); }

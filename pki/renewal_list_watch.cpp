@@ -132,4 +132,10 @@ std::optional<Error> RenewalListWatch::refused() const {
   return std::nullopt;
 }
 
+FileState RenewalListWatch::state() const {
+  auto out = FileState::current;
+  for (const auto& place : places_) out = std::max(out, place.refusals.state());
+  return out;
+}
+
 }  // namespace ddssec::pki

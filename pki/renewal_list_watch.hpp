@@ -42,6 +42,8 @@ class RenewalListWatch {
   std::string path() const;
   /// Returns the last error of poll() about a file that has not been good since.
   std::optional<Error> refused() const;
+  /// Returns the state of the files.
+  FileState state() const;
 
  private:
   struct Place {

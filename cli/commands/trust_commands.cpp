@@ -142,8 +142,8 @@ std::string line_of(const ShownDocumentPart& part, std::string end) {
 bool waits(const StatusRefusal& refused) { return refused.stands && refused.waits.value_or(false); }
 
 std::string text_of(const RunningDocument& document, const std::string& now) {
-  auto out = fmt::format("  {:<21} {}\n    in force since {}\n", document.kind, document.file,
-                         document.since);
+  auto out = fmt::format("  {:<21} {}{}\n    in force since {}\n", document.kind, document.file,
+                         document.state ? "  (" + *document.state + ")" : "", document.since);
   if (is_of_renewal_list(document))
     out += fmt::format(
         "    a session goes on after a peer's {} if its successor is here\n",

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <poll.h>
+#include <ranges>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -58,6 +59,12 @@ bool is_time(std::string_view text) {
   });
 }
 
+// True if `word` is one of `words`, which are separated by '|'.
+bool is_one_of(std::string_view word, std::string_view words) {
+  return std::ranges::any_of(std::views::split(words, '|'),
+                             [&](const auto& one) { return std::ranges::equal(one, word); });
+}
+
 // Reads the known members of an answer. The answer may come from a later version, or from a process
 // that lies. Missing members raise exceptions of Json.
 class AnswerReader {
@@ -80,6 +87,9 @@ class AnswerReader {
       std::apply([&](const auto&... all) { (read_member(from, all, to), ...); }, T::fields());
     } else if constexpr (kIsA<T, std::optional>) {
       if (!from.is_null()) read(from, options, to.emplace());
+      // A word that this version does not know is left out, as the schema asks.
+      if constexpr (std::same_as<T, std::optional<std::string>>)
+        if (to && !options.words.empty() && !is_one_of(*to, options.words)) to.reset();
     } else if constexpr (kIsA<T, std::vector>) {
       for (const auto& element : from) read(element, options, to.emplace_back());
     } else if constexpr (std::same_as<T, std::string>) {

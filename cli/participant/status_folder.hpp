@@ -50,7 +50,9 @@ struct StatusRefusal {
 /// A document that a running participant uses, as its status socket reports it. The report is not
 /// authenticated.
 struct RunningDocument {
-  std::string kind, file, since;
+  std::string kind, file;
+  std::optional<std::string> state;  ///< of the file; empty: ddssec 0.3 does not report it
+  std::string since;
   std::vector<ShownDocumentPart> in_force;
   unsigned more;
   std::optional<ShownDocumentPart> waiting;  ///< empty: ddssec 0.2 does not report it
@@ -62,8 +64,11 @@ struct RunningDocument {
         field<&Self::kind>(
             {.words = "identity certificate|identity CA|revocation list|renewal list|OCSP "
                       "response|permissions CA|permissions|listed permissions|governance"}),
-        field<&Self::file>({.def = "path"}), field<&Self::since>({.def = "time"}),
-        field<&Self::in_force>(), field<&Self::more>({"how many more"}),
+        field<&Self::file>({.def = "path"}),
+        field<&Self::state>(
+            {.note = "of the file; null: not known", .words = "current|candidate|refused"}),
+        field<&Self::since>({.def = "time"}), field<&Self::in_force>(),
+        field<&Self::more>({"how many more"}),
         field<&Self::waiting>(
             {.note = "for peers, to come into force; null: nothing", .has_same_members = true}),
         field<&Self::refused>({"null: nothing"}));

@@ -136,30 +136,37 @@ std::vector<DocumentState> OwnDocuments::states(const LocalParticipant& particip
       {.kind = DocumentKind::permissions_ca,
        .file = authorities_.name(),
        .parts = pki::parts_of(documents->ca->verifier().permissions_cas()),
-       .refused = authorities_.refused()},
+       .refused = authorities_.refused(),
+       .state = authorities_.state()},
       {.kind = DocumentKind::permissions,
        .file = permissions_.name(),
        .parts = {std::move(permissions)},
        .refused = permissions_.refused(),
-       .begins_later = permissions_.begins_later()},
+       .state = permissions_.state()},
       {.kind = DocumentKind::governance,
        .file = governance_.name(),
        .parts = {part_of(*documents->governance, governance_in_force_)},
        .refused = governance_.refused(),
-       .waiting = std::move(waiting)}};
+       .waiting = std::move(waiting),
+       .state = governance_.state()}};
   if (auto listed = state_of_list()) out.push_back(*std::move(listed));
   return out;
 }
 
-// Authentication shows a list that cannot be read.
+// Authentication shows a list that cannot be read, which is not refused here.
 std::optional<DocumentState> OwnDocuments::state_of_list() const {
   auto refused = list_refused_when_verified_;
   if (!refused && is_list_refused_) refused = renewal_list_.refused();
   if (!had_listed_ && !refused) return std::nullopt;
+  const bool is_candidate = renewal_list_.state() == FileState::candidate;
+  const auto state = refused        ? FileState::refused
+                     : is_candidate ? FileState::candidate
+                                    : FileState::current;
   return DocumentState{.kind = DocumentKind::listed_permissions,
                        .file = renewal_list_.path(),
                        .parts = listed_parts_,
-                       .refused = std::move(refused)};
+                       .refused = std::move(refused),
+                       .state = state};
 }
 
 std::vector<Error> OwnDocuments::renew(PermissionsHolder& holder, LocalParticipant& participant,

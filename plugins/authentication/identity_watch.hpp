@@ -57,8 +57,8 @@ class IdentityWatch {
 
   /// Returns the last error of poll(), as long as the files have not been good since.
   const std::optional<Error>& refused() const { return refusals_.refused(); }
-  /// True if the refused files are only not valid yet, so that they are checked again later.
-  bool begins_later() const { return refusals_.begins_later(); }
+  /// Returns the state of the files.
+  FileState state() const { return refusals_.state(); }
 
   /// Returns the path of the certificate; empty if it is not in a file.
   const std::string& path() const { return path_; }

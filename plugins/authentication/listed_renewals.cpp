@@ -176,7 +176,8 @@ std::optional<DocumentState> ListedRenewals::state() const {
   return DocumentState{.kind = DocumentKind::renewal_list,
                        .file = watch_.path(),
                        .parts = pki::parts_of(list_.usable),
-                       .refused = refused};
+                       .refused = refused,
+                       .state = refused_when_verified_ ? FileState::refused : watch_.state()};
 }
 
 }  // namespace ddssec::authentication

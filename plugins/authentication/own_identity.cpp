@@ -328,11 +328,12 @@ std::vector<DocumentState> OwnIdentity::documents() const {
        .file = path.empty() ? std::string(property::kIdentityCertificate) : path,
        .parts = {pki::part_of(certificate())},
        .refused = watch_.refused(),
-       .begins_later = watch_.begins_later()},
+       .state = watch_.state()},
       {.kind = DocumentKind::identity_ca,
        .file = authorities_.name(),
        .parts = pki::parts_of(own_trust()->anchors()),
-       .refused = authorities_.refused()}};
+       .refused = authorities_.refused(),
+       .state = authorities_.state()}};
   if (const auto state = ocsp_response_.state(certificate())) out.push_back(*state);
   if (const auto state = listed_->state()) out.push_back(*state);
   if (revocation_lists_.path().empty()) return out;
@@ -340,7 +341,7 @@ std::vector<DocumentState> OwnIdentity::documents() const {
                  .file = revocation_lists_.path(),
                  .parts = {},
                  .refused = revocation_lists_.refused(),
-                 .begins_later = revocation_lists_.begins_later()});
+                 .state = revocation_lists_.state()});
   for (const auto& list : revocation_lists_.in_force())
     out.back().parts.push_back({.subject = list.issuer(),
                                 .number = list.number() ? to_string(*list.number()) : "",

@@ -109,7 +109,7 @@ std::optional<DocumentState> OwnOcspResponse::state(const pki::Certificate& own)
   DocumentState out{.kind = DocumentKind::ocsp_response,
                     .file = path_,
                     .refused = refusals_.refused(),
-                    .begins_later = refusals_.begins_later()};
+                    .state = refusals_.state()};
   if (is_ours)
     out.parts.push_back({.subject = own.subject(),
                          .number = own.serial(),

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/renewal_refusals.hpp"
 #include "base/rollback.hpp"
 #include "pki/certificate_source.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
@@ -237,7 +236,7 @@ Result<bool> RevocationLists::poll(const Clock& clock, const std::vector<pki::Ce
     // been reported yet.
     for (auto& other : places_) {
       other.watch.force_change();
-      other.told.reset();
+      other.refusals.report_again();
     }
     return true;
   }
@@ -258,9 +257,7 @@ Result<bool> RevocationLists::poll_place(Place& place, const Question& question)
     if (const auto behind = check_current(place, question); !behind)
       taken = std::unexpected(behind.error());
   if (!taken) return refuse(place, taken.error(), content);
-  place.was_refused = false;
-  place.told.reset();
-  place.refused.reset();
+  place.refusals.clear();
   again.release();
   return taken;
 }
@@ -305,34 +302,30 @@ Status RevocationLists::check_current(const Place& place, const Question& questi
 
 Result<bool> RevocationLists::refuse(Place& place, const Error& error,
                                      const Sha256Digest& content) {
-  const bool is_lasting = std::exchange(place.was_refused, true);
-  const Refusal refusal{error.code(), content};
-  if (!is_lasting || place.told == refusal) return false;
-  place.told = refusal;
-  if (auto folder = folder_refused(error, place.path)) {
-    place.refused = std::move(folder);
-    return std::unexpected(*place.refused);
-  }
+  if (!place.refusals.note_refusal(error.code(), content)) return false;
+  if (auto folder = folder_refused(error, place.path))
+    return std::unexpected(place.refusals.note(*std::move(folder)));
   auto details = error.details();
   details.document = place.path;
   if (error.code() != Code::crl_copy_older)
     details.note += (details.note.empty() ? "" : "; ") +
                     std::string(lists_.empty() ? "there is still no revocation list in force"
                                                : "the lists read before stay in force");
-  place.refused = Error(error.code(), std::move(details));
-  return std::unexpected(*place.refused);
+  return std::unexpected(place.refusals.note(Error(error.code(), std::move(details))));
 }
 
-bool RevocationLists::begins_later() const {
-  return std::ranges::all_of(places_, [](const Place& place) {
-    return !place.refused || place.refused->code() == Code::crl_not_yet_valid;
-  });
+FileState RevocationLists::state() const {
+  auto out = FileState::current;
+  for (const auto& place : places_) out = std::max(out, place.refusals.state());
+  return out;
 }
 
 std::optional<Error> RevocationLists::refused() const {
-  const auto found =
-      std::ranges::find_if(places_, [](const Place& place) { return bool(place.refused); });
-  return found == places_.end() ? std::nullopt : found->refused;
+  // A list that only begins later must not hide one that is wrong.
+  const auto worst = std::ranges::max_element(places_, {}, [](const Place& place) {
+    return std::pair(place.refusals.state(), bool(place.refusals.refused()));
+  });
+  return worst == places_.end() ? std::nullopt : worst->refusals.refused();
 }
 
 }  // namespace ddssec::authentication

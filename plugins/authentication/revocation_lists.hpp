@@ -9,6 +9,7 @@
 
 #include "base/file_watch.hpp"
 #include "base/hash.hpp"
+#include "base/renewal_refusals.hpp"
 #include "pki/crl.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -60,9 +61,8 @@ class RevocationLists {
   /// Returns the error of poll() about a file that has not been good since; empty if there is none.
   std::optional<Error> refused() const;
 
-  /// True if each file that was refused was refused only because its list begins in the future. The
-  /// list is taken when it begins.
-  bool begins_later() const;
+  /// Returns the state of the files.
+  FileState state() const;
 
   /// Makes the next poll read every file, whatever the interval is.
   void force_poll() {
@@ -75,12 +75,6 @@ class RevocationLists {
   Result<RevocationLists> read(const std::vector<pki::Certificate>& anchors, WallTime now) const;
 
  private:
-  struct Refusal {
-    Code code;
-    Sha256Digest content;
-    bool operator==(const Refusal&) const = default;
-  };
-
   /// A file that contains lists, or may contain them later.
   struct Place {
     Place(std::string_view from, std::chrono::seconds interval);
@@ -89,10 +83,7 @@ class RevocationLists {
     std::string path;                  ///< empty if it is not a file
     std::vector<pki::Crl> lists = {};  ///< the lists last accepted from this place
     Sha256Digest content{};            ///< digest of the file with these lists
-    bool was_refused = false;          ///< true if the last look refused the file
-    std::optional<Refusal> told = {};
-    /// The last report, as long as the file has not been good since.
-    std::optional<Error> refused = {};
+    RenewalRefusals refusals = {};
   };
 
   /// The data by which a place is judged.

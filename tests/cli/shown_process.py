@@ -8,8 +8,9 @@ import threading
 
 
 def document(folder, kind="permissions", name="permissions.p7s", refused=None, until="2027-11-21T00:00:00Z"):
-    return {"kind": kind, "file": str(folder / name), "since": "2026-11-21T00:00:00Z", "more": 0, "waiting": None, "refused": refused,
-            "in_force": [{"subject": "CN=talker", "number": "1A", "until": until, "sha256": "ab" * 32}]}
+    state = "refused" if refused and refused["stands"] else "current"
+    return {"kind": kind, "file": str(folder / name), "state": state, "since": "2026-11-21T00:00:00Z", "more": 0, "waiting": None,
+            "refused": refused, "in_force": [{"subject": "CN=talker", "number": "1A", "until": until, "sha256": "ab" * 32}]}
 
 
 def certificate(folder, **more):

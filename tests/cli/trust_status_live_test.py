@@ -62,6 +62,7 @@ class Running(Transcript):
     def story(self, process):
         begun, first = self.until("the first answer", lambda d: KINDS <= set(d), "demo/talker")
         self.assertEqual(begun["exit"], 0)
+        self.assertEqual({one["state"] for one in first.values()}, {"current"})
         (shown,) = begun["result"]["processes"]
         self.assertEqual(shown["pid"], process.pid)
         self.assertEqual(shown["participants"][0]["subject"], "CN=talker")
@@ -101,6 +102,7 @@ class Running(Transcript):
         for kind, file in (("permissions", "permissions.p7s"), ("identity CA", "identity_ca.pem")):
             refused = documents[kind]["refused"]
             self.assertTrue(refused["stands"])
+            self.assertEqual(documents[kind]["state"], "refused")
             self.assertEqual(os.path.realpath(refused["file"]), str(self.folder / file))
             self.assertIn(f"[{refused['name']} {refused['code']}]", refused["sentence"])
             self.assertEqual(documents[kind]["in_force"], renewed[kind]["in_force"])
@@ -114,6 +116,7 @@ class Running(Transcript):
         after, documents = self.until("the good ones", lambda d: not d["permissions"]["refused"]["stands"] and
                                       not d["identity CA"]["refused"]["stands"], "demo/talker")
         self.assertEqual(after["exit"], 0)
+        self.assertEqual({one["state"] for one in documents.values()}, {"current"})
         for secret in ("PRIVATE", "key.pem"):
             self.assertNotIn(secret, str(after))
 

@@ -34,7 +34,8 @@ class TrustStatus(Transcript):
         with running_participant(self.status, self.folder):
             told = self.run_program(*ASK, "--pid", self.pid, exit=1).stdout
             self.assertIn(f"process {self.pid}: CN=talker  guid 0110\n", told)
-            self.assertIn(f"permissions           {self.folder}/permissions.p7s\n", told)
+            self.assertIn(f"identity certificate  {self.folder}/cert.pem  (current)\n", told)
+            self.assertIn(f"permissions           {self.folder}/permissions.p7s  (refused)\n", told)
             self.assertIn("in force since 2026-11-21T00:00:00Z\n      until 2027-11-21T00:00:00Z  CN=talker", told)
             self.assertIn("REFUSED at 2026-11-21T01:00:00Z: the sentence of the event", told)
             self.assertEqual(self.shown("--pid", self.pid, exit=1),
@@ -49,6 +50,17 @@ class TrustStatus(Transcript):
                           self.run_program(*ASK, "--pid", self.pid, exit=1).stdout)
             documents = self.shown("--pid", self.pid, exit=1)[0]["participants"][0]["documents"]
             self.assertEqual([document["waiting"] and document["waiting"]["subject"] for document in documents], ["revision 7", None])
+
+    def test_state_that_is_not_known_is_not_shown(self):
+        for state in (None, "something\nelse", ""):  # None: a process with ddssec 0.3.0 does not say it
+            shown = participant(self.folder, certificate(self.folder), document(self.folder))
+            shown["documents"][1]["state"] = state
+            if state is None:
+                del shown["documents"][1]["state"]
+            with running_participant(self.status, self.folder, answer(shown)):
+                self.assertIn(f"{self.folder}/permissions.p7s\n", self.run_program(*ASK).stdout)
+                documents = self.shown()[0]["participants"][0]["documents"]
+            self.assertEqual([one["state"] for one in documents], ["current", None])
 
     def test_document_that_begins_later_is_not_shown_as_refused(self):
         later = participant(self.folder, certificate(self.folder, refused=refusal(waits=True)), document(self.folder))

@@ -11,11 +11,13 @@ TEST_F(Renewal, Record_FollowsTheCertificateInForceAndWhatIsRefused) {
   };
   EXPECT_EQ(recorded()["file"], certificate_path_);
   EXPECT_EQ(recorded()["since"], to_string(kNow));
+  EXPECT_EQ(recorded()["state"], "current");
   EXPECT_EQ(recorded()["in_force"][0]["subject"], first_of_alice().certificate.subject());
   EXPECT_EQ(recorded()["in_force"][0]["number"], first_of_alice().certificate.serial());
 
   put(renewed(3, kLater, "CN=mallory,O=Example"));
   codes_after_looking();
+  EXPECT_EQ(recorded()["state"], "refused");
   const auto refused = recorded()["refused"];
   EXPECT_EQ(refused["name"], "identity_renewal_refused");
   EXPECT_EQ(refused["sentence"], events().front().error.to_sentence());
@@ -29,6 +31,7 @@ TEST_F(Renewal, Record_FollowsTheCertificateInForceAndWhatIsRefused) {
   EXPECT_EQ(recorded()["in_force"][0]["until"], to_string(kLater.not_after));
   EXPECT_GT(recorded()["since"], to_string(kNow));
   EXPECT_EQ(recorded()["refused"]["stands"], false);
+  EXPECT_EQ(recorded()["state"], "current");
 }
 
 TEST_F(Renewal, CertificateThatBeginsInTheFuture_IsRecordedAsOneThatWaits) {

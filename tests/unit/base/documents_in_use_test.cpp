@@ -77,6 +77,21 @@ TEST_F(DocumentsInUseTest, DocumentThatWaits_IsShownUntilItWaitsNoMore) {
   EXPECT_EQ(first()["since"], to_string(kNow));
 }
 
+TEST_F(DocumentsInUseTest, StateOfTheFile_IsShown) {
+  auto one = state("7");
+  for (const auto is : {FileState::current, FileState::candidate, FileState::refused}) {
+    one.state = is;
+    note(one);
+    EXPECT_EQ(first()["state"], to_string(is));
+  }
+  one.waiting = DocumentPart{.subject = "revision 8"};
+  note(one);
+  EXPECT_EQ(first()["state"], "refused") << "another file came while the former one waits";
+  one.state = FileState::current;
+  note(one);
+  EXPECT_EQ(first()["state"], "candidate");
+}
+
 TEST_F(DocumentsInUseTest, SameStateAgain_KeepsItsTime) {
   note(state("7"));
   note(state("7"), 60s);

@@ -51,6 +51,44 @@ TEST(RenewalRefusals, LastReport_StandsUntilTheFileIsGood) {
   EXPECT_FALSE(refusals.refused());
 }
 
+TEST(RenewalRefusals, State_IsCurrentThenCandidateThenRefused) {
+  RenewalRefusals refusals;
+  EXPECT_EQ(refusals.state(), FileState::current);
+  refusals.note_refusal(Code::malformed, kOne);
+  EXPECT_EQ(refusals.state(), FileState::candidate);
+  refusals.note_refusal(Code::malformed, kOne);
+  refusals.note(Error(Code::identity_renewal_refused));
+  EXPECT_EQ(refusals.state(), FileState::refused);
+  refusals.clear();
+  EXPECT_EQ(refusals.state(), FileState::current);
+  refusals.note_doubt();
+  EXPECT_EQ(refusals.state(), FileState::candidate);
+}
+
+TEST(RenewalRefusals, DocumentThatBeginsLater_StaysACandidate) {
+  for (const auto later : {Code::certificate_not_yet_valid, Code::crl_not_yet_valid,
+                           Code::grant_not_yet_valid, Code::ocsp_not_yet_valid}) {
+    RenewalRefusals refusals;
+    for (int i = 0; i < 2; ++i) refusals.note_refusal(later, kOne);
+    refusals.note(Error(Code::identity_renewal_refused));
+    EXPECT_EQ(refusals.state(), FileState::candidate);
+    EXPECT_TRUE(refusals.note_refusal(Code::malformed, kOther));
+    refusals.note(Error(Code::identity_renewal_refused));
+    EXPECT_EQ(refusals.state(), FileState::refused);
+  }
+}
+
+TEST(RenewalRefusals, SameRefusal_IsReportedAgainOnceOnDemand) {
+  RenewalRefusals refusals;
+  for (int i = 0; i < 2; ++i) refusals.note_refusal(Code::malformed, kOne);
+  refusals.report_again();
+  EXPECT_TRUE(refusals.note_refusal(Code::malformed, kOne));
+  EXPECT_FALSE(refusals.note_refusal(Code::malformed, kOne));
+  refusals.report_again();
+  refusals.clear();
+  EXPECT_FALSE(refusals.note_refusal(Code::malformed, kOne)) << "the file was good in between";
+}
+
 TEST(RenewalRefused, Event_SaysTheReasonTheNoteAndWhatStays) {
   const Error why(Code::malformed, {.document = "a property",
                                     .field = "notAfter",
