@@ -339,12 +339,12 @@ Status AccessControlPlugin::check_own_match(const PermissionsHolder& remote, con
   // The peer refuses the endpoint. Its host would keep the keys of this session for the next one.
   const auto seen = remote.outdated_grant_seen().grant;
   if (!seen || !decisions_.is_denied_by_any({seen}, *own, action, match.local)) return {};
-  return report_error(
-      Error(action == Action::publish ? Code::publish_not_allowed : Code::subscribe_not_allowed,
-            {.document = "the former permissions, which the peer was shown",
-             .field = std::string(match.local.topic_name),
-             .note = "the peer learns of the renewed ones when the session begins again",
-             .hint = "nothing to do: see own_rights_gained (1451)"}));
+  // No event: nothing is wrong, and own_rights_gained is one.
+  return fail(action == Action::publish ? Code::publish_not_allowed : Code::subscribe_not_allowed,
+              {.document = "the former permissions, which the peer was shown",
+               .field = std::string(match.local.topic_name),
+               .note = "the peer learns of the renewed ones when the session begins again",
+               .hint = "nothing to do: see own_rights_gained (1451)"});
 }
 
 Status AccessControlPlugin::check_remote_match(PermissionsHandle remote, const Match& match) {

@@ -75,6 +75,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   /// Makes the host begin again with peers that have lost their session with a local participant.
   /// If `resets_peers`, peers are to be reset in any case.
   void follow_resets(const std::stop_token& stop, const Revoke& revoke, bool resets_peers);
+  /// True if the peer has ended its session within the last second.
+  bool was_just_ended(const Guid& guid) const;
   /// Does one turn of follow_resets. Returns true if there was any such peer.
   bool revoke_reset(const std::stop_token& stop, const Revoke& revoke);
   /// Makes the host begin again with peers that have endpoints whose keys only a new session

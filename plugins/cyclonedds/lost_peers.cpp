@@ -104,8 +104,8 @@ void AuthenticationAdapter::note_changed_rights(spi::IdentityHandle local, std::
 }
 
 // Both sides of a session may get renewed permissions at the same time, and each ends the session
-// that it knows. A session that began after that has presented the renewed ones. It must not end:
-// its handshake may be under way on the other side, which would wait for 20 s.
+// that it knows. A session that began after that has presented the renewed ones, or yet later ones.
+// It must not end: its handshake may be under way on the other side, which would wait for 20 s.
 bool AuthenticationAdapter::take_noted(const Guid& remote, std::chrono::nanoseconds now) {
   // The time until the other side has finished, too, and follows a reset.
   constexpr auto kFinished = std::chrono::seconds(2);
@@ -155,8 +155,9 @@ bool AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
     const auto reset = reinterpret_cast<TakeSessionReset*>(symbol)(remote.value);
     if (reset == SessionReset::none) continue;
     if (reset == SessionReset::of_unused_session && !watch_.follows_unused_reset(guid)) continue;
-    host_->notice(
-        Event(Error(Code::session_reset_by_peer), {}, guid.to_string(), PeerProof::authenticated));
+    if (!was_just_ended(guid))
+      host_->notice(Event(Error(Code::session_reset_by_peer), {}, guid.to_string(),
+                          PeerProof::authenticated));
     if (ended_by_peer_.size() < kMaxEndedByPeer)
       ended_by_peer_.try_emplace(guid, EndedSession{host_->clock().monotonic()});
     lost_sessions_.about_to_drop(guid);
@@ -164,6 +165,14 @@ bool AuthenticationAdapter::revoke_reset(const std::stop_token& stop, const Revo
     any = true;
   }
   return any;
+}
+
+// A reset is sent to several addresses, so copies of it arrive before the host has dropped the
+// peer.
+bool AuthenticationAdapter::was_just_ended(const Guid& guid) const {
+  constexpr std::chrono::seconds kCopies{1};
+  const auto ended = ended_by_peer_.find(guid);
+  return ended != ended_by_peer_.end() && host_->clock().monotonic() - ended->second.at < kCopies;
 }
 
 void AuthenticationAdapter::report_ended_by_peer() {

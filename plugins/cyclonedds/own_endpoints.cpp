@@ -78,9 +78,10 @@ std::optional<Error> OwnEndpoints::poll(spi::PermissionsHandle local, spi::Acces
   if (auto lost = find_lost(local, renewals, plugin)) return lost;
   auto& last = changes_[local];
   if (last.renewals >= renewals) return std::nullopt;
-  auto gained = find_gained(local, plugin, now);
-  if (gained) last = {last.count + 1, renewals};
-  return gained;
+  const auto* const gained = find_gained(local, plugin, now);
+  if (gained == nullptr) return std::nullopt;
+  last = {last.count + 1, renewals};  // also counted if there is no memory for the event
+  return rights_gained_event(gained->writes, gained->topic);
 }
 
 // The caller holds the lock.
@@ -119,20 +120,22 @@ bool OwnEndpoints::is_due(const Endpoint& endpoint, Duration now) {
 }
 
 // The caller holds the lock, and has judged the endpoints by the permissions in force.
-std::optional<Error> OwnEndpoints::find_gained(spi::PermissionsHandle local,
-                                               spi::AccessControl& plugin, Duration now) {
+const OwnEndpoints::Endpoint* OwnEndpoints::find_gained(spi::PermissionsHandle local,
+                                                        spi::AccessControl& plugin, Duration now) {
+  std::vector<Endpoint*> due;
   std::vector<Request> requests;
   for (auto& [place, endpoint] : endpoints_) {
     if (endpoint.local != local || !is_due(endpoint, now)) continue;
+    due.push_back(&endpoint);
     requests.emplace_back(endpoint);
-    note_asked(endpoint, now);
   }
-  if (requests.empty()) return std::nullopt;
+  if (due.empty()) return nullptr;
   std::vector<spi::AccessControl::OwnEndpoint> asked;
   for (const auto& one : requests) asked.push_back({one.writes, one.request()});
   const auto found = plugin.find_unknown_right(local, asked);
-  if (!found || *found >= requests.size()) return std::nullopt;
-  return rights_gained_event(requests[*found].writes, requests[*found].topic);
+  // Only now: a question that could not be asked for want of memory is asked again.
+  for (auto* const endpoint : due) note_asked(*endpoint, now);
+  return found && *found < due.size() ? due[*found] : nullptr;
 }
 
 std::uint64_t OwnEndpoints::changes(spi::PermissionsHandle local) const {

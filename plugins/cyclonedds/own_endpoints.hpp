@@ -64,8 +64,9 @@ class OwnEndpoints {
   static bool is_due(const Endpoint& endpoint, Duration now);
   std::optional<Error> find_lost(spi::PermissionsHandle local, std::uint64_t renewals,
                                  spi::AccessControl& plugin);
-  std::optional<Error> find_gained(spi::PermissionsHandle local, spi::AccessControl& plugin,
-                                   Duration now);
+  /// Returns an endpoint with a right that peers do not know; nullptr if there is none.
+  const Endpoint* find_gained(spi::PermissionsHandle local, spi::AccessControl& plugin,
+                              Duration now);
 
   mutable std::mutex mutex_;
   std::map<Place, Endpoint> endpoints_;

@@ -170,6 +170,7 @@ void Admission::set_partitions(const EntityId& id, const std::vector<std::string
 
 Result<Admission::AnnouncedSecurity> Admission::create_endpoint(const EntityId& id,
                                                                 const NewEndpoint& endpoint) {
+  forget_endpoint(id);  // an id that is used again may have another topic
   auto& plugin = core_.own->plugins().access_control;
   const auto names = views_of(endpoint.partitions);
   const spi::EndpointRequest request{
@@ -182,11 +183,9 @@ Result<Admission::AnnouncedSecurity> Admission::create_endpoint(const EntityId& 
       is_writer(id) ? plugin.datawriter_sec_attributes(core_.own->permissions(), request)
                     : plugin.datareader_sec_attributes(core_.own->permissions(), request));
   auto& on_topic = endpoints_on_[std::string(endpoint.topic)];
-  const bool is_new =
-      own_.insert_or_assign(id, CreationParameters{std::string(endpoint.topic), endpoint.partitions,
-                                                   endpoint.data_tags})
-          .second;
-  if (is_new) ++on_topic;
+  own_.insert_or_assign(
+      id, CreationParameters{std::string(endpoint.topic), endpoint.partitions, endpoint.data_tags});
+  ++on_topic;
   DDSSEC_RETURN_IF_ERROR(core_.keyring.add_local(id, attributes, {}, endpoint.properties));
   if (core_.governance_change.is_under_way())
     DDSSEC_RETURN_IF_ERROR(add_other_protection(id, endpoint.topic));

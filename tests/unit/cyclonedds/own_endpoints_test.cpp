@@ -314,5 +314,19 @@ TEST_F(LostRightsTest, RightsOfABuiltinEndpoint_AreNotReported) {
   EXPECT_EQ(changes(), 0u);
 }
 
+TEST_F(OwnEndpointsTest, AQuestionThatFoundNoMemory_IsAskedAgain) {
+  renewals = 1;
+  unknown = "Square";
+  EXPECT_CALL(plugin, find_unknown_right)
+      .WillOnce(testing::Throw(std::bad_alloc()))
+      .WillOnce(Return(0u));
+  EXPECT_THROW(poll(), std::bad_alloc);
+  EXPECT_EQ(endpoints.changes(kUs), 0u);
+  const auto told = poll();
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->code(), Code::own_rights_gained);
+  EXPECT_EQ(endpoints.changes(kUs), 1u);
+}
+
 }  // namespace
 }  // namespace ddssec::cyclonedds
