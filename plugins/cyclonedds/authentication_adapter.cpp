@@ -220,14 +220,22 @@ void note_refused(Adapter& adapter, spi::HandshakeHandle handshake) {
   adapter.watch().note_refused(handshake);
 }
 
-// Returns the core's data about the local participant. If it has a domain tag, no handshake begins,
-// and none is to begin again.
-Result<BytesView> own_data(Adapter& adapter, CIdentity remote, const DDS_Security_OctetSeq* data) {
+struct HandshakePair {
+  spi::IdentityHandle local, remote;
+};
+
+// Returns the core's data about the local participant, and keeps it for announcements. If it has a
+// domain tag, no handshake begins, and none is to begin again.
+Result<BytesView> own_data(Adapter& adapter, HandshakePair pair,
+                           const DDS_Security_OctetSeq* data) {
   DDSSEC_ASSIGN_OR_RETURN(const auto octets, octets_from(data));
   if (auto has_none = check_no_domain_tag(octets); !has_none) {
-    adapter.watch().forget(identity(remote));
+    adapter.watch().forget(pair.remote);
     return std::unexpected(std::move(has_none.error()));
   }
+  for (const auto& local : adapter.dispose_announcements().locals())
+    if (local.handle == pair.local)
+      adapter.own_announcements().note_data(local.handle, local.prefix, octets);
   return octets;
 }
 
@@ -238,7 +246,9 @@ CResult begin_handshake_request(Instance* instance, CHandshake* handle, CToken* 
     DDSSEC_RETURN_IF_ERROR(require(handle, message));
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message = {};
-    DDSSEC_ASSIGN_OR_RETURN(const auto data, own_data(adapter, replier, participant_data));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto data,
+        own_data(adapter, {identity(initiator), identity(replier)}, participant_data));
     const auto remote = adapter.remotes().pair(identity(initiator), identity(replier));
     auto begun = adapter.plugin().begin_handshake_request(identity(initiator), remote, data);
     // The core gives up this peer. No attacker can cause that, so there is nothing to begin again.
@@ -261,7 +271,9 @@ CResult begin_handshake_reply(Instance* instance, CHandshake* handle, CToken* me
     *handle = DDS_SECURITY_HANDLE_NIL;
     *message_out = {};
     DDSSEC_ASSIGN_OR_RETURN(const auto request, token_from(message_in));
-    DDSSEC_ASSIGN_OR_RETURN(const auto data, own_data(adapter, initiator, participant_data));
+    DDSSEC_ASSIGN_OR_RETURN(
+        const auto data,
+        own_data(adapter, {identity(replier), identity(initiator)}, participant_data));
     const auto remote = adapter.remotes().pair(identity(replier), identity(initiator));
     auto begun = adapter.plugin().begin_handshake_reply(request, remote, identity(replier), data);
     if (!begun) note_refused(adapter, identity(replier), identity(initiator));
@@ -360,6 +372,7 @@ DDS_Security_boolean return_identity_handle(Instance* instance, const CIdentity 
       for (const auto& reset : adapter.lost_sessions().remove_local(identity(handle)))
         send_datagram(reset.message, reset.to);
       adapter.dispose_announcements().remove_local(identity(handle));
+      adapter.own_announcements().remove_local(identity(handle));
     }
     adapter.secrets().drop(identity(handle));
     adapter.watch().forget(identity(handle));
@@ -473,6 +486,7 @@ void AuthenticationAdapter::listen(const dds_security_authentication_listener* l
                         if (!stop.stop_requested()) cut_off_peer(remote, end);
                       revoke_stuck(stop, end);
                       follow_resets(stop, end, revoke_noted(stop, end));
+                      send_announcements();
                       revoke_stranded(stop, end);
                       send_resets();
                       report_ended_by_peer();

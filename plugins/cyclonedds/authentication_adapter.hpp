@@ -10,6 +10,7 @@
 #include "plugins/cyclonedds/governance_facts.hpp"
 #include "plugins/cyclonedds/handshake_watch.hpp"
 #include "plugins/cyclonedds/lost_sessions.hpp"
+#include "plugins/cyclonedds/own_announcements.hpp"
 #include "plugins/cyclonedds/remote_identities.hpp"
 #include "plugins/cyclonedds/shared_secrets.hpp"
 #include "plugins/spi/authentication.hpp"
@@ -47,6 +48,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   }
   LostSessions& lost_sessions() { return lost_sessions_; }
   DisposeAnnouncements& dispose_announcements() { return dispose_announcements_; }
+  OwnAnnouncements& own_announcements() { return own_announcements_; }
 
   /// Sets the listener. nullptr stops the timer; the call returns when no revocation is running any
   /// more.
@@ -84,6 +86,8 @@ class AuthenticationAdapter final : public dds_security_authentication {
   void revoke_stranded(const std::stop_token& stop, const Revoke& revoke);
   /// Makes peers begin again whose session the local host has lost.
   void send_resets();
+  /// Announces local participants to peers whose session was reset a while ago.
+  void send_announcements();
   /// Reports peers that ended their session a while ago and are discovered again, without a new
   /// session.
   void report_ended_by_peer();
@@ -96,6 +100,7 @@ class AuthenticationAdapter final : public dds_security_authentication {
   HandshakeWatch watch_;
   LostSessions lost_sessions_;
   DisposeAnnouncements dispose_announcements_;
+  OwnAnnouncements own_announcements_;
   /// The number of times that the permissions of local participants were renewed; for the timer's
   /// thread.
   std::map<spi::IdentityHandle, std::uint64_t> renewals_;

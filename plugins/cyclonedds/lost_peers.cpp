@@ -221,11 +221,21 @@ void AuthenticationAdapter::send_resets() {
   };
   for (const auto& reset : lost_sessions_.due(has_discovered)) {
     send_datagram(reset.message, reset.to);
+    if (!reset.discovers)
+      own_announcements_.note_reset(reset.local, reset.remote, reset.to,
+                                    host_->clock().monotonic());
     // The local host may not discover the peer because it believes that the peer has no security.
     // The peer's host may believe the same about the local participant.
     if (!reset.discovers && !admits_unauthenticated(reset.local))
       send_datagram(write_dispose_announcement(reset.own, reset.remote.prefix), reset.to);
   }
+}
+
+// A participant that is cut off stays so, and a host that discovers the peer needs no answer of it.
+void AuthenticationAdapter::send_announcements() {
+  for (const auto& one : own_announcements_.take_due(host_->clock().monotonic()))
+    if (!remotes_.has_ended(one.local) && !remotes_.has_discovered(one.local, one.peer))
+      send_datagram(one.message, one.to);
 }
 
 }  // namespace ddssec::cyclonedds
