@@ -4,8 +4,6 @@
 #include <cstdlib>
 #include <system_error>
 
-#include <fmt/format.h>
-
 #include "base/text.hpp"
 #include "base/uri_source.hpp"
 
@@ -37,6 +35,15 @@ fs::path path_of(std::string_view name) {
 
 std::string with_scheme(std::string_view name) {
   return std::string(kScheme) + path_of(name).string();
+}
+
+// Returns the place of the next start tag or end tag of the section; npos if there is none.
+std::size_t next_tag_of(std::string_view text, std::string_view section) {
+  for (auto at = text.find('<'); at != text.npos; at = text.find('<', at + 1)) {
+    const auto name = at + (text.substr(at + 1).starts_with('/') ? 2 : 1);
+    if (text.substr(name).starts_with(section)) return at;
+  }
+  return text.npos;
 }
 
 bool is_folder(std::string_view name) {
@@ -121,9 +128,7 @@ std::vector<std::string_view> values_within(std::string_view text, std::string_v
   std::vector<std::string_view> out;
   while (const auto inside = find_tag(text, section)) {
     text = inside->after;
-    const auto end =
-        std::min(text.find(fmt::format("</{}", section)), text.find(fmt::format("<{}", section)));
-    if (const auto value = find_tag(text.substr(0, end), name))
+    if (const auto value = find_tag(text.substr(0, next_tag_of(text, section)), name))
       out.push_back(trimmed(value->after.substr(0, value->after.find('<')), kBlanks));
   }
   return out;

@@ -9,7 +9,9 @@
 namespace ddssec::governance::doctor {
 namespace {
 
-// Goes through the text once and replaces invalid parts by blanks.
+// Goes through the text once and replaces invalid parts by blanks. Takes linear time and memory,
+// because the text may come from anyone: a name ends at the next '<', and no attribute is read
+// twice.
 class Cleaner {
  public:
   explicit Cleaner(std::string text) : text_(std::move(text)) {}
@@ -27,7 +29,7 @@ class Cleaner {
       else if (rest.starts_with("<?"))
         instruction(at);
       else
-        start_of_tag(at + 1);
+        at = start_of_tag(at);
     }
     octets();
     return {to_bytes(as_bytes(text_)), std::move(left_out_), has_pieces_, is_refused_by_fastdds_};
@@ -36,6 +38,8 @@ class Cleaner {
  private:
   // The largest number of joins, because each of them moves the rest of the text.
   static constexpr std::size_t kMaxJoined = 1000;
+  // More than any document has: ddssec refuses elements deeper than kMaxXmlDepth.
+  static constexpr std::size_t kMaxOpen = 10'000;
 
   std::size_t behind(std::size_t from, std::string_view end) const {
     const auto found = text_.find(end, from);
@@ -44,9 +48,9 @@ class Cleaner {
 
   // An internal subset is in brackets.
   std::size_t end_of_doctype(std::size_t from) const {
-    const auto end = text_.find('>', from);
-    const auto subset = text_.find('[', from);
-    return subset < end ? behind(behind(subset, "]"), ">") : behind(from, ">");
+    const auto at = text_.find_first_of("[>", from);
+    const bool has_subset = at != text_.npos && text_[at] == '[';
+    return behind(has_subset ? behind(at, "]") : from, ">");
   }
 
   void blank(std::size_t from, std::size_t to, Variant what) {
@@ -59,28 +63,30 @@ class Cleaner {
     if (has_root_) is_refused_by_fastdds_ = true;
     blank(at, behind(at, "?>"), Variant::governance_processing_instruction);
   }
-  void start_of_tag(std::size_t at) {
-    small_name(at);
-    if (text_.compare(at, 1, "/") != 0) attributes(at);
+  // Handles a tag, and returns the last place that was handled.
+  std::size_t start_of_tag(std::size_t at) {
+    small_name(at + 1);
+    return text_.compare(at + 1, 1, "/") == 0 ? at : attributes(at + 1) - 1;
   }
   // Blanks the attributes that ddssec refuses and does not need, so that the rest can be judged for
-  // a product that ignores them (Fast DDS, measured).
-  void attributes(std::size_t at) {
-    const auto name = text_.substr(at, text_.find_first_of(" \t\r\n/>", at) - at);
+  // a product that ignores them (Fast DDS, measured). Returns the place after the last one.
+  std::size_t attributes(std::size_t at) {
+    const auto name = text_.substr(at, text_.find_first_of(" \t\r\n/<>", at) - at);
     std::set<std::string> seen;
     for (at += name.size(); at < text_.size();) {
       const auto begin = text_.find_first_not_of(" \t\r\n", at);
       const auto equals = text_.find_first_of("=<>", begin);
-      if (begin == text_.npos || equals == text_.npos || text_[equals] != '=') return;
+      if (begin == text_.npos || equals == text_.npos || text_[equals] != '=') return at;
       const auto quote = text_.find_first_not_of(" \t\r\n", equals + 1);
-      if (quote == text_.npos || (text_[quote] != '"' && text_[quote] != '\'')) return;
+      if (quote == text_.npos || (text_[quote] != '"' && text_[quote] != '\'')) return at;
       const auto end = text_.find(text_[quote], quote + 1);
-      if (end == text_.npos) return;
+      if (end == text_.npos) return at;
       const std::string word(trimmed(text_.substr(begin, equals - begin), " \t\r\n"));
-      if (!seen.insert(word).second) return;  // no product accepts an attribute twice
+      if (!seen.insert(word).second) return at;  // no product accepts an attribute twice
       if (!is_known(word, name)) blank(begin, end + 1, Variant::governance_unknown_attribute);
       at = end + 1;
     }
+    return at;
   }
   static bool is_known(std::string_view attribute, std::string_view element) {
     return attribute == "must_interpret" || attribute.starts_with("xmlns") ||
@@ -90,7 +96,7 @@ class Cleaner {
   // Converts the name of a start tag or an end tag to lower case.
   void small_name(std::size_t at) {
     has_root_ = true;
-    const auto end = std::min(text_.find_first_of(" \t\r\n>", at), text_.size());
+    const auto end = std::min(text_.find_first_of(" \t\r\n<>", at), text_.size());
     const auto name = text_.substr(at, end - at);
     if (!is_in_pair(name, end)) return;
     for (; at < end; ++at)
@@ -106,8 +112,10 @@ class Cleaner {
       if (!open_.empty()) open_.pop_back();
       return is_same;
     }
-    const auto close = text_.find('>', end);
-    const bool is_closed = close != text_.npos && close > 0 && text_[close - 1] == '/';
+    if (open_.size() == kMaxOpen) return false;
+    const auto close = text_.find_first_of("<>", end);
+    const bool is_closed =
+        close != text_.npos && close > 0 && text_[close] == '>' && text_[close - 1] == '/';
     if (!is_closed) open_.emplace_back(name);
     return true;
   }

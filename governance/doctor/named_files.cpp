@@ -12,8 +12,16 @@
 namespace ddssec::governance::doctor {
 namespace {
 
+// A text can look as if it names a file in each of its lines, and each one is reported.
+constexpr std::size_t kMaxNamed = 100;
+
 std::string content_of(std::string_view after_tag) {
-  return without_escapes(trimmed(after_tag.substr(0, after_tag.find("</")), " \t\r\n"));
+  return without_escapes(trimmed(after_tag.substr(0, after_tag.find('<')), " \t\r\n"));
+}
+
+// True if `tag` begins before `text`, which is a part of the same text.
+bool is_before(const StartTag& tag, std::string_view text) {
+  return tag.attributes.data() < text.data();
 }
 
 const Role* role_of_property(std::string_view name) {
@@ -53,7 +61,8 @@ std::vector<NamedFile> named_by_cyclonedds(std::string_view text, const Effectiv
     return out;
   }
   for (const auto& role : kRoles)
-    for (auto tag = find_tag(text, role.element); tag; tag = find_tag(tag->after, role.element))
+    for (auto tag = find_tag(text, role.element); tag && out.size() < kMaxNamed;
+         tag = find_tag(tag->after, role.element))
       out.push_back({&role, content_of(tag->after)});
   return out;
 }
@@ -67,8 +76,10 @@ std::vector<std::filesystem::path> paths_of(const std::vector<NamedFile>& named)
 
 std::vector<NamedFile> named_anywhere_by_fastdds(std::string_view text) {
   std::vector<NamedFile> out;
-  for (auto tag = find_tag(text, "name"); tag; tag = find_tag(tag->after, "name")) {
-    const auto value = find_tag(tag->after, "value");
+  auto value = find_tag(text, "value");  // the next one after the name
+  for (auto tag = find_tag(text, "name"); tag && value && out.size() < kMaxNamed;
+       tag = find_tag(tag->after, "name")) {
+    if (is_before(*value, tag->after)) value = find_tag(tag->after, "value");
     const auto* const role = role_of_property(content_of(tag->after));
     if (value && role != nullptr) out.push_back({role, content_of(value->after)});
   }

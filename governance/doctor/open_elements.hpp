@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <ranges>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "governance/doctor/markup.hpp"
@@ -50,9 +52,11 @@ class OpenElements {
     const bool is_anonymous = token.name.empty() && token.is_inline;
     return !is_empty() && (is_anonymous || token.spelled == innermost().spelled);
   }
-  /// Notes in all of them that they have a value.
+  /// Notes in all of them that they have a value. The elements around one that is marked are marked
+  /// already.
   void mark_values() {
-    for (auto& one : elements_) one.has_values = true;
+    for (auto& one : std::views::reverse(elements_))
+      if (std::exchange(one.has_values, true)) return;
   }
 
   /// True if the innermost element is directly below <CycloneDDS>.
