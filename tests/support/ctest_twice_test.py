@@ -2,6 +2,7 @@
 """ctest_twice.sh forgives a few tests that fail once and names them, as it names those that were skipped. It forgives
 none that fails twice. It does the same for each test of a group that test_group.py runs."""
 
+import os
 import pathlib
 import subprocess
 import sys
@@ -20,21 +21,25 @@ here = pathlib.Path(sys.argv[0]).parent
 tests = sys.argv[1:-1] if sys.argv[-1] == "--gtest_filter=*" else sys.argv[-1].partition("=")[2].split(":")
 with open(here / "runs", "a") as runs:
     print(*tests, file=runs)
-print(f"[==========] Running {len(tests)} tests from 1 test suite.")
-failed = []
+color = "" if os.environ.get("GTEST_COLOR") == "no" else "\\033[m"
+print(f"{color}[==========] Running {len(tests)} tests from 1 test suite.")
+failed, ends_well = [], True
 for test in tests:
     print(f"[ RUN      ] {test}\\nwhat {test} says", flush=True)
     ran = here / test.replace("/", "-")
     first = not ran.exists()
     ran.touch()
-    if "Crash" in test and (first or "Once" not in test):
+    if "Crash" in test and (not first if "Later" in test else first or "Once" not in test):
         os.abort()
+    ends_well = ends_well and not ("Exit" in test and first)
     fails = "Bad" in test or ("Once" in test and first)
     failed += [test] * fails
     print("[  FAILED  ]" if fails else "[  SKIPPED ]" if "Skip" in test else "[       OK ]", test, "(0 ms)")
-print(f"[==========] {len(tests)} tests from 1 test suite ran. (0 ms total)\\n[  PASSED  ] some tests.")
+print(f"{color}[==========] {len(tests)} tests from 1 test suite ran. (0 ms total)\\n[  PASSED  ] some tests.")
 for test in failed:
-    print(f"[  FAILED  ] {test}")
+    print(f"[  FAILED  ] {test}", flush=True)
+if not ends_well:
+    os.abort()
 sys.exit(bool(failed))
 """
 
@@ -181,6 +186,24 @@ class Groups(unittest.TestCase):
         self.assertIn("what A.Crash says", said)
         self.assertIn("FAILED TWICE: some.A.Crash, some.tests", said)
 
+    def test_a_failed_test_that_a_crash_keeps_from_running_again_is_not_forgiven(self):
+        status, said, runs = self.run_group("A.CrashLater", "A.Once", "A.CrashOnce")
+        self.assertNotEqual(status, 0, said)
+        self.assertEqual(len(runs), 2)
+        self.assertIn("FAILED TWICE: some.A.CrashLater, some.A.CrashOnce, some.A.Once, some.tests", said)
+
+    def test_a_program_that_crashes_after_a_failed_test_and_its_end_runs_all_again(self):
+        status, said, runs = self.run_group("A.Good", "A.Once", "A.Exit")
+        self.assertEqual(status, 0, said)
+        self.assertEqual(runs, ["A.Good A.Once A.Exit"] * 2)
+        self.assertIn("PASSED ONLY WHEN RUN AGAIN: some.A.Once, some.tests", said)
+
+    def test_colors_of_googletest_do_not_hide_what_ran(self):
+        os.environ["GTEST_COLOR"] = "yes"
+        self.addCleanup(os.environ.pop, "GTEST_COLOR")
+        status, said, _ = self.run_group("A.Good")
+        self.assertEqual(status, 0, said)
+
     def test_a_group_whose_filter_fits_no_test_fails(self):
         status, said, _ = self.run_group()
         self.assertNotEqual(status, 0, said)
@@ -194,11 +217,11 @@ class Groups(unittest.TestCase):
             self.assertNotEqual(done.returncode, 0)
             self.assertIn("nowhere", done.stdout + done.stderr)
 
-    def test_a_program_that_does_not_end_is_ended_and_its_test_named(self):
+    def test_a_program_that_does_not_end_is_ended_with_its_children_and_its_test_named(self):
         with tempfile.TemporaryDirectory(prefix="ddssec-ctest-") as folder:
             program = pathlib.Path(folder, "program")
             program.write_text("#!/bin/sh\necho '[==========] Running 2 tests from 1 test suite.'\n"
-                               "echo '[ RUN      ] A.Endless'\nexec sleep 60\n")
+                               "echo '[ RUN      ] A.Endless'\nsleep 60\n")
             program.chmod(0o755)
             done = subprocess.run([GROUP, f"{folder}/notes", "some", "0.5", program], text=True, capture_output=True,
                                   timeout=30, check=False)

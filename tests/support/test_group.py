@@ -3,17 +3,18 @@
 ctest_twice.sh how many there are, which failed and which were skipped.
 
 With DDSSEC_FAILED_ONLY in the environment, the tests that an earlier run noted as failed run alone. If the program did
-not come to its end then, they all run.
+not come to its end then, they all run. Those that failed then and do not run count as failed once more.
 
 Usage: test_group.py NOTES NAME SECONDS PROGRAM [OPTION ...]
 
 NOTES: the file of the notes. A line is "tests NUMBER", "failed NAME.Suite.Test", "skipped NAME.Suite.Test", or
-"unfinished" if the program crashed, did not end within SECONDS, or ran too few tests.
+"unfinished" if the program crashed, also after its tests, did not end within SECONDS, or ran too few tests.
 """
 
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -26,14 +27,21 @@ LAST_OCTETS = 20_000  # of what a program printed that did not come to its end
 
 
 def run(command, environment, seconds):
-    """Its exit status and what it printed. It prints into a pipe: some tests limit the size of files."""
-    program = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    overdue = threading.Timer(seconds, program.kill)
+    """Its exit status and what it printed. It prints into a pipe: some tests limit the size of files. What it has
+    started ends with it, since a process that keeps the pipe would delay the end."""
+    program = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                               start_new_session=True)
+    overdue = threading.Timer(seconds, os.killpg, (program.pid, signal.SIGKILL))
     overdue.daemon = True
     overdue.start()
-    text = program.stdout.read().decode(errors="replace")
-    status = program.wait()
-    overdue.cancel()
+    try:
+        text = program.stdout.read().decode(errors="replace")
+        status = program.wait()
+    except BaseException:  # such as the end of ctest
+        os.killpg(program.pid, signal.SIGKILL)
+        raise
+    finally:
+        overdue.cancel()
     return status, text
 
 
@@ -44,7 +52,7 @@ class Group:
         body = ENDED.split(text)[0]
         self.finished = ENDED.search(text) is not None
         self.planned = int((PLANNED.search(text) or [0, 0])[1])
-        self.failed, self.skipped, self.said = [], [], {}
+        self.passed, self.failed, self.skipped, self.said = [], [], [], {}
         running, since = None, 0
         for step in STEP.finditer(body):
             what, test = step[1], step[2]
@@ -57,8 +65,14 @@ class Group:
                     self.said[test] = body[since:step.end()]
                 elif what == "SKIPPED":
                     self.skipped.append(test)
+                else:
+                    self.passed.append(test)
         if running:
             self.failed.append(running)
+
+    def count_as_failed(self, due):
+        """Of the tests that failed before, those that did not run."""
+        self.failed += [test for test in due if test not in self.passed + self.failed + self.skipped]
 
     def notes(self, name):
         lines = [f"tests {self.planned}"] + [f"failed {name}.{test}" for test in self.failed]
@@ -67,12 +81,12 @@ class Group:
 
 
 def failed_before(notes, name):
-    """The tests that run again; empty if all do."""
+    """The tests that failed in an earlier run, and whether its program came to its end."""
     if "DDSSEC_FAILED_ONLY" not in os.environ or not notes.is_file():
-        return []
+        return [], True
     lines = notes.read_text(encoding="utf-8").splitlines()
-    return [] if "unfinished" in lines else [line.removeprefix(f"failed {name}.") for line in lines
-                                             if line.startswith("failed ")]
+    failed = [line.removeprefix(f"failed {name}.") for line in lines if line.startswith("failed ")]
+    return failed, "unfinished" not in lines
 
 
 def not_run(group, again):
@@ -84,8 +98,9 @@ def not_run(group, again):
 
 def main():
     notes, name, seconds, *command = sys.argv[1:]
-    notes, environment = pathlib.Path(notes), dict(os.environ)
-    again = failed_before(notes, name)
+    notes, environment = pathlib.Path(notes), dict(os.environ, GTEST_COLOR="no", GTEST_BRIEF="0")
+    due, had_finished = failed_before(notes, name)
+    again = due if had_finished else []
     if again:
         command = [command[0], "--gtest_filter=" + ":".join(again)]
         for variable in ("GTEST_TOTAL_SHARDS", "GTEST_SHARD_INDEX"):
@@ -94,8 +109,11 @@ def main():
     status, text = run(command, environment, float(seconds))
     group = Group(text)
     wrong = not_run(group, again)
+    group.count_as_failed(due)
+    # One that a signal ended after its tests may have failed in any of them.
+    in_doubt = group.finished and (wrong or status < 0)
     notes.parent.mkdir(parents=True, exist_ok=True)
-    notes.write_text(group.notes(name) + ("unfinished\n" if wrong and group.finished else ""), encoding="utf-8")
+    notes.write_text(group.notes(name) + ("unfinished\n" if in_doubt else ""), encoding="utf-8")
     print(f"{group.planned} tests, {len(group.failed)} failed, {len(group.skipped)} skipped")
     for kind, tests in (("FAILED", group.failed), ("SKIPPED", group.skipped)):
         for test in tests:
