@@ -6,7 +6,7 @@ import unittest
 
 from ocsp_responder import index_line, responder
 from shown_process import running_participant
-from transcript import ANSWERS, DATA, NOW, SCHEMA, Transcript, main
+from transcript import ANSWERS, DATA, NOW, SCHEMA, Transcript, answers_of, main
 
 FREE = ("--no-passphrase",)
 POLICY = DATA / "sros2/upstream/policies/talker_listener.policy.xml"
@@ -149,10 +149,12 @@ class EveryCommand(Transcript):
             changed = copy.deepcopy(answer)
             at(changed, path)["unheard_of"] = 1
             self.assertFalse(ANSWERS.is_valid(changed), f"{answer['command']} {path}")
+            self.assertFalse(answers_of(answer["command"]).is_valid(changed), f"{answer['command']} {path}")
         for name in answer["result"]:
             changed = copy.deepcopy(answer)
             changed["result"][name] = {"of": ["no", "sense"]}
             self.assertFalse(ANSWERS.is_valid(changed), f"{answer['command']} {name}")
+            self.assertFalse(answers_of(answer["command"]).is_valid(changed), f"{answer['command']} {name}")
 
 
 class Schema(unittest.TestCase):
