@@ -149,6 +149,7 @@ set(DDSSEC_CARRIED_HEADERS
   rtps/reliability/held_octets.hpp
   rtps/reliability/moment.hpp
   rtps/reliability/payload.hpp
+  rtps/reliability/payload_buffer.hpp
   rtps/reliability/timer_queue.hpp
   rtps/reliability/writer_group.hpp
   base/file_descriptor.hpp

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
+#include <span>
 
 #include "base/reader.hpp"
 #include "rtps/cdr/encapsulation.hpp"
@@ -155,6 +157,11 @@ class CdrReader {
     if constexpr (std::is_same_v<E, std::uint8_t>) {
       const auto octets = *reader_.read_bytes(count);
       value.assign(octets.begin(), octets.end());
+    } else if (is_stored_as_written<E>()) {
+      if constexpr (detail::kIsStoredAsWritten<E>) {
+        value.resize(count);
+        take_stored<E>(value);
+      }
     } else {
       value.clear();
       for (std::uint32_t i = 0; i < count && status_; ++i) {
@@ -165,12 +172,27 @@ class CdrReader {
     }
   }
 
+  template <class E>
+  bool is_stored_as_written() const {
+    return detail::kIsStoredAsWritten<E> && reader_.endian() == Endian::little;
+  }
+
+  template <class E>
+  void take_stored(std::span<E> numbers) {
+    if (numbers.empty() || !align(sizeof(E))) return;
+    if (numbers.size_bytes() > remaining()) return refuse(Code::truncated);
+    const auto octets = *reader_.read_bytes(numbers.size_bytes());
+    std::memcpy(numbers.data(), octets.data(), octets.size());
+  }
+
   // The bounds are those of the array's elements.
   template <class E, std::size_t N>
   void take_array(std::array<E, N>& value, [[maybe_unused]] std::size_t bound,
                   [[maybe_unused]] std::size_t element_bound) {
     if constexpr (std::is_same_v<E, std::uint8_t>) {
       if (N > remaining() || !reader_.read_into(value)) refuse(Code::truncated);
+    } else if (is_stored_as_written<E>()) {
+      if constexpr (detail::kIsStoredAsWritten<E>) take_stored<E>(value);
     } else {
       for (auto& element : value)
         if constexpr (detail::Array<E>)

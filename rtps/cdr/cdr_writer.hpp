@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <span>
 
 #include "base/bytes.hpp"
 #include "rtps/cdr/encapsulation.hpp"
@@ -10,10 +12,12 @@
 
 namespace ddssec::rtps {
 
-/// Appends to octets of the caller, which keep their capacity from sample to sample.
+/// Appends to octets of the caller: a Bytes, which keeps its capacity from sample to sample, or a
+/// PayloadBuffer, which has the same calls.
+template <class Octets>
 class CdrWriter {
  public:
-  CdrWriter(Bytes& out, XcdrVersion version, Endian endian)
+  CdrWriter(Octets& out, XcdrVersion version, Endian endian)
       : out_(out), origin_(out.size()), version_(version), endian_(endian) {}
 
   template <class T>
@@ -115,11 +119,31 @@ class CdrWriter {
     using E = typename C::value_type;
     if constexpr (std::is_same_v<E, std::uint8_t>) {
       out_.insert(out_.end(), elements.begin(), elements.end());
+    } else if constexpr (detail::kIsStoredAsWritten<E>) {
+      if (endian_ == Endian::little)
+        put_stored<E>(elements);
+      else
+        put_each(elements);
     } else if constexpr (detail::Array<C> && detail::Array<E>) {
       for (const auto& inner : elements) put_elements(inner);
     } else {
-      for (const auto& element : elements) put<E>(element);
+      put_each(elements);
     }
+  }
+
+  template <class C>
+  void put_each(const C& elements) {
+    for (const auto& element : elements) put<typename C::value_type>(element);
+  }
+
+  // Elements after the first one need no padding.
+  template <class E>
+  void put_stored(std::span<const E> elements) {
+    if (elements.empty()) return;
+    align(sizeof(E));
+    const auto octets = std::as_bytes(elements);
+    const auto* first = static_cast<const std::uint8_t*>(static_cast<const void*>(octets.data()));
+    out_.insert(out_.end(), first, first + octets.size());
   }
 
   template <DdsType T>
@@ -140,7 +164,7 @@ class CdrWriter {
     if (header != 0) store(header - 4, static_cast<std::uint32_t>(out_.size() - header));
   }
 
-  Bytes& out_;
+  Octets& out_;
   std::size_t origin_;
   XcdrVersion version_;
   Endian endian_;
@@ -148,9 +172,27 @@ class CdrWriter {
 
 namespace detail {
 
-void begin_payload(Bytes& out, Encapsulation kind, Endian endian);
+/// Returns the four octets at the beginning of a payload.
+constexpr std::array<std::uint8_t, kEncapsulationSize> encapsulation_octets(Encapsulation kind,
+                                                                            Endian endian) {
+  const auto id =
+      static_cast<std::uint16_t>(static_cast<std::uint16_t>(kind) | (endian == Endian::little));
+  return {static_cast<std::uint8_t>(id >> 8), static_cast<std::uint8_t>(id), 0, 0};
+}
+
+template <class Octets>
+void begin_payload(Octets& out, Encapsulation kind, Endian endian) {
+  const auto octets = encapsulation_octets(kind, endian);
+  out.resize(octets.size());
+  for (std::size_t i = 0; i < octets.size(); ++i) out[i] = octets[i];
+}
 /// Pads to a multiple of 4 octets and records the padding in the options.
-void end_payload(Bytes& out);
+template <class Octets>
+void end_payload(Octets& out) {
+  const auto padding = -out.size() & 3u;
+  out.resize(out.size() + padding);
+  out[3] = static_cast<std::uint8_t>(padding);
+}
 
 template <DdsType T>
 constexpr Encapsulation encapsulation_of(XcdrVersion version) {
@@ -163,8 +205,8 @@ constexpr Encapsulation encapsulation_of(XcdrVersion version) {
 
 /// Replaces `out` with the payload of a DATA, including its encapsulation. Allocates only while
 /// `out` grows for the first time.
-template <DdsType T>
-void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
+template <DdsType T, class Octets>
+void serialize(const T& value, Octets& out, XcdrVersion version = XcdrVersion::xcdr1,
                Endian endian = Endian::little) {
   detail::begin_payload(out, detail::encapsulation_of<T>(version), endian);
   CdrWriter(out, version, endian).put(value);
@@ -172,8 +214,8 @@ void serialize(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xc
 }
 
 /// As serialize, for the key alone: the payload of a dispose or unregister.
-template <DdsType T>
-void serialize_key(const T& value, Bytes& out, XcdrVersion version = XcdrVersion::xcdr1,
+template <DdsType T, class Octets>
+void serialize_key(const T& value, Octets& out, XcdrVersion version = XcdrVersion::xcdr1,
                    Endian endian = Endian::little, KeyLayout layout = KeyLayout::delimited) {
   detail::begin_payload(out, detail::encapsulation_of<T>(version), endian);
   CdrWriter(out, version, endian).put_key(value, layout);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -137,6 +138,12 @@ template <class T>
 concept Sequence = IsVector<T>::value;
 template <class T>
 concept Array = IsArray<T>::value;
+
+/// True if numbers of this type are in memory as they are written in little-endian order.
+template <class T>
+inline constexpr bool kIsStoredAsWritten =
+    Primitive<T> && !std::is_same_v<T, bool> && sizeof(T) <= 8 &&
+    std::endian::native == std::endian::little;
 
 /// The type of an enumeration on the wire.
 template <class E>

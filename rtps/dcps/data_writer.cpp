@@ -188,7 +188,7 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
   const auto may_continue = [&] { return !protocol().is_ahead(context_.now()); };
   if (!may_continue()) context_.wait(lock, std::min(timeout, kBrake), may_continue);
   // Room is checked last, because other threads write while this one waits.
-  const auto room = [&] { return protocol().history().has_room(change.payload.size(), key); };
+  const auto room = [&] { return protocol().history().has_room(change.octets().size(), key); };
   if (context_.wait(lock, timeout, room)) return {};
   return std::unexpected(
       history_full_error(protocol(), context_.protocol().remote_participants().core()));
@@ -196,12 +196,12 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   // Readers drop larger samples, and the writer would not notice.
-  if (request.payload.size() > StatefulReader::kMaxSample)
+  if (request.octets().size() > StatefulReader::kMaxSample)
     return fail(Code::rtps_sample_too_large,
                 {.document = "writer of topic " + topic_.name(),
                  .field = "serialized size",
                  .expected = "at most " + std::to_string(StatefulReader::kMaxSample),
-                 .found = std::to_string(request.payload.size())});
+                 .found = std::to_string(request.octets().size())});
   auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   DDSSEC_RETURN_IF_ERROR(
@@ -217,7 +217,7 @@ Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
   change.status = status;
   change.key_hash = request.key;
   change.is_key_only = status != StatusInfo{};
-  change.payload = Payload::copy_of(request.payload);
+  change.payload = request.shared.size() > 0 ? request.shared : Payload::copy_of(request.payload);
   const auto next = protocol().history().last().next();
   if (publisher().presents_) change.coherence = publisher().stamp(set_begin_, next);
   durability_.append(change, guid_, next, {now, wall});

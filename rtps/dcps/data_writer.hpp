@@ -16,6 +16,7 @@
 #include "rtps/dcps/writer_durability.hpp"
 #include "rtps/dcps/writer_instances.hpp"
 #include "rtps/dcps/writer_lifespan.hpp"
+#include "rtps/reliability/payload_buffer.hpp"
 
 namespace ddssec::rtps {
 
@@ -30,6 +31,12 @@ struct OctetWrite {
   /// HANDLE_NIL means the instance that the key names.
   InstanceHandle handle = {};
   std::optional<Time> source_timestamp = {};  ///< if it is empty, the source time is now
+  /// If it has octets, it is written instead of `payload`, without a copy. It may not change any
+  /// more.
+  Payload shared = {};
+
+  /// Returns what is written.
+  BytesView octets() const { return shared.size() > 0 ? shared.view() : payload; }
 };
 
 /// A writer of serialized samples; the base class of DataWriter<T>. Created and deleted by its
@@ -45,7 +52,7 @@ class AnyDataWriter : public Endpoint, private TimedObject {
   /// running callbacks of the former listener have returned (exceptions: rtps/dcps/listener.hpp).
   void set_listener(DataWriterListener* listener, StatusMask mask = kAnyStatus);
 
-  /// Writes a sample. The octets are copied. Waits for room for at most
+  /// Writes a sample. The octets of `change.payload` are copied. Waits for room for at most
   /// RELIABILITY.max_blocking_time; within a listener it does not wait.
   /// Errors:
   /// - rtps_not_enabled
@@ -134,8 +141,8 @@ class AnyDataWriter : public Endpoint, private TimedObject {
   LivelinessLostStatus liveliness_lost_;
 };
 
-/// A writer of T. Thread-safe. The calls serialize into buffers that belong to the writer; a thread
-/// that finds them in use allocates others.
+/// A writer of T. Thread-safe. A sample is serialized once, into the payload that the history
+/// keeps.
 template <DdsType T>
 class DataWriter final : public AnyDataWriter {
  public:
@@ -143,41 +150,41 @@ class DataWriter final : public AnyDataWriter {
   /// wait for RELIABILITY.max_blocking_time. Errors of all calls that write:
   /// AnyDataWriter::write_octets.
   Status write(const T& sample, InstanceHandle handle = {}) {
-    return write_octets(with_payload(Buffers(*this), sample, handle, std::nullopt));
+    return write_octets(with_payload(sample, handle, std::nullopt));
   }
   /// As write, with this source time, a time of the calendar. Further error:
   /// rtps_bad_parameter (DESTINATION_ORDER is BY_SOURCE_TIMESTAMP, and the time is before the last
   /// one).
   Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
-    return write_octets(with_payload(Buffers(*this), sample, handle, source_timestamp));
+    return write_octets(with_payload(sample, handle, source_timestamp));
   }
   /// Disposes the instance; only the key of `sample` counts.
   Status dispose(const T& sample, InstanceHandle handle = {}) {
-    return dispose_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
+    return dispose_octets(with_key(sample, handle, std::nullopt));
   }
   /// As dispose, with a source time. Further error: that of write_w_timestamp.
   Status dispose_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
-    return dispose_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
+    return dispose_octets(with_key(sample, handle, source_timestamp));
   }
   /// Unregisters the instance, because the writer will not write it any more. With
   /// autodispose_unregistered_instances (the default) the instance is disposed as well. Further
   /// error: rtps_precondition_not_met (the instance is not registered).
   Status unregister_instance(const T& sample, InstanceHandle handle = {}) {
-    return unregister_octets(with_key(Buffers(*this), sample, handle, std::nullopt));
+    return unregister_octets(with_key(sample, handle, std::nullopt));
   }
   /// As unregister_instance, with a source time. Further error: that of write_w_timestamp.
   Status unregister_instance_w_timestamp(const T& sample, InstanceHandle handle,
                                          Time source_timestamp) {
-    return unregister_octets(with_key(Buffers(*this), sample, handle, source_timestamp));
+    return unregister_octets(with_key(sample, handle, source_timestamp));
   }
   /// See AnyDataWriter::register_octets.
   Result<InstanceHandle> register_instance(const T& sample) {
-    return register_octets(with_key(Buffers(*this), sample, {}, std::nullopt));
+    return register_octets(change_of(sample, {}, std::nullopt));
   }
   /// Returns the handle of the sample's instance; only the key of `sample` counts. HANDLE_NIL if
   /// the instance is not registered.
   InstanceHandle lookup_instance(const T& sample) {
-    return lookup_key(key_of(Buffers(*this), sample).value_or(KeyHash{}));
+    return lookup_key(key_of(sample).value_or(KeyHash{}));
   }
   /// Returns a sample in which only the key is set. Errors: rtps_bad_parameter (no such instance).
   Result<T> key_value(InstanceHandle instance) const {
@@ -190,56 +197,61 @@ class DataWriter final : public AnyDataWriter {
   friend class Publisher;
   using AnyDataWriter::AnyDataWriter;
 
-  struct Octets {
-    Bytes payload, key;
-  };
-  /// The buffers into which one call serializes, until it has returned.
-  class Buffers {
+  /// The buffer into which one call serializes a key, until it has returned.
+  class KeyBuffer {
    public:
-    explicit Buffers(DataWriter& writer)
+    explicit KeyBuffer(DataWriter& writer)
         : writer_(writer),
           has_kept_(!writer.kept_in_use_.test_and_set(std::memory_order_acquire)) {}
-    ~Buffers() {
+    ~KeyBuffer() {
       if (has_kept_) writer_.kept_in_use_.clear(std::memory_order_release);
     }
-    Buffers(const Buffers&) = delete;
-    Buffers& operator=(const Buffers&) = delete;
-    Octets* operator->() const { return has_kept_ ? &writer_.kept_ : &own_; }
+    KeyBuffer(const KeyBuffer&) = delete;
+    KeyBuffer& operator=(const KeyBuffer&) = delete;
+    Bytes& octets() { return has_kept_ ? writer_.kept_ : own_; }
 
    private:
     DataWriter& writer_;
     const bool has_kept_;
-    mutable Octets own_;
+    Bytes own_;
   };
 
-  std::optional<KeyHash> key_of(const Buffers& buffers, const T& sample) {
+  std::optional<KeyHash> key_of(const T& sample) {
     static const bool keyed = has_key<T>();
     if (!keyed) return std::nullopt;
-    return key_hash(sample, buffers->key, keys_.hidden, version());
+    return key_hash(sample, KeyBuffer(*this).octets(), keys_.hidden, version());
   }
-  OctetWrite change_of(const Buffers& buffers, const T& sample, InstanceHandle handle,
-                       std::optional<Time> time) {
-    return {buffers->payload, key_of(buffers, sample),
-            [&sample, this] {
-              Bytes out;
-              serialize_key(sample, out, version());
-              return out;
-            },
-            handle, time};
+  /// Returns the change without its payload. It refers to the sample.
+  OctetWrite change_of(const T& sample, InstanceHandle handle, std::optional<Time> time) {
+    return {.key = key_of(sample),
+            .serialized_key =
+                [&sample, this] {
+                  Bytes out;
+                  serialize_key(sample, out, version());
+                  return out;
+                },
+            .handle = handle,
+            .source_timestamp = time};
   }
-  OctetWrite with_payload(const Buffers& buffers, const T& sample, InstanceHandle handle,
-                          std::optional<Time> time) {
-    serialize(sample, buffers->payload, version());
-    return change_of(buffers, sample, handle, time);
+  OctetWrite with_payload(const T& sample, InstanceHandle handle, std::optional<Time> time) {
+    auto out = change_of(sample, handle, time);
+    PayloadBuffer buffer(sizes_.expected());
+    serialize(sample, buffer, version());
+    sizes_.note(buffer.size());
+    out.shared = std::move(buffer).finish();
+    return out;
   }
-  OctetWrite with_key(const Buffers& buffers, const T& sample, InstanceHandle handle,
-                      std::optional<Time> time) {
-    serialize_key(sample, buffers->payload, version());
-    return change_of(buffers, sample, handle, time);
+  OctetWrite with_key(const T& sample, InstanceHandle handle, std::optional<Time> time) {
+    auto out = change_of(sample, handle, time);
+    PayloadBuffer buffer(Payload::kMinOctets);
+    serialize_key(sample, buffer, version());
+    out.shared = std::move(buffer).finish();
+    return out;
   }
 
   std::atomic_flag kept_in_use_;
-  Octets kept_;
+  Bytes kept_;
+  PayloadSizes sizes_;
 };
 
 }  // namespace ddssec::rtps

@@ -18,7 +18,7 @@ namespace ddssec::rtps {
 namespace {
 
 // There are four sizes for each power of two, so at most a quarter of a payload is wasted.
-constexpr std::size_t kMin = 64;
+constexpr std::size_t kMin = Payload::kMinOctets;
 constexpr std::size_t kSteps = 4;
 
 constexpr std::size_t class_of(std::size_t size) {
@@ -70,9 +70,9 @@ Payload Payload::uninitialized(std::size_t size) {
   if (size == 0) return out;
   const bool kept = size <= kMaxKeptOctets;
   const auto size_class = kept ? class_of(size) : kClasses;
-  const auto capacity = kept ? capacity_of(size_class) : size;
   auto* block = kept ? Store::shared.take(size_class) : nullptr;
-  if (block == nullptr) block = new (::operator new(sizeof(Block) + capacity)) Block;
+  if (block == nullptr)
+    block = new (::operator new(sizeof(Block) + kLead + memory_for(size))) Block;
   block->holders.store(1, std::memory_order_relaxed);
   block->size_class = static_cast<std::uint16_t>(size_class);
   block->size = size;
@@ -81,8 +81,12 @@ Payload Payload::uninitialized(std::size_t size) {
   return out;
 }
 
+std::size_t Payload::memory_for(std::size_t size) {
+  return size <= kMaxKeptOctets ? capacity_of(class_of(size)) : size;
+}
+
 void Payload::release(Block* block) noexcept {
-  auto* const octets = static_cast<std::uint8_t*>(static_cast<void*>(block + 1));
+  auto* const octets = octets_of(block);
   if (std::exchange(block->holds_secrets, false)) wipe(MutableBytes(octets, block->size));
   if (block->size_class < kClasses) {
     ASAN_POISON_MEMORY_REGION(octets, capacity_of(block->size_class));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/bytes.hpp"
+#include "rtps/cdr/encapsulation.hpp"
 
 namespace ddssec::rtps {
 
@@ -18,6 +19,11 @@ class Payload {
   /// the allocator at once.
   static constexpr std::size_t kMaxKeptOctets = std::size_t{8} << 20;
   static constexpr std::size_t kMaxKept = std::size_t{32} << 20;
+  /// The memory of the smallest payload.
+  static constexpr std::size_t kMinOctets = 64;
+  /// What follows the encapsulation, in a payload that begins where this class puts it, is aligned
+  /// to this.
+  static constexpr std::size_t kAlignment = 16;
 
   Payload() = default;
   Payload(const Payload& other) noexcept : block_(other.block_) {
@@ -41,6 +47,8 @@ class Payload {
   /// Returns a payload that must be filled before it is shared. Pages that are never written cost
   /// no memory.
   static Payload uninitialized(std::size_t size);
+  /// Returns the octets of memory that a payload of this size takes, without its head.
+  static std::size_t memory_for(std::size_t size);
 
   BytesView view() const { return block_ == nullptr ? BytesView{} : BytesView(octets(), size()); }
   MutableBytes fill() {
@@ -57,7 +65,7 @@ class Payload {
   }
 
  private:
-  struct alignas(16) Block {
+  struct alignas(kAlignment) Block {
     std::atomic<std::uint32_t> holders = 1;
     std::uint16_t size_class = 0;
     bool holds_secrets = false;
@@ -65,10 +73,13 @@ class Payload {
     Block* next = nullptr;  ///< list of the blocks that are kept
   };
   struct Store;
-  static void release(Block* block) noexcept;
-  std::uint8_t* octets() const {
-    return static_cast<std::uint8_t*>(static_cast<void*>(block_ + 1));
+  /// The octets begin this far after the block, so that those after the encapsulation are aligned.
+  static constexpr std::size_t kLead = kAlignment - kEncapsulationSize;
+  static std::uint8_t* octets_of(Block* block) {
+    return static_cast<std::uint8_t*>(static_cast<void*>(block + 1)) + kLead;
   }
+  static void release(Block* block) noexcept;
+  std::uint8_t* octets() const { return octets_of(block_); }
 
   Block* block_ = nullptr;
 };

@@ -2,6 +2,7 @@
 #include "rtps/dcps/data_writer.hpp"
 
 #include "rtps/reliability/stateful_reader.hpp"
+#include "tests/support/counted_memory.hpp"
 #include "tests/support/succeeds.hpp"
 #include "tests/unit/rtps/accesses.hpp"
 #include "tests/unit/rtps/dcps_fixture.hpp"
@@ -74,6 +75,20 @@ TEST_P(Access, Octets_GoInAndComeOut) {
   run();
   EXPECT_THAT(taken(reader), IsEmpty());
   EXPECT_EQ(reader.malformed(), 1u);
+}
+
+// The payload in the history is the only memory that the sample takes.
+TEST_P(Access, LargeSample_TakesMemoryOnce) {
+  constexpr std::size_t kSize = Payload::kMaxKeptOctets + (4u << 20);  // freed at once
+  auto qos = reliable(HistoryKind::keep_last);
+  qos.durability = DurabilityKind::transient_local;
+  auto* topic = *a.participant->create_topic<Reading>("Unread");
+  auto& alone = **a.publisher->create_datawriter<Reading>(*topic, qos);
+  const Reading large{"a", 1, Bytes(kSize)};
+  const auto held = [] { return static_cast<std::size_t>(counted_memory::octets()); };
+  const auto before = held();
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(succeeds(alone.write(large)));
+  EXPECT_LT(held() - before, kSize + kSize / 2);
 }
 
 // Readers drop larger samples after they have acknowledged them.

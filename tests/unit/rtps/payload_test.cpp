@@ -19,6 +19,14 @@ TEST(Payloads, MemoryOfTheLast_IsThatOfTheNext) {
   EXPECT_EQ(first.size(), 990u);
 }
 
+TEST(Payloads, WhatFollowsTheEncapsulation_IsAligned) {
+  for (const std::size_t size : {4, 5, 64, 65, 100'000, 9 << 20}) {
+    const auto payload = Payload::uninitialized(size);
+    const auto* const body = payload.view().data() + kEncapsulationSize;
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(body) % Payload::kAlignment, 0u) << size;
+  }
+}
+
 TEST(Payloads, WhatHoldsKeys_IsWiped) {
   auto secret = Payload::copy_of(Bytes(5000, 0x5a));
   secret.wipe_at_end();
