@@ -17,6 +17,7 @@ set(DDSSEC_PUBLIC_HEADERS
   rtps/dcps/entity.hpp
   rtps/dcps/group.hpp
   rtps/dcps/listener.hpp
+  rtps/dcps/loans.hpp
   rtps/dcps/publisher.hpp
   rtps/dcps/sample_access.hpp
   rtps/dcps/states.hpp

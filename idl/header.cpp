@@ -163,7 +163,7 @@ std::string Header::value_text(const void* value, const CppType& type) {
 }
 
 // Adds the member to the struct and returns its entry in the traits.
-std::string Header::member(const void* member, const void* name) {
+Header::Member Header::member(const void* member, const void* name) {
   const auto type = types_.of(tree_type(member), name);
   const auto cpp = cpp_name(name);
   declared_ += "  " + type.text + " " + cpp + value_text(tree_value(member), type) + ";\n";
@@ -174,12 +174,12 @@ std::string Header::member(const void* member, const void* name) {
     text = "bounded(" + text + ", " + std::to_string(type.bound) + ")";
   if (type.element_bound > 0)
     text = "with_element_bound(" + text + ", " + std::to_string(type.element_bound) + ")";
-  return "named(\"" + std::string(tree_name(name)) + "\", " + text + ")";
+  return {"named(\"" + std::string(tree_name(name)) + "\", " + text + ")", cpp};
 }
 
 void Header::structure(const void* which) {
   if (!accepts(which) || !accepts_nesting(which)) return;
-  std::vector<std::string> members;
+  std::vector<Member> members;
   declared_ += "struct " + cpp_name(which) + " {\n";
   for (const auto* at = tree_first(which); at != nullptr; at = tree_next(at)) {
     if (!accepts(at)) continue;
@@ -208,14 +208,27 @@ std::string Header::type_description(const void* which) {
          octets_named("type_objects", {map.get(), std::min(sizes[1], minimal + 4)});
 }
 
-void Header::traits(const void* which, const std::vector<std::string>& members) {
+// Returns the declaration from which the compiler sees whether the type is flat. An appendable one
+// never is.
+std::string Header::layout(const std::string& type, const std::vector<Member>& members) {
   std::string list;
-  for (const auto& each : members) list += (list.empty() ? "" : ",\n          ") + each;
+  for (const auto& [entry, name] : members)
+    list += (list.empty() ? "{offsetof(" : ",\n       {offsetof(") + type + ", " + name +
+            "), kFlatSize<decltype(" + type + "::" + name + ")>}";
+  return "  static constexpr std::array<MemberPlace, " + std::to_string(members.size()) +
+         "> layout = {\n      {" + list + "}};\n";
+}
+
+void Header::traits(const void* which, const std::vector<Member>& members) {
+  std::string list;
+  for (const auto& each : members) list += (list.empty() ? "" : ",\n          ") + each.entry;
   const bool appendable = (tree_flags(which) & tree_appendable) != 0;
   traits_ += "template <>\nstruct ddssec::rtps::TypeTraits<" + types_.qualified(which) +
              "> {\n  static constexpr std::string_view type_name = \"" + scoped_name(which) +
              "\";\n  static constexpr auto extensibility = Extensibility::" +
-             (appendable ? "appendable" : "final_type") + ";\n" + type_description(which) +
+             (appendable ? "appendable" : "final_type") + ";\n" +
+             (appendable ? "" : layout(types_.qualified(which), members)) +
+             type_description(which) +
              "  template <class Self, class Visit>\n"
              "  static void members(Self& self, Visit&& visit) {\n    visit(" +
              list + ");\n  }\n};\n";

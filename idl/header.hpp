@@ -18,14 +18,19 @@ class Header {
   std::optional<std::string> make();
 
  private:
+  struct Member {
+    std::string entry;  ///< in the traits
+    std::string name;   ///< in C++
+  };
   void definitions(const void* first);
   void definition(const void* node);
   void enumeration(const void* which);
   void structure(const void* which);
   bool accepts(const void* node);
   bool accepts_nesting(const void* structure);
-  std::string member(const void* member, const void* name);
-  void traits(const void* which, const std::vector<std::string>& members);
+  Member member(const void* member, const void* name);
+  void traits(const void* which, const std::vector<Member>& members);
+  static std::string layout(const std::string& type, const std::vector<Member>& members);
   std::string type_description(const void* which);
   void aliases(const void* which);
   void constant(const void* which);

@@ -31,6 +31,10 @@ enum class KeyLayout : std::uint8_t { delimited, bare };
 ///   }
 /// or, for content filters, with the names of the IDL:
 ///     visit(named("color", key(self.color, 128)), named("x", self.x));
+/// For loans (FlatType), with the places of all members, in the order of the struct:
+///   static constexpr std::array<MemberPlace, 2> layout = {
+///       {{offsetof(S, a), kFlatSize<decltype(S::a)>}, {offsetof(S, b),
+///       kFlatSize<decltype(S::b)>}}};
 /// Members may be bool, integers, floating point numbers, enumerations (32 bits), std::string,
 /// std::vector, std::array and other types with traits.
 template <class T>
@@ -172,6 +176,69 @@ void for_each_member(Self& self, F&& f) {
 }
 
 }  // namespace detail
+
+/// Where a member is in its struct, in octets.
+struct MemberPlace {
+  std::size_t offset = 0;
+  std::size_t size = 0;  ///< kFlatSize
+};
+
+namespace detail {
+
+/// See FlatType.
+template <class T>
+consteval bool is_flat();
+
+template <class T>
+consteval std::size_t flat_size() {
+  if constexpr (std::is_same_v<T, bool>) {
+    return 0;
+  } else if constexpr (Primitive<T>) {
+    return sizeof(T) <= 8 && alignof(T) == sizeof(T) ? sizeof(T) : 0;
+  } else if constexpr (std::is_enum_v<T>) {
+    return sizeof(typename EnumOnWire<T>::type) == sizeof(T) ? sizeof(T) : 0;
+  } else if constexpr (Array<T>) {
+    return flat_size<typename T::value_type>() * std::tuple_size_v<T>;
+  } else if constexpr (DdsType<T>) {
+    return is_flat<T>() ? sizeof(T) : 0;
+  } else {
+    return 0;
+  }
+}
+
+}  // namespace detail
+
+/// The size of a member that is in memory as it is in a sample: a number, an enumeration of the
+/// size that it has on the wire, an array of these, or a flat struct. 0 for all others. Any octets
+/// are a value of such a member, which is why it is not for bool.
+template <class T>
+inline constexpr std::size_t kFlatSize = detail::flat_size<T>();
+
+namespace detail {
+
+// Without padding, each member is where XCDR1 has it, too: numbers are aligned to their size.
+template <class T>
+consteval bool is_flat() {
+  if constexpr (std::endian::native == std::endian::little && std::is_trivially_copyable_v<T> &&
+                requires { TypeTraits<T>::layout; }) {
+    std::size_t end = 0;
+    for (const MemberPlace& place : TypeTraits<T>::layout) {
+      if (place.size == 0 || place.offset != end) return false;
+      end += place.size;
+    }
+    return end == sizeof(T) && TypeTraits<T>::extensibility == Extensibility::final_type;
+  } else {
+    return false;
+  }
+}
+
+}  // namespace detail
+
+/// A @final type that is in memory as it is in a little-endian sample in XCDR1, so that it can be
+/// written and read in place (rtps/dcps/loans.hpp): numbers, enumerations, arrays and structs of
+/// these, without bool and without padding. ddssec_idl_generate recognizes such types.
+template <class T>
+concept FlatType = DdsType<T> && detail::is_flat<T>();
 
 /// True if any member is a key, so that the topic has instances.
 template <DdsType T>

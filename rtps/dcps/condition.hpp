@@ -96,7 +96,7 @@ class ReadCondition : public Condition {
   std::unique_ptr<QueryMatches> query_;
 
  private:
-  template <class Reader, class Collection>
+  template <class Reader, class... Collections>
   friend class SampleAccess;
   /// Returns nullptr if this is not a QueryCondition, or if its expression is empty.
   const QueryMatches* query() const { return query_.get(); }

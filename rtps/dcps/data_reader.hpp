@@ -13,6 +13,7 @@
 #include "rtps/dcps/content_filtered_topic.hpp"
 #include "rtps/dcps/data_reader_listeners.hpp"
 #include "rtps/dcps/endpoint.hpp"
+#include "rtps/dcps/loans.hpp"
 #include "rtps/dcps/requested_liveliness.hpp"
 #include "rtps/dcps/sample_access.hpp"
 #include "rtps/dcps/sample_reception.hpp"
@@ -25,6 +26,9 @@ class Subscriber;
 /// subscriber. Thread-safe.
 class AnyDataReader : public Endpoint {
  public:
+  /// The largest number of loaned samples of one reader at the same time.
+  static constexpr std::size_t kMaxLoans = 256;
+
   ~AnyDataReader() override;
 
   /// Returns the subscriber that owns it.
@@ -97,6 +101,8 @@ class AnyDataReader : public Endpoint {
   /// means that the reader does not hold them any more.
   void discard_malformed(std::span<const OctetSample> samples, bool taken);
 
+  const std::shared_ptr<LoanCount> loans_ = std::make_shared<LoanCount>(kMaxLoans, "reader");
+
  private:
   friend class QueryCondition;
   void on_matched(const EndpointData& remote) override;
@@ -145,9 +151,14 @@ class OctetDataReader final : public AnyDataReader,
 };
 
 /// A reader of T, with read(), take() and their variants (SampleAccess). Created and deleted by its
-/// subscriber. Thread-safe. If the same collection is passed again, its objects keep their memory.
+/// subscriber. Thread-safe.
+/// - Into Samples<T>, samples are copied. If the same collection is passed again, its objects keep
+///   their memory.
+/// - Into LoanedSamples<T>, a FlatType is not copied. A call returns no more samples than kMaxLoans
+///   leaves room for. Further error: rtps_precondition_not_met (kMaxLoans are out).
 template <DdsType T>
-class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>, Samples<T>> {
+class DataReader final : public AnyDataReader,
+                         public SampleAccess<DataReader<T>, Samples<T>, LoanedSamples<T>> {
  public:
   /// Returns the oldest unread sample, and removes it or marks it as read. Empty if there is none,
   /// or if the reader is not enabled or may not be accessed now. Never waits.
@@ -169,14 +180,28 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
 
  private:
   friend class Subscriber;
-  friend class SampleAccess<DataReader<T>, Samples<T>>;
+  friend class SampleAccess<DataReader<T>, Samples<T>, LoanedSamples<T>>;
   using AnyDataReader::AnyDataReader;
+
+  Result<std::size_t> fill(const SampleQuery& query, Samples<T>& out) {
+    out.size_ = 0;
+    return append(query, out);
+  }
+  Result<std::size_t> fill(SampleQuery query, LoanedSamples<T>& out) {
+    out.clear();
+    const auto counted = loans_->add(query.max_samples, topic_.name());
+    if (!counted) return counted;
+    out.loans_ = loans_;
+    query.max_samples = *counted;
+    const UnusedLoans unused(*loans_, *counted, out);
+    return append(query, out);
+  }
 
   // A sample that cannot be deserialized is removed, and the next one is returned in its place, so
   // that no writer hides samples of others. A writer could send such samples as fast as they are
   // removed, so their number is bounded.
-  Result<std::size_t> fill(SampleQuery query, Samples<T>& out) {
-    out.size_ = 0;
+  template <class C>
+  Result<std::size_t> append(SampleQuery query, C& out) {
     const auto wanted = query.max_samples;
     std::size_t discarded = 0;
     while (discarded < HeldInstances::kMaxSamples) {
@@ -193,14 +218,17 @@ class DataReader final : public AnyDataReader, public SampleAccess<DataReader<T>
   }
   /// True if the query can find more samples without finding the same ones again. Changes a query
   /// for the next instance to one for the instance that was found.
-  static bool has_more(SampleQuery& query, const Samples<T>& found) {
+  template <class C>
+  static bool has_more(SampleQuery& query, const C& found) {
     if (found.empty()) return true;
     if (query.scope == SampleQuery::Scope::next_instance) {
       query.scope = SampleQuery::Scope::instance;
-      query.instance = found[0].info.instance_handle;
+      query.instance = info_of(found[0]).instance_handle;
     }
     return query.take || !query.states.sample.contains(SampleState::read);
   }
+  static const SampleInfo& info_of(const Sample<T>& sample) { return sample.info; }
+  static const SampleInfo& info_of(const LoanedSample<T>& sample) { return sample.info(); }
   std::optional<Sample<T>> next(bool take) {
     Samples<T> one;
     const SampleQuery query{

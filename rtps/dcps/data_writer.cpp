@@ -22,6 +22,16 @@ std::unexpected<Error> bad_parameter_error(std::string field, std::string expect
                                          .found = std::move(found)});
 }
 
+// Readers drop larger samples, and the writer would not notice.
+Status check_size(const std::string& topic, std::size_t size) {
+  if (size <= StatefulReader::kMaxSample) return {};
+  return fail(Code::rtps_sample_too_large,
+              {.document = "writer of topic " + topic,
+               .field = "serialized size",
+               .expected = "at most " + std::to_string(StatefulReader::kMaxSample),
+               .found = std::to_string(size)});
+}
+
 // If readers hold up the writer, names the one that has acknowledged least. A writer that keeps
 // what is acknowledged, for late joiners, waits for no reader.
 Error history_full_error(const StatefulWriter& writer, const ParticipantCore& participant) {
@@ -195,13 +205,7 @@ Status AnyDataWriter::wait_for_room(std::unique_lock<std::mutex>& lock, const Oc
 }
 
 Status AnyDataWriter::submit(const OctetWrite& request, StatusInfo status) {
-  // Readers drop larger samples, and the writer would not notice.
-  if (request.octets().size() > StatefulReader::kMaxSample)
-    return fail(Code::rtps_sample_too_large,
-                {.document = "writer of topic " + topic_.name(),
-                 .field = "serialized size",
-                 .expected = "at most " + std::to_string(StatefulReader::kMaxSample),
-                 .found = std::to_string(request.octets().size())});
+  DDSSEC_RETURN_IF_ERROR(check_size(topic_.name(), request.octets().size()));
   auto held = lock();
   DDSSEC_RETURN_IF_ERROR(check_enabled(topic_.name()));
   DDSSEC_RETURN_IF_ERROR(
@@ -252,6 +256,30 @@ void AnyDataWriter::end_set(CoherentSetInfo marker, MonotonicTime now) {
 }
 
 Status AnyDataWriter::write_octets(const OctetWrite& change) { return submit(change, {}); }
+
+Result<OctetLoan> AnyDataWriter::loan_octets(std::size_t size) {
+  auto loan = loan_octets_for_overwrite(size);
+  if (loan) std::ranges::fill(loan->octets(), std::uint8_t{0});
+  return loan;
+}
+
+Result<OctetLoan> AnyDataWriter::loan_octets_for_overwrite(std::size_t size) {
+  if (size < kEncapsulationSize)
+    return bad_parameter_error("size", "at least " + std::to_string(kEncapsulationSize),
+                               std::to_string(size));
+  DDSSEC_RETURN_IF_ERROR(check_size(topic_.name(), size));
+  DDSSEC_RETURN_IF_ERROR(loans_->add(1, topic_.name()));
+  LoanTicket ticket(loans_);
+  return OctetLoan(Payload::uninitialized(size), std::move(ticket));
+}
+
+Status AnyDataWriter::write_octets(OctetLoan&& loan, OctetWrite change) {
+  DDSSEC_RETURN_IF_ERROR(loan.check(loans_, topic_.name()));
+  change.shared = loan.payload_;
+  auto written = write_octets(change);
+  if (written) loan = {};
+  return written;
+}
 
 Status AnyDataWriter::dispose_octets(const OctetWrite& change) {
   return submit(change, {.disposed = true});

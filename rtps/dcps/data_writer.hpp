@@ -11,6 +11,7 @@
 
 #include "rtps/dcps/data_writer_listeners.hpp"
 #include "rtps/dcps/endpoint.hpp"
+#include "rtps/dcps/loans.hpp"
 #include "rtps/dcps/offered_liveliness.hpp"
 #include "rtps/dcps/source_timestamps.hpp"
 #include "rtps/dcps/writer_durability.hpp"
@@ -43,6 +44,9 @@ struct OctetWrite {
 /// publisher. Thread-safe.
 class AnyDataWriter : public Endpoint, private TimedObject {
  public:
+  /// The largest number of loans of one writer at the same time.
+  static constexpr std::size_t kMaxLoans = 64;
+
   ~AnyDataWriter() override;
 
   /// Returns the publisher that owns it.
@@ -64,6 +68,17 @@ class AnyDataWriter : public Endpoint, private TimedObject {
   /// - with DURABILITY TRANSIENT or PERSISTENT also rtps_store_failed, rtps_store_unusable,
   ///   rtps_timeout (too much waits to be stored) and out_of_memory
   Status write_octets(const OctetWrite& change);
+  /// Lends memory for one sample of `size` octets, with its encapsulation. All octets are 0.
+  /// Errors: rtps_bad_parameter (not even the encapsulation fits), rtps_sample_too_large,
+  /// rtps_precondition_not_met (kMaxLoans).
+  Result<OctetLoan> loan_octets(std::size_t size);
+  /// As loan_octets, but saves the time to set the octets to 0: they are undefined, and may be
+  /// those of another sample of this process. Overwrite all of them.
+  Result<OctetLoan> loan_octets_for_overwrite(std::size_t size);
+  /// Writes the sample without a copy; `change.payload` does not count. After an error, the loan is
+  /// still valid. Errors: those of the call above, rtps_precondition_not_met (the loan was written,
+  /// or another writer lent it).
+  Status write_octets(OctetLoan&& loan, OctetWrite change = {});
   /// Disposes the instance. `change.payload` is the serialized key. Errors: those of write_octets.
   Status dispose_octets(const OctetWrite& change);
   /// Unregisters the instance, because the writer will not write it any more. Errors: those of
@@ -102,6 +117,8 @@ class AnyDataWriter : public Endpoint, private TimedObject {
   friend class Publisher;
   AnyDataWriter(Group& publisher, ParticipantContext& context, Topic& topic, Qos qos);
   XcdrVersion version() const { return version_; }
+
+  const std::shared_ptr<LoanCount> loans_ = std::make_shared<LoanCount>(kMaxLoans, "writer");
 
  private:
   void on_acknowledged() override { context_.notify(); }
@@ -157,6 +174,34 @@ class DataWriter final : public AnyDataWriter {
   /// one).
   Status write_w_timestamp(const T& sample, InstanceHandle handle, Time source_timestamp) {
     return write_octets(with_payload(sample, handle, source_timestamp));
+  }
+  /// Lends a sample to be filled in place and then written. The members have their initial values.
+  /// Errors: those of AnyDataWriter::loan_octets.
+  Result<WriterLoan<T>> loan() requires FlatType<T> {
+    auto loan = loan_for_overwrite();
+    if (loan) new (loan->sample_) T{};
+    return loan;
+  }
+  /// As loan, but saves the time to initialize the sample: its members are undefined, and may be
+  /// octets of another sample of this process. Overwrite all of them.
+  Result<WriterLoan<T>> loan_for_overwrite() requires FlatType<T> {
+    static_assert(alignof(T) <= Payload::kAlignment);
+    auto octets = loan_octets_for_overwrite(detail::kFlatPayload<T>);
+    if (!octets) return std::unexpected(octets.error());
+    detail::frame_flat<T>(octets->octets());
+    void* const at = octets->octets().data() + kEncapsulationSize;
+    return WriterLoan<T>(*std::move(octets), std::launder(static_cast<T*>(at)));
+  }
+  /// As the calls above, with a sample that this writer lent. Nothing is serialized or copied,
+  /// unless the writer's encoding is XCDR2. After an error, the loan is still valid. Further error:
+  /// rtps_precondition_not_met (the loan was written, or another writer lent it).
+  template <std::same_as<WriterLoan<T>> Loan>
+  Status write(Loan&& loan, InstanceHandle handle = {}) {
+    return write_loan(loan, handle, std::nullopt);
+  }
+  template <std::same_as<WriterLoan<T>> Loan>
+  Status write_w_timestamp(Loan&& loan, InstanceHandle handle, Time source_timestamp) {
+    return write_loan(loan, handle, source_timestamp);
   }
   /// Disposes the instance; only the key of `sample` counts.
   Status dispose(const T& sample, InstanceHandle handle = {}) {
@@ -240,6 +285,14 @@ class DataWriter final : public AnyDataWriter {
     sizes_.note(buffer.size());
     out.shared = std::move(buffer).finish();
     return out;
+  }
+  Status write_loan(WriterLoan<T>& loan, InstanceHandle handle, std::optional<Time> time) {
+    DDSSEC_RETURN_IF_ERROR(loan.octets_.check(loans_, topic_.name()));
+    auto written = version() == XcdrVersion::xcdr1
+                       ? write_octets(std::move(loan.octets_), change_of(*loan, handle, time))
+                       : write_octets(with_payload(*loan, handle, time));
+    if (written) loan = {};
+    return written;
   }
   OctetWrite with_key(const T& sample, InstanceHandle handle, std::optional<Time> time) {
     auto out = change_of(sample, handle, time);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -70,87 +71,101 @@ class Samples {
   std::vector<OctetSample> raw_;
 };
 
-/// The base class of readers that has these calls. `Reader` provides fill(query, samples), which
-/// replaces the contents of the collection.
+/// True for one of these types.
+template <class C, class... Types>
+concept AnyOf = (std::same_as<C, Types> || ...);
+
+/// The base class of readers that has these calls, for each of these types of collections. `Reader`
+/// provides fill(query, samples), which replaces the contents of the collection.
 ///
 /// All calls replace the contents of `out` and return the number of samples found: 0 if there are
 /// none (NO_DATA), at most `max_samples`. Only those with a timeout wait. A read marks samples as
 /// read, a take removes them from the reader. Errors: rtps_not_enabled, rtps_bad_parameter (no such
 /// instance), rtps_precondition_not_met (the condition belongs to another reader, or GROUP access
 /// without begin_access).
-template <class Reader, class Collection>
+template <class Reader, class... Collections>
 class SampleAccess {
  public:
   using Count = Result<std::size_t>;
 
   /// Selects the samples in these states, of all instances.
-  Count read(Collection& out, std::int32_t max_samples = kLengthUnlimited,
-             const States& states = {}) {
+  template <AnyOf<Collections...> C>
+  Count read(C& out, std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(out, max_samples, {.states = states});
   }
   /// As read, and removes the samples.
-  Count take(Collection& out, std::int32_t max_samples = kLengthUnlimited,
-             const States& states = {}) {
+  template <AnyOf<Collections...> C>
+  Count take(C& out, std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(out, max_samples, {.states = states, .take = true});
   }
   /// As read and take, but first wait until the reader holds samples in these states, as
   /// wait_for_samples does. The number is 0 after the timeout, and if another thread took the
   /// samples meanwhile.
-  Count read(Collection& out, std::chrono::nanoseconds timeout,
-             std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+  template <AnyOf<Collections...> C>
+  Count read(C& out, std::chrono::nanoseconds timeout, std::int32_t max_samples = kLengthUnlimited,
+             const States& states = {}) {
     wait_for_samples(static_cast<Reader&>(*this), states, timeout);
     return read(out, max_samples, states);
   }
-  Count take(Collection& out, std::chrono::nanoseconds timeout,
-             std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+  template <AnyOf<Collections...> C>
+  Count take(C& out, std::chrono::nanoseconds timeout, std::int32_t max_samples = kLengthUnlimited,
+             const States& states = {}) {
     wait_for_samples(static_cast<Reader&>(*this), states, timeout);
     return take(out, max_samples, states);
   }
   /// Selects the samples for which the condition is triggered.
-  Count read_w_condition(Collection& out, const ReadCondition& condition,
+  template <AnyOf<Collections...> C>
+  Count read_w_condition(C& out, const ReadCondition& condition,
                          std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples, {}, &condition);
   }
   /// As read_w_condition, and removes the samples.
-  Count take_w_condition(Collection& out, const ReadCondition& condition,
+  template <AnyOf<Collections...> C>
+  Count take_w_condition(C& out, const ReadCondition& condition,
                          std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples, {.take = true}, &condition);
   }
   /// Selects the samples of one instance.
-  Count read_instance(Collection& out, InstanceHandle instance,
-                      std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+  template <AnyOf<Collections...> C>
+  Count read_instance(C& out, InstanceHandle instance, std::int32_t max_samples = kLengthUnlimited,
+                      const States& states = {}) {
     return find(out, max_samples,
                 {.states = states, .scope = Scope::instance, .instance = instance});
   }
   /// As read_instance, and removes the samples.
-  Count take_instance(Collection& out, InstanceHandle instance,
-                      std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
+  template <AnyOf<Collections...> C>
+  Count take_instance(C& out, InstanceHandle instance, std::int32_t max_samples = kLengthUnlimited,
+                      const States& states = {}) {
     return find(out, max_samples,
                 {.states = states, .take = true, .scope = Scope::instance, .instance = instance});
   }
   /// Selects the next instance after `previous` that has such samples; HANDLE_NIL selects the first
   /// one.
-  Count read_next_instance(Collection& out, InstanceHandle previous,
+  template <AnyOf<Collections...> C>
+  Count read_next_instance(C& out, InstanceHandle previous,
                            std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(out, max_samples,
                 {.states = states, .scope = Scope::next_instance, .instance = previous});
   }
   /// As read_next_instance, and removes the samples.
-  Count take_next_instance(Collection& out, InstanceHandle previous,
+  template <AnyOf<Collections...> C>
+  Count take_next_instance(C& out, InstanceHandle previous,
                            std::int32_t max_samples = kLengthUnlimited, const States& states = {}) {
     return find(
         out, max_samples,
         {.states = states, .take = true, .scope = Scope::next_instance, .instance = previous});
   }
   /// Selects the next instance after `previous` for whose samples the condition is triggered.
-  Count read_next_instance_w_condition(Collection& out, InstanceHandle previous,
+  template <AnyOf<Collections...> C>
+  Count read_next_instance_w_condition(C& out, InstanceHandle previous,
                                        const ReadCondition& condition,
                                        std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples, {.scope = Scope::next_instance, .instance = previous},
                 &condition);
   }
   /// As read_next_instance_w_condition, and removes the samples.
-  Count take_next_instance_w_condition(Collection& out, InstanceHandle previous,
+  template <AnyOf<Collections...> C>
+  Count take_next_instance_w_condition(C& out, InstanceHandle previous,
                                        const ReadCondition& condition,
                                        std::int32_t max_samples = kLengthUnlimited) {
     return find(out, max_samples,
@@ -159,7 +174,8 @@ class SampleAccess {
 
  private:
   using Scope = SampleQuery::Scope;
-  Count find(Collection& out, std::int32_t max_samples, SampleQuery query,
+  template <class C>
+  Count find(C& out, std::int32_t max_samples, SampleQuery query,
              const ReadCondition* condition = nullptr) {
     auto& reader = static_cast<Reader&>(*this);
     if (max_samples != kLengthUnlimited)

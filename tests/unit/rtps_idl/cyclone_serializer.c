@@ -17,7 +17,7 @@ static const char loopback[] =
 static const dds_topic_descriptor_t* const descriptors[] = {
     &rich_Everything_desc, &rich_Primitives_desc, &rich_Collections_desc, &rich_EnumKey_desc,
     &rich_ArrayKey_desc,   &rich_PointKey_desc,   &rich_Extended_desc,    &rich_inner_Id_desc,
-    &rich_Nested_desc,     &rich_MixedKey_desc};
+    &rich_Nested_desc,     &rich_MixedKey_desc,   &rich_Frame_desc};
 enum { descriptor_count = sizeof descriptors / sizeof descriptors[0] };
 
 struct cyclone_type {

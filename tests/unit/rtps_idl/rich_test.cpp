@@ -2,6 +2,8 @@
 // DDS's own serializer and Fast DDS's CDR.
 #include "rich.hpp"
 
+#include <cstring>
+
 #include <gmock/gmock.h>
 
 #include "rtps/cdr/cdr_reader.hpp"
@@ -130,6 +132,33 @@ TEST(Idl, KeysOfEveryShape_HashAsInCycloneDds) {
   expect_same(rich::PointKey{{1.5, 2.5}, 3});
   expect_same(rich::MixedKey{1, 2.5, 3, 4});
   expect_same(rich::inner::Id{1, 2, "three"});
+}
+
+static_assert(FlatType<rich::Frame> && FlatType<parts::Point> && FlatType<rich::ArrayKey>);
+static_assert(!FlatType<rich::Primitives>);   // bool
+static_assert(!FlatType<rich::inner::Id>);    // string
+static_assert(!FlatType<rich::Collections>);  // sequences
+static_assert(!FlatType<rich::Extended>);     // @appendable
+static_assert(!FlatType<rich::PointKey>);     // padding at the end
+static_assert(!FlatType<rich::EnumKey>);      // padding between members
+
+// A loan is written as it is in memory.
+TEST(Idl, FlatType_IsInMemoryAsCycloneDdsWritesIt) {
+  rich::Frame frame{.number = 7,
+                    .level = rich::Level::HIGH,
+                    .origin = {1.5, -2.5},
+                    .counts = {1, -2, 3, -4},
+                    .grid = {{{1, 2, 3}, {4, 5, 6}}},
+                    .tinies = {rich::Tiny::TWO, rich::Tiny::ONE, rich::Tiny::TWO},
+                    .image = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10},
+                    .small = rich::Small::FAR,
+                    .corners = {{{1, 2}, {3, 4}}},
+                    .last = -9};
+  expect_same(frame);
+  Bytes octets;
+  serialize(frame, octets);
+  ASSERT_EQ(octets.size(), kEncapsulationSize + sizeof frame);
+  EXPECT_EQ(std::memcmp(octets.data() + kEncapsulationSize, &frame, sizeof frame), 0);
 }
 
 TEST(Idl, PrimitivesAndCollections_AreAsFastDdsWritesThem) {

@@ -41,8 +41,12 @@ TEST_P(SharedMemoryGovernance, LargeSamples_GoAsTheGovernanceAllows) {
     ++pair.written;
     ASSERT_TRUE(pair.has_all());
     EXPECT_EQ(volume.take() < kLarge / 4, expected);
-    for (const auto& change : pair.b.listener.changes)
+    for (const auto& change : pair.b.listener.changes) {
       EXPECT_TRUE(std::ranges::equal(change.payload.view(), payload(kLarge).view()));
+      // So a loaned sample is read there, however it came.
+      const auto* const body = change.payload.view().data() + kEncapsulationSize;
+      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(body) % Payload::kAlignment, 0u);
+    }
   }
 }
 
