@@ -178,8 +178,13 @@ void LocalEndpoints::note_key_change(const EntityId& local, const Guid& remote, 
       reader.note_key_change(remote, change, core_.now,
                              [&](const Guid& writer) { return core_.keys_of(id, writer); });
   };
-  for (auto& [id, writer] : writers_) note_writer(*writer.protocol);
-  for (auto& [id, reader] : readers_) note_reader(*reader.protocol);
+  // The change of one endpoint costs the same however many there are.
+  if (auto* const writer = find_writer(local)) return note_writer(*writer->protocol);
+  if (auto* const reader = find_reader(local)) return note_reader(*reader->protocol);
+  if (local.is_zero()) {
+    for (auto& [id, writer] : writers_) note_writer(*writer.protocol);
+    for (auto& [id, reader] : readers_) note_reader(*reader.protocol);
+  }
   builtin_.each([&](const BuiltinTopicInfo&, StatefulWriter& writer, StatefulReader& reader) {
     note_writer(writer);
     note_reader(reader);

@@ -29,8 +29,11 @@ class EarlyChanges {
   bool empty() const { return changes_.empty(); }
   std::size_t size() const { return changes_.size(); }
   bool contains(SequenceNumber number) const { return changes_.contains(number); }
-  /// Returns the number of changes with lower sequence numbers.
-  std::int64_t count_below(SequenceNumber number) const;
+  /// Returns the number of changes from `from` on and below `until`. The cost grows with it.
+  std::int64_t count(SequenceNumber from, SequenceNumber until) const;
+  /// Returns the last number up to which none is missing from first() on. Looks at each change
+  /// once, unless one is inserted before first(). Must not be called if there is none.
+  SequenceNumber complete_until() const;
 
   /// Inserts a change; an empty one means that the number is irrelevant. Returns false if the
   /// number already exists.
@@ -42,7 +45,7 @@ class EarlyChanges {
   /// Returns the change with the lowest sequence number; empty if that number is irrelevant.
   std::optional<Change>& front() { return changes_.begin()->second.change; }
   void erase_first() { erase(changes_.begin()); }
-  void erase_last() { erase(std::prev(changes_.end())); }
+  void erase_last();
 
  private:
   void erase(Map::iterator at);
@@ -50,6 +53,7 @@ class EarlyChanges {
   HeldOctets::Account& account_;
   Spare& spare_;
   Map changes_;
+  mutable SequenceNumber complete_until_;  ///< as far as known; below first() if nothing is
 };
 
 }  // namespace ddssec::rtps

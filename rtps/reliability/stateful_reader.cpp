@@ -72,8 +72,9 @@ void StatefulReader::note_key_change(const Guid& writer, KeyChange change, Monot
     past_.note_revised(writer, keys_of);
   else
     past_.distrust_former_keys(writer.prefix);
-  for (auto& [guid, proxy] : writers_) {
-    if (guid.prefix != writer.prefix || !(writer.entity.is_zero() || guid == writer)) continue;
+  for (auto at = writers_.lower_bound(writer); at != writers_.end(); ++at) {
+    auto& [guid, proxy] = *at;
+    if (guid.prefix != writer.prefix || !(writer.entity.is_zero() || guid == writer)) break;
     if (proxy.writer().is_in_process) continue;
     if (change == KeyChange::revised) {
       proxy.note_revised();

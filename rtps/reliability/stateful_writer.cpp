@@ -269,8 +269,10 @@ void StatefulWriter::note_key_change(const Guid& reader, KeyChange change) {
     else
       messages.distrust_former_keys();
   };
-  for (auto& [guid, proxy] : readers_.all()) {
-    if (guid.prefix != reader.prefix || !(reader.entity.is_zero() || guid == reader)) continue;
+  auto& readers = readers_.all();
+  for (auto at = readers.lower_bound(reader); at != readers.end(); ++at) {
+    auto& [guid, proxy] = *at;
+    if (guid.prefix != reader.prefix || !(reader.entity.is_zero() || guid == reader)) break;
     note(proxy.acknacks);
     note(proxy.nack_frags);
   }

@@ -112,7 +112,7 @@ void WriterProxy::note_lost(SequenceNumber until) {
   const bool counts = std::exchange(is_started_, true) && until > next_ && common_.lost;
   if (!counts) return;
   const auto from = std::max(next_, lost_until_);
-  const auto held = early_.count_below(until) - early_.count_below(from);
+  const auto held = early_.count(from, until);
   if (const auto lost = until.value - from.value - held; lost > 0) common_.lost(lost);
   lost_until_ = std::max(lost_until_, until);
 }
@@ -172,8 +172,7 @@ std::optional<std::size_t> WriterProxy::forget_refused() {
 bool WriterProxy::misses_any(SequenceNumber last) const {
   if (next_ > last) return false;
   if (!partial_.empty() && partial_.first() <= last) return true;
-  if (!early_.contains(next_)) return true;  // usually nothing need be counted
-  return early_.count_below(last.next()) <= last.value - next_.value;
+  return early_.empty() || early_.first() != next_ || early_.complete_until() < last;
 }
 
 SequenceNumberSet WriterProxy::missing(SequenceNumber base, SequenceNumber last) const {

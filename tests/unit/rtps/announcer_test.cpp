@@ -39,5 +39,25 @@ TEST(Participant, ANewParticipant_IsAnsweredASecondTimeSoon) {
   EXPECT_LE(steps, 60);
 }
 
+// A peer can prove the end of its session and authenticate again as often as it likes. Each time
+// the participant announces itself, but not each time as often as in the beginning.
+TEST(Announcer, PeersThatCauseAnnouncementsWithoutEnd_CauseFewBursts) {
+  Node::Post post;
+  test::RecordedEvents events;
+  auto config = Node::config(1, 0, {}, 10);
+  config.announce_to.resize(1);
+  ParticipantCore core(std::move(config), post, events);
+  BuiltinEndpoints builtin(core.config.prefix, core.sender, core.timers,
+                           [](BuiltinTopic, Change&) { return true; });
+  Announcer announcer(core, builtin);
+  for (int i = 0; i < 6000; ++i) {  // one minute
+    if (i % 50 == 0) announcer.announce_soon();
+    announcer.tick();
+    core.now += milliseconds(10);
+  }
+  EXPECT_GE(post.sent.size(), 120u) << "one for each cause";
+  EXPECT_LE(post.sent.size(), 240u) << "without the bound it would be 600";
+}
+
 }  // namespace
 }  // namespace ddssec::rtps::participants

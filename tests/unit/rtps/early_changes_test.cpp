@@ -50,13 +50,34 @@ TEST_F(EarlyChangesTest, EachChange_CountsItsOctetsUntilItIsErased) {
   EXPECT_EQ(held.octets(), 0u);
 }
 
-TEST_F(EarlyChangesTest, CountBelow_LeavesOutTheNumberItself) {
+TEST_F(EarlyChangesTest, Count_LeavesOutItsEnd) {
   for (const std::int64_t number : {3, 4, 8}) changes.insert({number}, std::nullopt);
-  EXPECT_EQ(changes.count_below({3}), 0);
-  EXPECT_EQ(changes.count_below({8}), 2);
-  EXPECT_EQ(changes.count_below({9}), 3);
+  EXPECT_EQ(changes.count({1}, {3}), 0);
+  EXPECT_EQ(changes.count({1}, {8}), 2);
+  EXPECT_EQ(changes.count({4}, {9}), 2);
+  EXPECT_EQ(changes.count({9}, {4}), 0);
   EXPECT_TRUE(changes.contains({4}));
   EXPECT_FALSE(changes.contains({5}));
+}
+
+TEST_F(EarlyChangesTest, CompleteUntil_EndsAtTheFirstGap) {
+  const auto insert = [&](std::int64_t number) { changes.insert({number}, std::nullopt); };
+  for (const std::int64_t number : {5, 6, 8}) insert(number);
+  EXPECT_EQ(changes.complete_until(), SequenceNumber{6});
+  insert(7);
+  EXPECT_EQ(changes.complete_until(), SequenceNumber{8});
+  changes.erase_last();
+  EXPECT_EQ(changes.complete_until(), SequenceNumber{7});
+  insert(3);
+  EXPECT_EQ(changes.complete_until(), SequenceNumber{3});
+  insert(4);
+  EXPECT_EQ(changes.complete_until(), SequenceNumber{7});
+  insert(10);
+  for (int i = 0; i < 5; ++i) changes.erase_first();
+  EXPECT_EQ(changes.complete_until(), SequenceNumber{10});
+  changes.erase_last();
+  insert(2);
+  EXPECT_EQ(changes.complete_until(), SequenceNumber{2});
 }
 
 }  // namespace

@@ -194,6 +194,61 @@ TEST(Scale, ADatagramOfEachKind_CostsTheSameForAnyNumberOfEndpoints) {
         << kind << ": " << work << " becomes " << many.at(kind);
 }
 
+// Returns the work for a change of the keys of one endpoint among so many.
+std::uint64_t work_of_a_key_change(int count) {
+  testing::socketless::Node::Post post;
+  test::RecordedEvents events;
+  Quiet listener;  // it outlives its endpoints
+  ParticipantCore core(testing::socketless::Node::config(1, 0, {}, 10), post, events);
+  LocalEndpoints local(core, [](BuiltinTopic, Change&) { return true; });
+  std::vector<LocalWriter*> writers;
+  for (int i = 0; i < count; ++i) {
+    writers.push_back(
+        *local.create_writer({"Topic", "Type", default_writer_qos(), true}, listener));
+    EXPECT_TRUE(local.create_reader({"Topic", "Type", default_reader_qos(), true}, listener));
+  }
+  auto& changed = *writers[writers.size() / 2];
+  const auto reader = [](int number) {
+    return Guid{
+        GuidPrefix::from(Bytes(12, 9)),
+        {{static_cast<std::uint8_t>(number >> 8), static_cast<std::uint8_t>(number), 0, 7}}};
+  };
+  for (int i = 0; i < count; ++i) changed.protocol->match({reader(i), true, false, {}}, core.now);
+  return work_of(
+      [&] { local.note_key_change(changed.data.guid.entity, reader(0), KeyChange::revised); });
+}
+
+TEST(Scale, AKeyChangeOfOneEndpoint_CostsTheSameForAnyNumberOfThem) {
+  const auto few = work_of_a_key_change(10), many = work_of_a_key_change(1000);
+  EXPECT_LT(many, few + few / 2 + 100);
+}
+
+// Returns the work for a HEARTBEAT to a reader that holds so many samples, because the first one is
+// missing.
+std::uint64_t work_of_a_heartbeat(int count) {
+  Pairs pairs;
+  pairs.reader_qos.reliability.kind = ReliabilityKind::reliable;
+  pairs.create(1);
+  EXPECT_TRUE(pairs.run_until_matched(1));
+  pairs.write();
+  pairs.world.run(10);
+  const auto send = [&](const auto& submessage) {
+    auto datagram = testing::message({testing::written(submessage)});
+    std::ranges::copy(pairs.a.participant.prefix().octets, datagram.begin() + 8);
+    return work_of([&] { pairs.b.participant.receive(datagram, pairs.world.now); });
+  };
+  const auto writer = pairs.writers.back().entity;
+  const Bytes octets(8);
+  for (int i = 0; i < count; ++i)
+    send(Data{kEntityIdUnknown, writer, {3 + i}, {}, PayloadKind::data, octets});
+  return send(Heartbeat{kEntityIdUnknown, writer, {1}, {3 + count}, 1000});
+}
+
+TEST(Scale, AHeartbeat_CostsTheSameForAnyNumberOfEarlySamples) {
+  const auto few = work_of_a_heartbeat(500), many = work_of_a_heartbeat(10'000);
+  EXPECT_LT(many, few + few / 2 + 100);
+}
+
 struct CrowdWork {
   double match, part;  // for each endpoint
 };

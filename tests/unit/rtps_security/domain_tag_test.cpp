@@ -39,16 +39,17 @@ TEST(DomainTag, EmbeddedParticipant_IsUnderTheGovernanceRuleOfItsTag) {
   EXPECT_EQ(other.error().code(), Code::domain_not_covered);
 }
 
-// Makes a participant with a tag, with the plugins of `host`.
+// Makes a participant with a tag, in a domain, with the plugins of `host`.
 std::unique_ptr<Node> tagged(std::uint8_t n, Node& host, const std::string& subject,
-                             const std::string& tag) {
+                             const std::string& tag, DomainId domain = 0) {
   auto node = std::make_unique<Node>(n);
   auto own = OwnSecurity::create({{*host.authentication, *host.access_control, *host.cryptography},
                                   properties_of(subject, everything(ProtectionKind::encrypt))},
-                                 0, Node::candidate(n), tag);
+                                 domain, Node::candidate(n), tag);
   EXPECT_TRUE(own) << own.error().to_sentence();
   auto config = Node::config(n, (*own)->guid().prefix);
   config.domain_tag = tag;
+  config.domain_id = domain;
   node->participant = std::make_unique<RtpsParticipant>(config, node->post, node->events);
   EXPECT_TRUE(node->participant->enable_security(std::move(*own)));
   return node;
@@ -84,6 +85,32 @@ TEST(DomainTag, AnnouncedTag_IsNotBelievedAndTheProvenOneCounts) {
     EXPECT_EQ(world.run_until(met, 1500), same);
     const auto told = [](const Node& node) { return node.events.has(Code::rtps_domain_differs); };
     EXPECT_EQ(told(alices) || told(bobs), !same);  // the plugins refuse the other tag
+  }
+}
+
+// Changes the domain id in an announcement to the other one, 0 or 1.
+Bytes with_other_domain(Bytes datagram) {
+  if (!is_announcement(datagram)) return datagram;
+  constexpr std::array<std::uint8_t, 4> kDomainId{0x0f, 0, 4, 0};  // PID_DOMAIN_ID and its length
+  const auto at = std::ranges::search(datagram, kDomainId);
+  if (!at.empty() && at.end() != datagram.end()) *at.end() ^= 1;
+  return datagram;
+}
+
+TEST(DomainTag, AnnouncedDomainId_IsNotBelievedAndTheProvenOneCounts) {
+  for (const bool same : {true, false}) {
+    Node alices(3, member("host-a", {})), bobs(4, member("host-b", {}));
+    const auto a = tagged(1, alices, "CN=alice,O=Example", "");
+    const auto b = tagged(2, bobs, "CN=bob,O=Example", "", same ? 0 : 1);
+    World world{{a.get(), b.get()}};
+    if (!same)
+      world.filter = [](const Node&, Bytes datagram) {
+        return one(with_other_domain(std::move(datagram)));
+      };
+    const auto met = [&] { return a->knows(*b) || b->knows(*a); };
+    EXPECT_EQ(world.run_until(met, 1500), same);
+    const auto told = [](const Node& node) { return node.events.has(Code::rtps_domain_differs); };
+    EXPECT_EQ(told(alices) || told(bobs), !same);
   }
 }
 
