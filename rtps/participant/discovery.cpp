@@ -211,14 +211,14 @@ void Discovery::on_dispose(const GuidPrefix& prefix) {
 
 void Discovery::tick() {
   proven_.tick();
-  if (core_.security)
-    for (const auto& prefix : parts_.remotes.take_due_for_query())
-      core_.security->ask_for_sign_of_life(prefix);
+  const auto due = parts_.remotes.take_due();
+  for (const auto& prefix : due.queries) core_.security->ask_for_sign_of_life(prefix);
   remove_gone();
-  for (const auto& prefix : parts_.remotes.with_ended_leases()) {
-    auto& remote = *parts_.remotes.find(prefix);
-    if (resting_.can_keep(remote))
-      resting_.rest(remote);
+  for (const auto& prefix : due.ended_leases) {
+    auto* const remote = parts_.remotes.find(prefix);
+    if (remote == nullptr) continue;
+    if (resting_.can_keep(*remote))
+      resting_.rest(*remote);
     else
       remove(prefix);
   }

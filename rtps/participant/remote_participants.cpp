@@ -213,31 +213,25 @@ MonotonicTime RemoteParticipants::next_time(const ParticipantData& data, int sha
   return lease == kNever ? kNever : core_.now + std::max<MonotonicTime>(lease / share, kMinPause);
 }
 
-// As for the ends of leases, the noted time may be too early but never too late.
-std::vector<GuidPrefix> RemoteParticipants::take_due_for_query() {
-  std::vector<GuidPrefix> out;
-  if (core_.now < next_query_) return out;
-  next_query_ = kNever;
+// Every message extends a lease, so the noted times may be too early but never too late.
+RemoteParticipants::Due RemoteParticipants::take_due() {
+  Due out;
+  const bool any_query = core_.now >= next_query_, any_end = core_.now >= next_end_;
+  if (any_query) next_query_ = kNever;
+  if (any_end) next_end_ = kNever;
   for (auto& [prefix, remote] : remotes_) {
-    if (remote.next_query <= core_.now) {
+    if (!any_query && !any_end) break;
+    if (any_query && remote.next_query <= core_.now) {
       const bool is_asked = core_.is_authenticated(prefix);
-      if (is_asked) out.push_back(prefix);
+      if (is_asked) out.queries.push_back(prefix);
       const auto next = next_time(remote.data, kQueriesPerLease);
       remote.next_query = is_asked ? next : std::max(next, core_.now + kPauseOfUnproven);
     }
-    next_query_ = std::min(next_query_, remote.next_query);
-  }
-  return out;
-}
-
-// Every message extends a lease, so the noted time may be too early but never too late.
-std::vector<GuidPrefix> RemoteParticipants::with_ended_leases() {
-  std::vector<GuidPrefix> out;
-  if (core_.now < next_end_) return out;
-  next_end_ = kNever;
-  for (const auto& [prefix, remote] : remotes_) {
-    if (remote.lease_end <= core_.now)
-      out.push_back(prefix);
+    if (any_query) next_query_ = std::min(next_query_, remote.next_query);
+    if (!any_end) continue;
+    const bool is_next = remote.lease_end <= core_.now && out.ended_leases.size() < kMaxEndsAtOnce;
+    if (is_next)
+      out.ended_leases.push_back(prefix);
     else
       next_end_ = std::min(next_end_, remote.lease_end);
   }

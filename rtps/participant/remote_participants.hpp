@@ -97,6 +97,9 @@ struct RemoteParticipant {
 class RemoteParticipants {
  public:
   static constexpr std::size_t kMaxParticipants = 512;
+  /// How many participants whose leases ended together are handled before other work. An attacker
+  /// chooses the leases of invented ones.
+  static constexpr std::size_t kMaxEndsAtOnce = 64;
   static_assert(Handshakes::kMaxAuthenticated < kMaxParticipants, "some are left for newcomers");
   /// The limits for endpoints hold once for those that are proven (ParticipantCore::is_proven), and
   /// once for those that anyone can have announced: these cannot use up the room of the others.
@@ -167,11 +170,13 @@ class RemoteParticipants {
   // Leases:
   /// Notes that the participant was heard now; `data` contains its lease duration.
   void renew_lease(RemoteParticipant& remote, const ParticipantData& data);
-  /// Returns the participants whose leases have ended.
-  std::vector<GuidPrefix> with_ended_leases();
-  /// Returns the authenticated participants that were silent for a third of their lease and must be
-  /// queried. Each is returned at kQueriesPerLease per lease from then on.
-  std::vector<GuidPrefix> take_due_for_query();
+  /// What is due now. Authenticated participants that were silent for a third of their lease must
+  /// be queried; each is named at kQueriesPerLease per lease from then on. At most kMaxEndsAtOnce
+  /// leases that have ended are named. If there are more, next_end() is now.
+  struct Due {
+    std::vector<GuidPrefix> queries, ended_leases;
+  };
+  Due take_due();
   /// Returns a time before which no lease ends and no query is due.
   MonotonicTime next_end() const { return std::min(next_end_, next_query_); }
 

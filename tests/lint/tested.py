@@ -15,7 +15,7 @@ import re
 import sys
 
 MAX_EXCEPTIONS = 54  # lower it with each line that goes
-MAX_THROUGH = 114  # this, too
+MAX_THROUGH = 113  # this, too
 FOLDERS = ("base", "governance", "idl", "pki", "plugins", "rtps", "secured", "wire")
 
 

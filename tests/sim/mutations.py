@@ -89,6 +89,8 @@ FAULTS = [
     ("patience with handshakes", "rtps/security/handshakes_time.cpp",
      "if (core_.now < handshake.next_tick() || !may_tick(peer)) return;",
      "if (core_.now < handshake.next_tick() || !may_tick(peer) || (FAULT && handshake.is_overdue())) return;"),
+    ("that leases that end together are handled in turns", "rtps/participant/remote_participants.cpp",
+     "out.ended_leases.size() < kMaxEndsAtOnce", "(FAULT || out.ended_leases.size() < kMaxEndsAtOnce)"),
     ("the limit on handshakes with strangers", "rtps/security/handshakes_time.cpp",
      "if (!handshake.is_started() && !may_start()) {", "if (!FAULT && !handshake.is_started() && !may_start()) {"),
     ("the binding of a GUID to its certificate", "plugins/authentication/judged_peer.cpp",

@@ -61,5 +61,25 @@ TEST(Participant, WhatAListenerIgnores_IsForgottenWhenTheCallIsOver) {
     }
 }
 
+// An attacker invents participants whose leases end together. Their removal costs about 1,400
+// branches each, so other work comes between.
+TEST(Participant, ManyLeasesThatEndTogether_AreHandledInTurns) {
+  Node b(2);
+  const auto now = std::chrono::seconds(1);
+  constexpr std::size_t kCount = RemoteParticipants::kMaxEndsAtOnce + 10;
+  for (std::uint8_t i = 0; i < kCount; ++i) {
+    const auto prefix = GuidPrefix::from(Bytes(12, static_cast<std::uint8_t>(100 + i)));
+    b.participant.receive(announcement(prefix, prefix), now);
+  }
+  const auto& remotes = b.participant.remote_participants();
+  ASSERT_EQ(remotes.size(), kCount);
+  const auto later = now + std::chrono::hours(1);
+  b.participant.tick(later);
+  EXPECT_EQ(remotes.size(), 10u);
+  EXPECT_LE(b.participant.next_tick(), later);
+  b.participant.tick(later);
+  EXPECT_EQ(remotes.size(), 0u);
+}
+
 }  // namespace
 }  // namespace ddssec::rtps::participants
