@@ -4,6 +4,9 @@ secured (the governance of sros2), received by waiting and in a listener, beside
 
 The variants take turns within one run, over the loopback of a network namespace of its own. Each figure is the
 median of the rounds. Only ratios of one run compare: a shared machine's clock drifts.
+
+With --memory, the participants are ours with org.ddssec.shm on, and the floor is a futex in memory that two processes
+share. Sizes from 64 octets to 4 MiB take turns, with the governance of sros2 and with one that protects nothing.
 """
 
 import argparse
@@ -19,9 +22,13 @@ from typing import NamedTuple
 
 import latency_plot
 from participants import LIMIT, start
-from surroundings import in_own_namespace, machine, make_folders
+from surroundings import SROS2, Governance, in_own_namespace, machine, make_folders
 
-PROGRAMS = {"UDP": "bench_udp_peer", "ddssec": "bench_embedded_peer", "Cyclone": "bench_cyclone_peer"}
+PROGRAMS = {"UDP": "bench_udp_peer", "futex": "bench_futex_peer", "ddssec": "bench_embedded_peer",
+            "Cyclone": "bench_cyclone_peer"}
+FLOORS = ("UDP", "futex")  # they have neither topics nor QoS
+MEMORY_SIZES = (64, 1024, 8192, 65536, 1 << 20, 4 << 20)  # octets of payload
+NOTHING = Governance()
 COLUMNS = (("median_us", "p50"), ("p90_us", "p90"), ("p99_us", "p99"), ("p999_us", "p99.9"), ("p9999_us", "p99.99"),
            ("jitter_us", "jitter"), ("cpu_us", "CPU"))
 
@@ -34,7 +41,7 @@ class Variant(NamedTuple):
 
     def __str__(self):
         return ", ".join([self.make, *(["secured"] if self.secured else []),
-                          *([] if self.make == "UDP" else ["reliable" if self.reliable else "best effort"]), self.mode])
+                          *([] if self.make in FLOORS else ["reliable" if self.reliable else "best effort"]), self.mode])
 
     def arguments(self):
         return (["--waiting"] if self.mode == "wait" else ["--listener"]) + ([] if self.reliable else ["--best-effort"])
@@ -43,7 +50,15 @@ class Variant(NamedTuple):
         return self._replace(make=make)
 
 
+MANY_OCTETS = 65536  # larger samples make fewer round trips, so that each size takes about as long
 FLOOR = Variant("UDP", False, False, "wait")
+MEMORY_FLOOR = FLOOR.of("futex")
+
+
+def memory_variants(options):
+    ours = [Variant("ddssec", secured, reliable, mode) for secured in (False, True) for mode in ("wait", "listener")
+            for reliable in (False, True)]
+    return [v for v in (MEMORY_FLOOR, *ours) if re.search(options.only, str(v))]
 
 
 def variants(options):
@@ -82,14 +97,14 @@ class LossyLink:
         self._link.close()
 
 
-def round_trips(variant, options, folders, network):
+def round_trips(variant, options, size, folders, network):
     """The rtt line of the process that asks; None if it does not end as it should."""
     program = options.build / "bin" / PROGRAMS[variant.make]
-    arguments = ["--count", str(options.count), "--size", str(options.size), "--interval", str(options.interval),
+    count = max(min(options.count, options.count * MANY_OCTETS // size), 100)
+    arguments = ["--count", str(count), "--size", str(size), "--interval", str(options.interval),
                  *variant.arguments()]
     if variant.make == "ddssec" and options.busy_wait:
         arguments += ["--busy-wait", str(options.busy_wait)]
-    folders = folders if variant.secured else ("off", "off")
     (where_ping, enter_ping), (where_pong, enter_pong) = network.places()
     first = ["chrt", "--fifo", "10"] if options.realtime else []
     pong = start(program, "pong", folders[1], [*arguments, *where_pong], errors=subprocess.DEVNULL,
@@ -113,15 +128,40 @@ def round_trips(variant, options, folders, network):
     return found[0]
 
 
+def medians(lines):
+    return {key: statistics.median(line[key] for line in lines) for key in [k for k, _ in COLUMNS] + ["lost"]}
+
+
 def measure(options, folders, network):
     """{variant: {key: median of the rounds}}"""
     lines = {}
     for _ in range(options.rounds):
         for variant in variants(options):
-            if line := round_trips(variant, options, folders, network):
+            if line := round_trips(variant, options, options.size, folders[variant.secured], network):
                 lines.setdefault(variant, []).append(line)
-    return {variant: {key: statistics.median(line[key] for line in of_one) for key in [k for k, _ in COLUMNS] + ["lost"]}
-            for variant, of_one in lines.items()}
+    return {variant: medians(of_one) for variant, of_one in lines.items()}
+
+
+def measure_memory(options, folders, network):
+    """{size: {variant: {key: median of the rounds}}}"""
+    lines = {}
+    for _ in range(options.rounds):
+        for size in MEMORY_SIZES:
+            for variant in memory_variants(options):
+                if line := round_trips(variant, options, size, folders[variant.secured], network):
+                    lines.setdefault(size, {}).setdefault(variant, []).append(line)
+    return {size: {variant: medians(of_one) for variant, of_one in found.items()} for size, found in lines.items()}
+
+
+def make_memory_folders(base, name, governance):
+    """Folders of two participants that share memory."""
+    folder = pathlib.Path(base) / name
+    folder.mkdir()
+    out = make_folders(str(folder), governance=governance)
+    for one in out:
+        with open(pathlib.Path(one) / "security.properties", "a") as properties:
+            properties.write("org.ddssec.shm = on\n")
+    return out
 
 
 def ratio(figures, variant, other, key):
@@ -142,6 +182,18 @@ def table(figures):
     return out
 
 
+def memory_table(figures):
+    """A row for each size and variant."""
+    keys = (("median_us", "p50"), ("p99_us", "p99"), ("cpu_us", "CPU"))
+    out = ["| octets | | " + " | ".join(title for _, title in keys) + " | p50 / futex |", "|---:|---|" + "---:|" * (len(keys) + 1)]
+    for size, of_size in figures.items():
+        for variant, found in of_size.items():
+            lost = f" ({found['lost']:.0f} lost)" if found["lost"] else ""
+            out.append(f"| {size} | {variant}{lost} | " + " | ".join(f"{found[key]:.1f}" for key, _ in keys)
+                       + f" | {ratio(of_size, variant, MEMORY_FLOOR, 'median_us')} |")
+    return out
+
+
 def load(count):
     """Processes that compute until they are killed."""
     return [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
@@ -154,6 +206,7 @@ def parse():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--count", type=int, default=10000, help="round trips of one measurement")
     parser.add_argument("--size", type=int, default=64, help="octets of payload")
+    parser.add_argument("--memory", action="store_true", help="measure shared memory, with sizes up to 4 MiB")
     parser.add_argument("--interval", type=int, default=0, metavar="US",
                         help="microseconds from one ping to the next; 0: the next follows the answer")
     parser.add_argument("--busy-wait", type=int, default=0, metavar="US",
@@ -167,6 +220,42 @@ def parse():
     return parser.parse_args()
 
 
+def describe(options, what):
+    return (f"Round trips in microseconds, {what}, medians of {options.rounds} rounds of {options.count}; "
+            f"{machine()}, load average {os.getloadavg()[0]:.1f}"
+            + (f", ddssec with a busy wait of {options.busy_wait} us" if options.busy_wait else "")
+            + (", SCHED_FIFO" if options.realtime else "") + (f", {options.load} processes compute" if options.load else "")
+            + (f", {options.loss:.0%} of packets lost each way" if options.loss else ""))
+
+
+def report_memory(options, base, network):
+    """Prints the table of shared memory. Returns true if each variant was measured with each size."""
+    folders = [make_memory_folders(base, "nothing", NOTHING), make_memory_folders(base, "sros2", SROS2)]
+    figures = measure_memory(options, folders, network)
+    print(describe(options, "shared memory") + "\n")
+    print("\n".join(memory_table(figures)), flush=True)
+    write_json(options, [{**variant._asdict(), "size": size, **found} for size, of_size in figures.items()
+                         for variant, found in of_size.items()])
+    return sum(len(of_size) for of_size in figures.values()) == len(MEMORY_SIZES) * len(memory_variants(options))
+
+
+def report_network(options, base, network):
+    """Prints the table, and draws it. Returns true if each variant was measured."""
+    figures = measure(options, [("off", "off"), make_folders(base)], network)
+    title = describe(options, f"{options.size} octets")
+    print(title + "\n")
+    print("\n".join(table(figures)), flush=True)
+    if options.svg:
+        options.svg.write_text(latency_plot.draw(title, figures))
+    write_json(options, [{**variant._asdict(), **found} for variant, found in figures.items()])
+    return len(figures) == len(variants(options))
+
+
+def write_json(options, results):
+    if options.json:
+        options.json.write_text(json.dumps({"machine": machine(), "results": results}, indent=1))
+
+
 def main():
     options = parse()
     options.build = options.build.resolve()
@@ -176,26 +265,15 @@ def main():
     in_own_namespace()
     network = LossyLink(options.build, options.loss) if options.loss else Loopback()
     busy = load(options.load)
+    report = report_memory if options.memory else report_network
     try:
         with tempfile.TemporaryDirectory(prefix="ddssec-latency-") as base:
-            figures = measure(options, make_folders(base), network)
+            is_whole = report(options, base, network)
     finally:
         for process in busy:
             process.kill()
         network.close()
-    title = (f"Round trips in microseconds, {options.size} octets, medians of {options.rounds} rounds of {options.count}; "
-             f"{machine()}, load average {os.getloadavg()[0]:.1f}"
-             + (f", ddssec with a busy wait of {options.busy_wait} us" if options.busy_wait else "")
-             + (", SCHED_FIFO" if options.realtime else "") + (f", {options.load} processes compute" if options.load else "")
-             + (f", {options.loss:.0%} of packets lost each way" if options.loss else ""))
-    print(title + "\n")
-    print("\n".join(table(figures)), flush=True)
-    if options.svg:
-        options.svg.write_text(latency_plot.draw(title, figures))
-    if options.json:
-        results = [{**variant._asdict(), **found} for variant, found in figures.items()]
-        options.json.write_text(json.dumps({"machine": machine(), "results": results}, indent=1))
-    sys.exit(0 if len(figures) == len(variants(options)) else 1)
+    sys.exit(0 if is_whole else 1)
 
 
 if __name__ == "__main__":

@@ -45,6 +45,12 @@ class Variants(unittest.TestCase):
         self.assertEqual(len(lossy), 12)
         self.assertFalse([name for name in lossy if "best effort, listener" in name or "UDP" in name])
 
+    def test_memory_is_measured_secured_and_not_beside_its_floor(self):
+        names = [str(v) for v in latency.memory_variants(argparse.Namespace(only=""))]
+        self.assertEqual(len(set(names)), 1 + 8)
+        self.assertEqual(names[0], "futex, wait")
+        self.assertEqual(sum("secured" in name for name in names), 4)
+
     def test_only_selects_by_name(self):
         self.assertEqual([str(v) for v in variants(only="^ddssec, secured, reliable")],
                          ["ddssec, secured, reliable, wait", "ddssec, secured, reliable, listener"])
@@ -64,6 +70,16 @@ class Report(unittest.TestCase):
         rows = latency.table(figures(variants(only="ddssec, reliable, wait")))
         self.assertEqual(len(rows), 3)
         self.assertTrue(rows[2].endswith("| -, - | - |"), rows[2])
+
+    def test_table_of_memory_has_ratios_within_each_size(self):
+        of = latency.memory_variants(argparse.Namespace(only="futex|^ddssec, best effort, wait"))
+        rows = latency.memory_table({64: figures(of), 4096: figures(of[1:])})
+        self.assertEqual(len(rows), 2 + 3)
+        self.assertEqual({row.count("|") for row in rows}, {7})
+        self.assertEqual(rows[2], "| 64 | futex, wait | 100.0 | 102.0 | 106.0 | 1.00 |")
+        self.assertTrue(rows[3].endswith("| 1.10 |"), rows[3])
+        self.assertTrue(rows[4].startswith("| 4096 | ddssec, best effort, wait | 100.0 |"), rows[4])
+        self.assertTrue(rows[4].endswith("| - |"), rows[4])
 
     def test_plot_draws_every_variant(self):
         for loss, lines, dashed in ((0, 16 + 4, 8), (0.2, 12, 4)):
