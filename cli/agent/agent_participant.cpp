@@ -11,6 +11,7 @@
 #include "cli/agent/agent_response.hpp"
 #include "cli/agent/agent_schedule.hpp"
 #include "cli/agent/files_in_place.hpp"
+#include "cli/agent/renewed_subject.hpp"
 #include "cli/ca/ca_folder.hpp"
 #include "cli/ca/renewal_list.hpp"
 #include "cli/documents/documents.hpp"
@@ -186,25 +187,10 @@ Result<std::string> request_of_present_key(const Participant& self) {
 }
 
 std::unexpected<Error> unfit_renewal_error(const Participant& self, std::string expected,
-                                           std::string found, std::string hint = {}) {
+                                           std::string found) {
   return fail(tool_code::renewal_unfit, {.document = self.files.certificate,
                                          .expected = std::move(expected),
-                                         .found = std::move(found),
-                                         .hint = std::move(hint)});
-}
-
-// The GUID of a participant is derived from the octets of its subject (DDS-Security 1.2, clause
-// 10.3.3). So a running participant cannot use the same text in another string type.
-std::unexpected<Error> other_subject_error(const Participant& self,
-                                           const pki::Certificate& renewed) {
-  if (renewed.subject() != self.certificate.subject())
-    return unfit_renewal_error(self, self.certificate.subject(), renewed.subject());
-  return unfit_renewal_error(
-      self, pki::subject_with_types(self.certificate), pki::subject_with_types(renewed),
-      "the CA writes the same subject in another string type, and the GUID depends on it: stop the "
-      "participant, put a certificate of this CA in place of cert.pem once (docs/agent.md), and "
-      "start it again; from then on the agent renews it. Or let the CA copy the subject of the "
-      "request");
+                                         .found = std::move(found)});
 }
 
 Status check_dates(const Participant& self, const pki::Certificate& renewed) {
@@ -265,8 +251,10 @@ Result<pki::Certificate> checked(const Participant& self, const std::string& pem
   const auto& file = self.files.certificate;
   DDSSEC_ASSIGN_OR_RETURN(const auto renewed,
                           about_answer(pki::Certificate::from_pem(as_bytes(pem)), file));
-  if (renewed.subject_digest() != self.certificate.subject_digest())
-    return other_subject_error(self, renewed);
+  if (auto other = other_subject(self.certificate, renewed)) {
+    other->document = file;
+    return fail(tool_code::renewal_unfit, *std::move(other));
+  }
   if (renewed.is_ca())
     return unfit_renewal_error(self, "the certificate of a participant", "one of a CA");
   DDSSEC_RETURN_IF_ERROR(about_answer(key.check_fits(renewed), file));
