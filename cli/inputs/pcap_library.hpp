@@ -29,8 +29,8 @@ struct PcapLibrary {
   decltype(&::pcap_dump_flush) dump_flush;
   decltype(&::pcap_dump_close) dump_close;
 
-  /// Loads the library at the first call; it stays until the process ends. Error:
-  /// capture_unreadable.
+  /// Loads the library at the first call; it stays until the process ends. For one thread only.
+  /// Error: capture_unreadable.
   static Result<const PcapLibrary*> load();
 };
 

@@ -204,12 +204,14 @@ TEST_F(RosEnvironmentTest, RightsAlone_AreJudgedWithoutTheEnvironment) {
 }
 
 TEST(RosEnvironmentVariables, OnlyThoseThatAreSet_AreReturned) {
+  const auto before = ros_environment();
   ::setenv("ROS_DOMAIN_ID", "12", 1);
   ::unsetenv("ROS_SECURITY_STRATEGY");
   const auto found = ros_environment();
   EXPECT_EQ(found.at("ROS_DOMAIN_ID"), "12");
   EXPECT_FALSE(found.contains("ROS_SECURITY_STRATEGY"));
   ::unsetenv("ROS_DOMAIN_ID");
+  for (const auto& [name, value] : before) ::setenv(name.c_str(), value.c_str(), 1);
 }
 
 }  // namespace
