@@ -270,6 +270,17 @@ function(ddssec_precompile_test target)
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>)
 endfunction()
 
+# ddssec_compile_as_test(TARGET): what is tested is optimised; the tests themselves only have to compile quickly.
+function(ddssec_compile_as_test target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>
+                         "$<$<CONFIG:RelWithDebInfo>:-O1;-g1>"
+                         # g++ warns of more than there is when it optimises little.
+                         $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
+  if(DDSSEC_PRECOMPILE AND NOT DDSSEC_SANITIZE)
+    ddssec_precompile_test(${target})
+  endif()
+endfunction()
+
 # One process for many tests makes what they share once, such as a PKI. One for each costs a start each.
 option(DDSSEC_TEST_EACH "Make an entry of ctest for each test of GoogleTest, named FOLDER.Suite.Test" OFF)
 # scripts/cross.sh leaves some out by their names, and a program ends at the first report of a sanitizer.
@@ -279,7 +290,7 @@ endif()
 
 # ddssec_test(NAME SOURCES ... LIBS ... [LABELS ...] [LONG filter] [ALONE filter] [EACH] [SHARDS number])
 # A GoogleTest program test_NAME. One entry of ctest, "NAME.tests", runs its tests in one process. Tests that fit the
-# filter of LONG are another one, "NAME.long", with the label "long" too.
+# filter of LONG are an entry each, with the label "long" too.
 # SHARDS: so many entries, "NAME.tests_1" and so on, run a part of the tests each.
 # ALONE: what fits this filter needs a process for each test, which becomes an entry "NAME.Suite.Case".
 # EACH: so does every test of the program. DDSSEC_TEST_EACH makes it so for all programs.
@@ -288,16 +299,9 @@ function(ddssec_test name)
   ddssec_batches(sources test_${name} ${ARG_SOURCES})
   add_executable(test_${name} ${sources})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
-  # What is tested is optimised; the tests themselves only have to compile quickly.
-  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-Og>
-                         "$<$<CONFIG:RelWithDebInfo>:-O1;-g1>"
-                         # g++ warns of more than there is when it optimises little.
-                         $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-maybe-uninitialized>)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBS} ddssec_test_data GTest::gmock
                         GTest::gtest_main ddssec_options)
-  if(DDSSEC_PRECOMPILE AND NOT DDSSEC_SANITIZE)
-    ddssec_precompile_test(test_${name})
-  endif()
+  ddssec_compile_as_test(test_${name})
   if(ARG_EACH OR DDSSEC_TEST_EACH)
     if(ARG_LONG)
       ddssec_discover_tests(${name} "-${ARG_LONG}" unit ${ARG_LABELS})
@@ -313,22 +317,22 @@ function(ddssec_test name)
     ddssec_discover_tests(${name} "${ARG_ALONE}" unit ${ARG_LABELS})
   endif()
   if(ARG_LONG)
-    ddssec_group_tests(${name} long "${ARG_LONG}" 1 unit ${ARG_LABELS} long)
+    ddssec_discover_tests(${name} "${ARG_LONG}" unit ${ARG_LABELS} long)
   endif()
   if(NOT ARG_SHARDS)
     set(ARG_SHARDS 1)
   endif()
-  ddssec_group_tests(${name} tests "*-${others}" ${ARG_SHARDS} unit ${ARG_LABELS})
+  ddssec_group_tests(${name} "*-${others}" ${ARG_SHARDS} unit ${ARG_LABELS})
 endfunction()
 
-# ddssec_group_tests(NAME KIND FILTER SHARDS LABELS ...): the tests of test_NAME that fit GoogleTest's filter, as
+# ddssec_group_tests(NAME FILTER SHARDS LABELS ...): the tests of test_NAME that fit GoogleTest's filter, as
 # SHARDS entries.
-function(ddssec_group_tests name kind filter shards)
+function(ddssec_group_tests name filter shards)
   # test_group.py ends the program itself, to name the test that did not end.
   set(seconds 600)
   set(timeout 660)
   foreach(shard RANGE 1 ${shards})
-    set(entry ${name}.${kind})
+    set(entry ${name}.tests)
     if(shards GREATER 1)
       string(APPEND entry _${shard})
     endif()

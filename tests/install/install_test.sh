@@ -82,15 +82,15 @@ once "$no_rule" "$add_domain" "$installed/bin/ddssec-keeper" --domain 122 --secu
 }
 once "$not_allowed" "$add_topic" "$scratch/examples/publisher" "$scratch/demo/elsewhere" 121 lo
 
-# README's program, as it stands there, between the examples: its one sample arrives.
+# README's program, as it stands there, in place of the examples' publisher: its one sample arrives.
 mkdir "$scratch/readme"
 cp "$examples/CMakeLists.txt" "$examples"/*.idl "$examples/subscriber.cpp" "$scratch/readme"
 # shellcheck disable=SC2016
 sed -n '/^```cpp$/,/^```$/{/^```/d;p}' "$source/README.md" >"$scratch/readme/publisher.cpp"
 cmake -G Ninja -S "$scratch/readme" -B "$scratch/readme/build" -DCMAKE_PREFIX_PATH="$installed" >"$scratch/configure.log"
-cmake --build "$scratch/readme/build" >"$scratch/build.log" || { cat "$scratch/build.log"; die "README's program"; }
+cmake --build "$scratch/readme/build" --target publisher >"$scratch/build.log" || { cat "$scratch/build.log"; die "README's program"; }
 "$installed/bin/ddssec" init "$scratch/readme/demo" --quiet >/dev/null || die "ddssec init"
-timeout 20 "$scratch/readme/build/subscriber" "$scratch/readme/demo/listener" >"$scratch/readings" 2>"$scratch/subscriber.log" &
+timeout 20 "$scratch/examples/subscriber" "$scratch/readme/demo/listener" >"$scratch/readings" 2>"$scratch/subscriber.log" &
 subscriber=$!
 (cd "$scratch/readme" && timeout 15 build/publisher) 2>"$scratch/publisher.log" ||
   { cat "$scratch/publisher.log" "$scratch/subscriber.log"; die "README's program matches nobody"; }

@@ -6,6 +6,21 @@
 #include "cli/frame/command.hpp"
 
 namespace ddssec::cli {
+
+// A type without fields() of its own. It has no place in an unnamed namespace, since files of tests
+// are joined.
+struct Range {
+  int first, last;
+};
+
+template <>
+struct FieldsOf<Range> {
+  static constexpr std::string_view kDef = "range";
+  static constexpr auto fields() {
+    return std::tuple(field<&Range::first>(), field<&Range::last>());
+  }
+};
+
 namespace {
 
 struct Key {
@@ -59,11 +74,6 @@ struct Fleet {
   std::string text() const { return std::to_string(names.size()) + " names\n"; }
 };
 
-// A type without fields() of its own. The test specializes FieldsOf for it below.
-struct Range {
-  int first, last;
-};
-
 struct Scope {
   std::vector<Range> ranges;
   double seconds = 0;
@@ -73,18 +83,6 @@ struct Scope {
                       field("ranges", &Scope::ranges), field("seconds", &Scope::seconds));
   }
 };
-
-}  // namespace
-
-template <>
-struct FieldsOf<Range> {
-  static constexpr std::string_view kDef = "range";
-  static constexpr auto fields() {
-    return std::tuple(field<&Range::first>(), field<&Range::last>());
-  }
-};
-
-namespace {
 
 Json json(const char* text) { return Json::parse(text); }
 

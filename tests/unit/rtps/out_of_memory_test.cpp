@@ -7,11 +7,9 @@
 #include "tests/unit/rtps/dcps_fixture.hpp"
 #include "tests/unit/rtps_durability/store_fixture.hpp"
 
-namespace {
-std::atomic<bool> no_threads = false;
-}
-
 // If a test says so, no further thread can be started.
+static std::atomic<bool> no_threads = false;
+
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes,
                               void* (*start)(void*), void* argument) {
   if (no_threads) return EAGAIN;
