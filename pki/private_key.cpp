@@ -6,6 +6,7 @@
 
 #include "base/hash.hpp"
 #include "base/rollback.hpp"
+#include "pki/key_derivation.hpp"
 #include "pki/openssl.hpp"
 #include "pki/pem_block.hpp"
 #include "pki/pkcs11.hpp"
@@ -84,6 +85,7 @@ std::unexpected<Error> passphrase_error(Code code) {
 Result<PrivateKey> PrivateKey::from_pem(BytesView pem, const Passphrase* passphrase) {
   if (pem.size() > KeyPem::capacity)
     return fail(Code::private_key_malformed, {.note = "it is too long for a key"});
+  if (passphrase != nullptr) DDSSEC_RETURN_IF_ERROR(check_key_derivation(pem));
   const BioPtr bio = bio_over(pem);
   PassphraseRequest request{passphrase};
   PkeyPtr pkey(PEM_read_bio_PrivateKey(bio.get(), nullptr, give_passphrase, &request));

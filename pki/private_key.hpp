@@ -21,7 +21,8 @@ class PrivateKey {
  public:
   /// Reads PEM text: PKCS#8 plain or encrypted, or the traditional RSA and EC forms. Never prompts.
   /// `passphrase` may be null; it is not used for a plain key. Errors: passphrase_missing,
-  /// passphrase_wrong, private_key_malformed, key_not_allowed.
+  /// passphrase_wrong, private_key_malformed, key_not_allowed (also if one try of a passphrase would
+  /// take more than some seconds).
   static Result<PrivateKey> from_pem(BytesView pem, const Passphrase* passphrase = nullptr);
   static Result<PrivateKey> from_pem(const KeyPem& pem, const Passphrase* passphrase = nullptr);
 
