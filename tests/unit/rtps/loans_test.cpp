@@ -151,8 +151,9 @@ TEST_P(Loans, FreshLoan_HasTheInitialValues) {
   }
 }
 
-TEST_P(Loans, LoanOfOneProcess_IsReadWhereItWasFilled) {
-  if (GetParam() != Way::in_process) GTEST_SKIP() << "the sample goes through a socket";
+class LoansOfOneProcess : public Loans {};
+
+TEST_P(LoansOfOneProcess, Loan_IsReadWhereItWasFilled) {
   auto loan = *writer.loan();
   const auto* const place = &*loan;
   ASSERT_TRUE(succeeds(writer.write(std::move(loan))));
@@ -334,6 +335,8 @@ TEST_P(Loans, LoanOfOctets_IsWrittenWithoutACopy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, Loans, ::testing::Values(Way::network, Way::in_process),
+                         testing::name_of);
+INSTANTIATE_TEST_SUITE_P(Over, LoansOfOneProcess, ::testing::Values(Way::in_process),
                          testing::name_of);
 
 }  // namespace
