@@ -42,6 +42,15 @@ class GovernancePhases : public AccessControlTest {
   }
   void put(const std::string& text) { folder_.replace("governance.p7s", text); }
   void put(std::uint32_t revision) { put(document(revision)); }
+  /// A document in which topics whose names begin with "n" are open.
+  void put_with_open_topics(std::uint32_t revision) {
+    auto open = topic();
+    open.topic_expression = "n*";
+    open.metadata_protection_kind = open.data_protection_kind = ProtectionKind::none;
+    auto& rules = governance_document.domain_rules[0].topic_rules;
+    rules.insert(rules.begin(), open);
+    put(revision);
+  }
   void raise() { topic().metadata_protection_kind = topic().data_protection_kind = kEncrypt; }
   void expect_refused(std::string_view field, std::string_view why) {
     EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewal_refused));
@@ -244,12 +253,7 @@ TEST_F(GovernancePhases, RuleBeforeTheOneInUse_ThatProtectsLess_IsRefused) {
 TEST_F(GovernancePhases, TopicThatOnlyPeersNamed_IsNotInUse) {
   for (std::size_t i = 0; i <= LocalParticipant::kMaxTopicsInUse; ++i)
     EXPECT_EQ(plugin->unused_topic_attributes(*own_, "n" + std::to_string(i))->payload, kSign);
-  auto less = topic();
-  less.topic_expression = "n*";
-  less.metadata_protection_kind = less.data_protection_kind = ProtectionKind::none;
-  auto& rules = governance_document.domain_rules[0].topic_rules;
-  rules.insert(rules.begin(), less);
-  put(2);
+  put_with_open_topics(2);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
   EXPECT_EQ(plugin->unused_topic_attributes(*own_, "n1")->payload, ProtectionKind::none);
 }
@@ -261,14 +265,10 @@ TEST_F(GovernancePhases, TopicsThatTheHostForgot_AreNotInUse) {
     EXPECT_EQ(data_of(name), kSign);
     plugin->forget_topic(*own_, name);
   }
-  auto less = topic();
-  less.topic_expression = "n*";
-  less.metadata_protection_kind = less.data_protection_kind = ProtectionKind::none;
-  auto& rules = governance_document.domain_rules[0].topic_rules;
-  rules.insert(rules.begin(), less);
-  put(2);
+  put_with_open_topics(2);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_renewed));
-  rules[1].metadata_protection_kind = rules[1].data_protection_kind = kEncrypt;
+  auto& last = governance_document.domain_rules[0].topic_rules.back();
+  last.metadata_protection_kind = last.data_protection_kind = kEncrypt;
   put(3);
   EXPECT_THAT(codes_after_looking(), ElementsAre(Code::governance_changing)) << "t is in use";
 }

@@ -1,5 +1,5 @@
-// Samples that are filled and read in place: what is flat, how many loans there are, what becomes
-// of them, and that none of it changes what readers get.
+// Loans: which types are flat, how many loans a writer and a reader give, when a loan ends, and
+// that readers get the same samples with and without loans.
 #include "rtps/dcps/loans.hpp"
 
 #include "rtps/reliability/stateful_reader.hpp"
