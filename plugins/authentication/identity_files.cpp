@@ -1,10 +1,11 @@
 #include "plugins/authentication/identity_files.hpp"
 
 #include <algorithm>
-#include <filesystem>
+#include <optional>
 #include <string>
 
 #include "pki/certificate_source.hpp"
+#include "pki/withdrawn_authorities.hpp"
 #include "plugins/authentication/document_errors.hpp"
 #include "plugins/spi/files_poll_interval.hpp"
 #include "plugins/spi/property_names.hpp"
@@ -13,9 +14,6 @@ namespace ddssec::authentication {
 namespace {
 
 namespace property = spi::property;
-
-// The largest number of certificates in a trusted_ca_dir, as in Cyclone DDS.
-constexpr std::size_t kMaxTrustedCas = 100;
 
 // Adds to an error the files that the properties name, unless they are in it already, so that the
 // folder with the wrong file can be found. A value that is in the property itself is never shown.
@@ -45,56 +43,29 @@ Result<std::vector<pki::Certificate>> load_bundle(std::string_view uri, std::str
   return with_property(pki::Certificate::bundle_from_pem(octets), name);
 }
 
-// Loads the certificate authorities among the readable PEM files of a folder. Other files are
-// skipped.
-Result<std::vector<pki::Certificate>> load_folder(std::string_view value) {
-  constexpr auto kName = property::kTrustedCaDir;
-  // A plain path is accepted, too.
-  const auto folder = file_named_by(value).value_or(std::string(value));
-  std::error_code error;
-  std::filesystem::directory_iterator entries(folder, error);
-  std::vector<std::string> paths;
-  for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error))
-    paths.push_back(entries->path().string());
-  if (error)
-    return fail(Code::trusted_ca_dir_unreadable,
-                {.document = std::string(kName), .found = folder, .note = error.message()});
-  std::ranges::sort(paths);
-  std::vector<pki::Certificate> found;
-  for (const auto& path : paths) {
-    const auto bundle = load_bundle("file:" + path, kName);
-    if (!bundle) continue;
-    std::ranges::copy_if(*bundle, std::back_inserter(found), &pki::Certificate::is_ca);
-    if (found.size() > kMaxTrustedCas)
-      return fail(Code::trusted_ca_dir_too_many,
-                  {.document = std::string(kName),
-                   .expected = "at most " + std::to_string(kMaxTrustedCas),
-                   .found = folder});
-  }
-  return found;
-}
-
 Result<std::vector<pki::Certificate>> load_anchors(const spi::PropertyList& properties) {
   constexpr auto kName = property::kIdentityCa;
   return load_bundle(spi::property_value(properties, kName), kName);
 }
 
-// Loads the trusted_ca_dir, if one is named. Our own CA must be in it. Otherwise we would trust
-// peers that do not trust us.
+// Returns the trusted_ca_dir, not read yet; nothing if none is named.
+Result<std::optional<TrustedFolder>> find_trusted_folder(const spi::PropertyList& properties) {
+  const auto folder = spi::property_value(properties, property::kTrustedCaDir);
+  if (folder.empty()) return std::nullopt;
+  DDSSEC_ASSIGN_OR_RETURN(const auto interval, spi::files_poll_interval(properties));
+  return TrustedFolder(folder, interval);
+}
+
+// Loads the CAs of the trusted_ca_dir, if one is named.
 Result<std::shared_ptr<const TrustStore>> load_peer_trust(
-    const spi::PropertyList& properties, const RevocationLists& lists,
+    std::optional<TrustedFolder>& folder, const RevocationLists& lists,
     const std::shared_ptr<const TrustStore>& own, TrustStores& stores) {
   constexpr auto kName = property::kTrustedCaDir;
-  const auto folder = spi::property_value(properties, kName);
-  if (folder.empty()) return own;
+  if (!folder) return own;
   if (!lists.in_force().empty())
     return fail(Code::trusted_ca_dir_with_crl, {.document = std::string(kName)});
-  DDSSEC_ASSIGN_OR_RETURN(auto anchors, load_folder(folder));
-  for (const auto& ca : own->anchors())
-    if (std::ranges::find(anchors, ca) == anchors.end())
-      return fail(
-          Code::own_ca_not_trusted,
-          {.document = std::string(kName), .expected = ca.subject(), .found = std::string(folder)});
+  DDSSEC_ASSIGN_OR_RETURN(auto anchors, folder->read_first());
+  DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(own->anchors(), anchors, folder->path()));
   return with_property(stores.open(std::move(anchors), {}), kName);
 }
 
@@ -116,6 +87,16 @@ Status check_belongs(const pki::PrivateKey& key, const pki::Certificate& certifi
 
 }  // namespace
 
+Status check_in_trusted_folder(const std::vector<pki::Certificate>& own,
+                               const std::vector<pki::Certificate>& trusted,
+                               const std::string& folder) {
+  const auto missing = pki::leaving(own, trusted);
+  if (missing.empty()) return {};
+  return fail(Code::own_ca_not_trusted, {.document = std::string(property::kTrustedCaDir),
+                                         .expected = missing.front().subject(),
+                                         .found = folder});
+}
+
 Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, TrustStores& stores,
                                           WallTime now) {
   DDSSEC_ASSIGN_OR_RETURN(auto warn_before_end, spi::warning_days(properties));
@@ -124,6 +105,7 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_ASSIGN_OR_RETURN(auto listed, ListedRenewals::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto watch, IdentityWatch::of(properties));
   DDSSEC_ASSIGN_OR_RETURN(auto authorities, watch_authorities(properties));
+  DDSSEC_ASSIGN_OR_RETURN(auto folder, find_trusted_folder(properties));
   constexpr auto kCa = property::kIdentityCa, kKey = property::kPrivateKey;
   constexpr auto kOwn = property::kIdentityCertificate;
   DDSSEC_ASSIGN_OR_RETURN(auto anchors,
@@ -133,7 +115,7 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
       auto own,
       with_file_names(with_property(stores.open(std::move(anchors), lists.in_force()), kCa),
                       properties, {kCa}));
-  DDSSEC_ASSIGN_OR_RETURN(auto peers, load_peer_trust(properties, lists, own, stores));
+  DDSSEC_ASSIGN_OR_RETURN(auto peers, load_peer_trust(folder, lists, own, stores));
   DDSSEC_ASSIGN_OR_RETURN(
       auto certificate, with_file_names(load_identity_certificate(properties), properties, {kOwn}));
   DDSSEC_ASSIGN_OR_RETURN(auto key,
@@ -143,19 +125,18 @@ Result<IdentityFiles> IdentityFiles::load(const spi::PropertyList& properties, T
   DDSSEC_RETURN_IF_ERROR(
       with_file_names(with_property(own->verify(certificate, now), kOwn), properties, {kOwn, kCa}));
   DDSSEC_RETURN_IF_ERROR(ocsp_response.read_first({certificate, *own, now}));
-  return IdentityFiles{
-      .certificate = std::move(certificate),
-      .key = std::move(key),
-      .watch = std::move(watch),
-      .authorities = std::move(authorities),
-      .revocation_lists = std::move(lists),
-      .own_trust = std::move(own),
-      .peer_trust = std::move(peers),
-      .has_trusted_folder = !spi::property_value(properties, property::kTrustedCaDir).empty(),
-      .warn_before_end = std::move(warn_before_end),
-      .ocsp_policy = ocsp_policy,
-      .ocsp_response = std::move(ocsp_response),
-      .listed = std::move(listed)};
+  return IdentityFiles{.certificate = std::move(certificate),
+                       .key = std::move(key),
+                       .watch = std::move(watch),
+                       .authorities = std::move(authorities),
+                       .revocation_lists = std::move(lists),
+                       .own_trust = std::move(own),
+                       .peer_trust = std::move(peers),
+                       .trusted_folder = std::move(folder),
+                       .warn_before_end = std::move(warn_before_end),
+                       .ocsp_policy = ocsp_policy,
+                       .ocsp_response = std::move(ocsp_response),
+                       .listed = std::move(listed)};
 }
 
 }  // namespace ddssec::authentication

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "pki/authority_watch.hpp"
 #include "pki/private_key.hpp"
@@ -11,6 +14,7 @@
 #include "plugins/authentication/own_ocsp_response.hpp"
 #include "plugins/authentication/revocation_lists.hpp"
 #include "plugins/authentication/trust_store.hpp"
+#include "plugins/authentication/trusted_folder.hpp"
 #include "plugins/spi/end_warning.hpp"
 #include "plugins/spi/token.hpp"
 
@@ -25,7 +29,7 @@ struct IdentityFiles {
   RevocationLists revocation_lists;
   std::shared_ptr<const TrustStore> own_trust;   ///< identity_ca, with the revocation lists
   std::shared_ptr<const TrustStore> peer_trust;  ///< the same, or the trusted_ca_dir
-  bool has_trusted_folder = false;
+  std::optional<TrustedFolder> trusted_folder;
   spi::WarningDays warn_before_end;
   OcspPolicy ocsp_policy;
   OwnOcspResponse ocsp_response;
@@ -40,5 +44,11 @@ struct IdentityFiles {
   static Result<IdentityFiles> load(const spi::PropertyList& properties, TrustStores& stores,
                                     WallTime now);
 };
+
+/// Success if the CAs of the trusted_ca_dir, which is `folder`, include each of our own. Otherwise
+/// we would trust peers that do not trust us. Error: own_ca_not_trusted.
+Status check_in_trusted_folder(const std::vector<pki::Certificate>& own,
+                               const std::vector<pki::Certificate>& trusted,
+                               const std::string& folder);
 
 }  // namespace ddssec::authentication

@@ -21,9 +21,9 @@ namespace property = spi::property;
 
 OwnIdentity::OwnIdentity(IdentityFiles files, const Guid& candidate)
     : guid_(adjusted_guid(files.certificate.subject_digest(), candidate)),
-      has_trusted_folder_(files.has_trusted_folder),
       watch_(std::move(files.watch)),
       authorities_(std::move(files.authorities)),
+      trusted_folder_(std::move(files.trusted_folder)),
       revocation_lists_(std::move(files.revocation_lists)),
       ocsp_policy_(files.ocsp_policy),
       ocsp_response_(std::move(files.ocsp_response)),
@@ -106,7 +106,7 @@ Result<bool> OwnIdentity::renew_revocation_lists(TrustStores& stores, const Cloc
 Status OwnIdentity::adopt_lists(const std::vector<pki::Crl>& lists, TrustStores& stores,
                                 WallTime now) {
   const auto former = own_trust();
-  if (has_trusted_folder_) return fail(Code::trusted_ca_dir_with_crl);
+  if (trusted_folder_) return fail(Code::trusted_ca_dir_with_crl);
   DDSSEC_RETURN_IF_ERROR(
       check_renewal(lists, revocation_lists_.in_force(), former->anchors(), now));
   DDSSEC_ASSIGN_OR_RETURN(auto renewed, stores.open(former->anchors(), lists));
@@ -247,22 +247,10 @@ std::optional<Error> OwnIdentity::ocsp_revoked() const {
 
 // ---- other certificate authorities
 
-// Success if a trusted_ca_dir in use contains each of these CAs, as IdentityFiles::load requires.
-Status OwnIdentity::check_in_trusted_folder(
-    const std::vector<pki::Certificate>& authorities) const {
-  if (!has_trusted_folder_) return {};
-  const auto folder = peer_trust();
-  for (const auto& ca : authorities)
-    if (std::ranges::find(folder->anchors(), ca) == folder->anchors().end())
-      return fail(Code::own_ca_not_trusted,
-                  {.document = std::string(property::kTrustedCaDir), .expected = ca.subject()});
-  return {};
-}
-
 // The caller holds mutex_. A new store does not remember which peers the former one trusted.
 void OwnIdentity::trust(std::shared_ptr<const TrustStore> store) {
   own_trust_ = std::move(store);
-  if (has_trusted_folder_) return;
+  if (trusted_folder_) return;
   listed_->reevaluate();
   peer_trust_ = own_trust_;
   authorities_renewal_ = ++renewals_;
@@ -283,10 +271,27 @@ Result<OwnIdentity::AuthorityRenewal> OwnIdentity::renew_authorities(TrustStores
   return taken;
 }
 
+Result<bool> OwnIdentity::renew_trusted_folder(TrustStores& stores, const Clock& clock) {
+  const std::scoped_lock lock(renewal_mutex_);
+  if (!trusted_folder_) return false;
+  const auto adopt = [&](const std::vector<pki::Certificate>& next) -> Status {
+    DDSSEC_RETURN_IF_ERROR(
+        check_in_trusted_folder(own_trust()->anchors(), next, trusted_folder_->path()));
+    DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, {}));
+    const std::scoped_lock trusting(mutex_);
+    peer_trust_ = std::move(store);
+    authorities_renewal_ = ++renewals_;
+    return {};
+  };
+  return trusted_folder_->poll(clock.monotonic(), peer_trust()->anchors(), adopt);
+}
+
 // Takes other authorities. Returns true if our certificate was renewed together with them.
 Result<bool> OwnIdentity::adopt_authorities(const std::vector<pki::Certificate>& next,
                                             TrustStores& stores, WallTime now) {
-  DDSSEC_RETURN_IF_ERROR(check_in_trusted_folder(next));
+  if (trusted_folder_)
+    DDSSEC_RETURN_IF_ERROR(
+        check_in_trusted_folder(next, peer_trust()->anchors(), trusted_folder_->path()));
   DDSSEC_ASSIGN_OR_RETURN(auto store, stores.open(next, revocation_lists_.in_force()));
   const auto former = presented();
   const auto own =
@@ -320,6 +325,20 @@ Status OwnIdentity::adopt_with_identity(const std::vector<pki::Certificate>& nex
 
 // ---- descriptions for a person
 
+// The caller holds renewal_mutex_.
+DocumentState OwnIdentity::state_of_authorities() const {
+  DocumentState state{.kind = DocumentKind::identity_ca,
+                      .file = authorities_.name(),
+                      .parts = pki::parts_of(peer_trust()->anchors()),
+                      .refused = authorities_.refused(),
+                      .state = authorities_.state()};
+  if (!trusted_folder_) return state;
+  state.file += ", " + trusted_folder_->path();
+  if (!state.refused) state.refused = trusted_folder_->refused();
+  state.state = std::max(state.state, trusted_folder_->state());
+  return state;
+}
+
 std::vector<DocumentState> OwnIdentity::documents() const {
   const std::scoped_lock lock(renewal_mutex_);
   const auto path = watch_.path();
@@ -329,11 +348,7 @@ std::vector<DocumentState> OwnIdentity::documents() const {
        .parts = {pki::part_of(certificate())},
        .refused = watch_.refused(),
        .state = watch_.state()},
-      {.kind = DocumentKind::identity_ca,
-       .file = authorities_.name(),
-       .parts = pki::parts_of(own_trust()->anchors()),
-       .refused = authorities_.refused(),
-       .state = authorities_.state()}};
+      state_of_authorities()};
   if (const auto state = ocsp_response_.state(certificate())) out.push_back(*state);
   if (const auto state = listed_->state()) out.push_back(*state);
   if (revocation_lists_.path().empty()) return out;
@@ -353,6 +368,7 @@ void OwnIdentity::force_poll() {
   const std::scoped_lock lock(renewal_mutex_);
   watch_.force_poll();
   authorities_.force_poll();
+  if (trusted_folder_) trusted_folder_->force_poll();
   revocation_lists_.force_poll();
   ocsp_response_.force_poll();
   listed_->force_poll();

@@ -91,6 +91,18 @@ class OwnIdentity {
   /// its file. The latter then comes into force, together with the revocation lists in their file.
   /// Errors: those of AuthorityWatch::poll.
   Result<AuthorityRenewal> renew_authorities(TrustStores& stores, const Clock& clock);
+  /// Takes other CAs of the trusted_ca_dir, if there is one; from then on peers are judged by them.
+  /// They must include each of our own identity CAs. Returns true if it did. Errors: those of
+  /// TrustedFolder::poll.
+  Result<bool> renew_trusted_folder(TrustStores& stores, const Clock& clock);
+  /// Returns the path of the CAs by which peers are judged: the trusted_ca_dir if there is one,
+  /// else authorities_path().
+  const std::string& peer_authorities_path() const {
+    return trusted_folder_ ? trusted_folder_->path() : authorities_path();
+  }
+  /// Returns the subjects of these CAs, for a person.
+  std::string peer_authorities() const { return pki::describe(peer_trust()->anchors()); }
+
   /// Returns the path of the identity CAs; the property's name if they are not in a file.
   const std::string& authorities_path() const { return authorities_.name(); }
   /// Returns the subjects of the identity CAs, for a person.
@@ -131,21 +143,21 @@ class OwnIdentity {
   Status adopt_lists(const std::vector<pki::Crl>& lists, TrustStores& stores, WallTime now);
   Status check_renewed(const IdentityWatch::FoundIdentity& found, const TrustStore& trust,
                        WallTime now) const;
-  Status check_in_trusted_folder(const std::vector<pki::Certificate>& authorities) const;
   Result<bool> adopt_authorities(const std::vector<pki::Certificate>& next, TrustStores& stores,
                                  WallTime now);
   Status adopt_with_identity(const std::vector<pki::Certificate>& next,
                              const IdentityWatch::FoundIdentity& identity, TrustStores& stores,
                              WallTime now);
   void trust(std::shared_ptr<const TrustStore> store);
+  DocumentState state_of_authorities() const;
 
   const Guid guid_;
-  const bool has_trusted_folder_;
   /// Guards watch, lists and warnings; locked before mutex_. Files are read under it, so no
   /// handshake may wait for it.
   mutable std::mutex renewal_mutex_;
   IdentityWatch watch_;
   pki::AuthorityWatch authorities_;
+  std::optional<TrustedFolder> trusted_folder_;  ///< there is one from the start, or never
   RevocationLists revocation_lists_;
   const OcspPolicy ocsp_policy_;
   OwnOcspResponse ocsp_response_;

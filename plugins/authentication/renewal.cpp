@@ -19,6 +19,19 @@ AuthorityRenewal renew_authorities(OwnIdentity& identity, TrustStores& stores,
   return *taken;
 }
 
+void renew_trusted_folder(OwnIdentity& identity, TrustStores& stores,
+                          const PluginServices& services) {
+  const auto us = our_name(identity.guid());
+  const auto taken = identity.renew_trusted_folder(stores, services.clock);
+  if (!taken) services.events.raise(event_about(us, taken.error()));
+  if (!taken || !*taken) return;
+  services.events.raise(event_about(
+      us, Error(Code::identity_ca_renewed,
+                {.document = identity.peer_authorities_path(),
+                 .found = identity.peer_authorities(),
+                 .note = "these are the CAs of the folder dds.sec.auth.trusted_ca_dir"})));
+}
+
 bool renew_certificate(OwnIdentity& identity, const PluginServices& services) {
   const auto renewed = identity.renew_identity(services.clock);
   if (!renewed) services.events.raise(event_about(our_name(identity.guid()), renewed.error()));
@@ -61,7 +74,9 @@ void renew_identities(IdentityTable& table, spi::IdentityHandle which, TrustStor
                       const PluginServices& services) {
   for (const auto& local : table.locals(which)) {
     auto& identity = *local.identity;
-    // The CAs come first, because a new CA may have issued a renewed certificate.
+    // The CAs come first, because a new CA may have issued a renewed certificate. Our own must be
+    // in the folder of trusted ones already.
+    renew_trusted_folder(identity, stores, services);
     const auto taken = renew_authorities(identity, stores, services);
     const bool is_renewed = renew_certificate(identity, services) || taken.identity;
     poll_renewal_list(identity, services);

@@ -51,8 +51,8 @@ std::optional<Error> withdrawal(IdentityTable& table, const IdentityTable::Authe
   if (!verdict) {
     auto why = follow_renewal_list(table, peer, whose, services);
     if (!why) return std::nullopt;
-    why->document = whose.authorities_path();
-    why->expected = "a certificate of " + whose.authorities();
+    why->document = whose.peer_authorities_path();
+    why->expected = "a certificate of " + whose.peer_authorities();
     const bool is_ours = !why->hint.empty();
     if (!is_ours && !why->note.empty()) why->note = "; " + why->note;
     if (!is_ours) why->note = "serial number " + peer.latest().serial() + why->note;
