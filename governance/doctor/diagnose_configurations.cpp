@@ -83,10 +83,13 @@ bool is_judged(const std::string& value, const fs::path& judged, const fs::path&
   return has_same_octets(path, judged);
 }
 
-// Returns only the beginning of a value that is not a path, because the value may be a key.
+// Returns only the scheme of a value that is not a path, because the value may be a key. A path is
+// cut: someone else may have written the file.
 std::string shown_value(const std::string& value) {
+  constexpr std::size_t kMaxShown = 256;
   const auto scheme = value.substr(0, value.find(':'));
-  return scheme == "data" || scheme == "pkcs11" ? "a " + scheme + ": value" : value;
+  if (scheme == "data" || scheme == "pkcs11") return "a " + scheme + ": value";
+  return value.size() <= kMaxShown ? value : value.substr(0, kMaxShown) + "...";
 }
 
 // A configuration and its owner.
@@ -147,7 +150,7 @@ std::string sentence(const Configuration& configuration, const NamedFile& named,
     return fmt::format(
         "{} names {} as {}, which {} cannot read, so that it does not start; {} is "
         "what was judged",
-        configuration.name, value, role->property, product, judged.string());
+        configuration.name, shown_value(value), role->property, product, judged.string());
   return fmt::format(
       "{} names {} as {}: a process that starts with it reads that, and not {}, "
       "which was judged",
@@ -165,7 +168,7 @@ void diagnose_odd_path(const Configuration& configuration, Diagnosis& out) {
         {.rule = Rule::DOC008,
          .message = fmt::format("{} names {} as permissions: Cyclone DDS's own plugins do not "
                                 "read a path with '\"' or '\\' as it stands, but another one",
-                                configuration.name, named.value),
+                                configuration.name, shown_value(named.value)),
          .document = configuration.document,
          .hint = "rename the folder"});
   }
@@ -215,15 +218,16 @@ void diagnose_judged(const LoadedFolder& folder, const Configuration& configurat
     if (!is_judged(named.value, judged, paths.folder))
       report(sentence(configuration, named, judged));
     else if (configuration.is_fastdds && !has_fastdds_scheme(named.value))
-      report(
-          fmt::format("{} names {} as {}, and Fast DDS does not start without \"file://\" before "
-                      "the path; write file://{}",
-                      configuration.name, named.value, named.role->property, judged.string()));
+      report(fmt::format(
+          "{} names {} as {}, and Fast DDS does not start without \"file://\" before "
+          "the path; write file://{}",
+          configuration.name, shown_value(named.value), named.role->property, judged.string()));
     else if (!configuration.is_fastdds && !has_scheme(named.value))
       report(
           fmt::format("{} names {} as {}, without \"file:\" before the path: Cyclone DDS does "
                       "not start; write file:{}",
-                      configuration.name, named.value, named.role->property, named.value));
+                      configuration.name, shown_value(named.value), named.role->property,
+                      shown_value(named.value)));
   }
   if (!configuration.is_fastdds) diagnose_odd_path(configuration, out);
   const auto is_crl = [](const NamedFile& named) { return named.role->judged == &Files::crl; };

@@ -166,7 +166,8 @@ class ConfigurationReader {
   void refuse_open_elements() {
     if (elements_.is_empty() || findings_.has_problems()) return;
     const auto& open = elements_.innermost();
-    findings_.add_problem(open.line, fmt::format("has no end tag for <{}>", open.name));
+    findings_.add_problem(open.line, fmt::format("has no end tag for <{}>",
+                                                 std::string_view(open.name).substr(0, 64)));
   }
 
   bool on_end_tag(const Markup::Token& token) {
@@ -175,8 +176,10 @@ class ConfigurationReader {
       return true;
     }
     if (!elements_.is_empty() && token.name == elements_.innermost().name)
-      findings_.add_problem(token.line, fmt::format("ends <{}> with </{}>, in another letter case",
-                                                    elements_.innermost().spelled, token.spelled));
+      findings_.add_problem(
+          token.line, fmt::format("ends <{}> with </{}>, in another letter case",
+                                  std::string_view(elements_.innermost().spelled).substr(0, 64),
+                                  std::string_view(token.spelled).substr(0, 64)));
     else
       findings_.add_problem(token.line,
                             fmt::format("has an end tag </{}> that no start tag belongs to",
@@ -320,8 +323,8 @@ class ConfigurationReader {
     auto& own = elements_.innermost();
     own.has_text = true;
     if (own.has_elements || is_list())
-      findings_.add_problem(token.line,
-                            fmt::format("has text in <{}>, where only elements may be", own.name));
+      findings_.add_problem(token.line, fmt::format("has text in <{}>, where only elements may be",
+                                                    std::string_view(own.name).substr(0, 64)));
     elements_.mark_values();
   }
 

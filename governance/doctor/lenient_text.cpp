@@ -10,8 +10,8 @@ namespace ddssec::governance::doctor {
 namespace {
 
 // Goes through the text once and replaces invalid parts by blanks. Takes linear time and memory,
-// because the text may come from anyone: a name ends at the next '<', and no attribute is read
-// twice.
+// because the text may come from anyone: a name ends at the next '<', and no attribute and no run
+// of blanks is read twice.
 class Cleaner {
  public:
   explicit Cleaner(std::string text) : text_(std::move(text)) {}
@@ -38,6 +38,7 @@ class Cleaner {
  private:
   // The largest number of joins, because each of them moves the rest of the text.
   static constexpr std::size_t kMaxJoined = 1000;
+  static constexpr std::string_view kBlanks = " \t\r\n";
   // More than any document has: ddssec refuses elements deeper than kMaxXmlDepth.
   static constexpr std::size_t kMaxOpen = 10'000;
 
@@ -158,10 +159,22 @@ class Cleaner {
     return at == 0 ? 0 : at - 1;
   }
 
+  // Returns the place of the last octet before `at` that is not blank. Comments that were blanked
+  // one after the other are passed only once.
+  std::size_t last_before(std::size_t at) {
+    if (at < seen_) {
+      seen_ = 0;
+      last_seen_ = text_.npos;
+    }
+    const auto found = std::string_view(text_).substr(seen_, at - seen_).find_last_not_of(kBlanks);
+    if (found != text_.npos) last_seen_ = seen_ + found;
+    seen_ = at;
+    return last_seen_;
+  }
+
   // True if the comment or CDATA has text other than blanks beside it, between two tags.
-  bool is_in_value(std::size_t at, std::size_t end) const {
-    constexpr std::string_view kBlanks = " \t\r\n";
-    const auto before = text_.find_last_not_of(kBlanks, at == 0 ? 0 : at - 1);
+  bool is_in_value(std::size_t at, std::size_t end) {
+    const auto before = last_before(at);
     const auto after = text_.find_first_not_of(kBlanks, end);
     const auto is_text = [&](std::size_t i, char tag) {
       return i < text_.size() && text_[i] != tag;
@@ -196,6 +209,8 @@ class Cleaner {
   bool is_refused_by_fastdds_ = false;
   bool has_pieces_ = false;
   std::size_t joined_ = 0;
+  std::size_t seen_ = 0;                       // until where last_before() has looked
+  std::size_t last_seen_ = std::string::npos;  // the last octet there that is not blank
 };
 
 }  // namespace

@@ -14,9 +14,16 @@ namespace {
 
 // A text can look as if it names a file in each of its lines, and each one is reported.
 constexpr std::size_t kMaxNamed = 100;
+constexpr std::size_t kMaxNamedOfRole = 10;
+// The largest size of a value that is kept of such a text. No path is as long.
+constexpr std::size_t kMaxValue = 64 * 1024;
 
 std::string content_of(std::string_view after_tag) {
   return without_escapes(trimmed(after_tag.substr(0, after_tag.find('<')), " \t\r\n"));
+}
+
+std::string value_at(std::string_view after_tag) {
+  return content_of(after_tag.substr(0, kMaxValue));
 }
 
 // True if `tag` begins before `text`, which is a part of the same text.
@@ -60,10 +67,12 @@ std::vector<NamedFile> named_by_cyclonedds(std::string_view text, const Effectiv
     });
     return out;
   }
-  for (const auto& role : kRoles)
-    for (auto tag = find_tag(text, role.element); tag && out.size() < kMaxNamed;
+  for (const auto& role : kRoles) {
+    std::size_t found = 0;
+    for (auto tag = find_tag(text, role.element); tag && found++ < kMaxNamedOfRole;
          tag = find_tag(tag->after, role.element))
-      out.push_back({&role, content_of(tag->after)});
+      out.push_back({&role, value_at(tag->after)});
+  }
   return out;
 }
 
@@ -81,7 +90,7 @@ std::vector<NamedFile> named_anywhere_by_fastdds(std::string_view text) {
        tag = find_tag(tag->after, "name")) {
     if (is_before(*value, tag->after)) value = find_tag(tag->after, "value");
     const auto* const role = role_of_property(content_of(tag->after));
-    if (value && role != nullptr) out.push_back({role, content_of(value->after)});
+    if (value && role != nullptr) out.push_back({role, value_at(value->after)});
   }
   return out;
 }

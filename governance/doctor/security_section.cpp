@@ -56,8 +56,11 @@ void SecuritySection::on_start_tag(const OpenElements& elements, const Markup::T
   auto& plugin = *(out_.*kind_->plugin);
   if (token.name == "library") return read_library(token, plugin);
   findings_.refuse_attributes(token);
-  if (plugin.value(token.name) != nullptr)
+  if (plugin.value(token.name) != nullptr) {
     findings_.add_problem(token.line, fmt::format("has <{}> twice", token.name));
+    value_ = &(repeated_ = {{}, token.line});
+    return;
+  }
   plugin.values.push_back({token.name, {{}, token.line}});
   value_ = &plugin.values.back().second;
 }

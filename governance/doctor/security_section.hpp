@@ -49,6 +49,7 @@ class SecuritySection {
   bool is_second_ = false;           ///< this is not the first <Security> that applies
   const Kind* kind_ = nullptr;       ///< the plugin; nullptr: none, or an unknown one
   ConfiguredText* value_ = nullptr;  ///< in an element of a plugin
+  ConfiguredText repeated_;          ///< the text of an element that is there already
 };
 
 }  // namespace ddssec::governance::doctor
