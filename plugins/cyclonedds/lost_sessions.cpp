@@ -74,7 +74,7 @@ void LostSessions::note_lost(const Key& key, Session& session) {
   auto& of_subject = local.lost[subject_of(key)];
   of_subject.emplace(losses_ + 1, key);
   session.lost = ++losses_;
-  session.lost_at = session.next = clock_.monotonic();
+  session.lost_at = session.discovered_at = session.next = clock_.monotonic();
   ++local.all_lost;
   if (of_subject.size() > kMaxOfSubject) return forget_first(of_subject);
   if (local.all_lost <= kMaxLost) return;
@@ -99,17 +99,6 @@ void LostSessions::forget_first(const InOrder& in_order) {
   const auto session = sessions_.find(in_order.begin()->second);
   forget_loss(session->first, session->second);
   sessions_.erase(session);
-}
-
-void LostSessions::forget_lost_before(Duration time, const Discovers& discovers) {
-  for (auto at = sessions_.begin(); at != sessions_.end();) {
-    const auto session = at++;
-    if (session->second.lost == 0 || session->second.lost_at > time) continue;
-    const auto& [remote, local] = session->first;
-    if (discovers(local, remote)) continue;
-    forget_loss(session->first, session->second);
-    sessions_.erase(session);
-  }
 }
 
 LostSessions::Duration LostSessions::wait_while_undiscovered(const Session& session) {
@@ -138,13 +127,20 @@ std::vector<LostSessions::DueReset> LostSessions::due(const Discovers& discovers
   if (std::ranges::all_of(locals_, [](const auto& one) { return one.second.all_lost == 0; }))
     return {};
   const auto now = clock_.monotonic();
-  forget_lost_before(now - kMemory, discovers);
   std::vector<DueReset> out;
   unsigned undiscovered = 0;
-  for (auto& [key, session] : sessions_) {
+  for (auto at = sessions_.begin(); at != sessions_.end();) {
+    const auto entry = at++;
+    auto& [key, session] = *entry;
     if (session.lost == 0) continue;
     const auto& [remote, local] = key;
     const bool is_discovered = discovers(local, remote);
+    if (is_discovered) session.discovered_at = now;
+    if (session.discovered_at <= now - kMemory) {
+      forget_loss(key, session);
+      sessions_.erase(entry);
+      continue;
+    }
     if (!is_due(session, is_discovered, now)) continue;
     if (!is_discovered && ++undiscovered > kMaxUndiscovered) continue;
     note_sent(session, is_discovered, now);

@@ -47,8 +47,8 @@ class LostSessions {
   static constexpr Duration kFirstOfCutOff = std::chrono::seconds(2);
   /// The largest number of resets for such peers at once. The others are due the next time.
   static constexpr unsigned kMaxUndiscovered = 32;
-  /// How long a lost session is remembered. It is remembered for longer while the host discovers
-  /// the peer: an attacker can keep every reset from it.
+  /// How long a lost session is remembered after the host has last discovered the peer. While it is
+  /// discovered, it may still have the session: an attacker can keep every reset from it.
   static constexpr Duration kMemory = std::chrono::hours(24);
   /// The largest number of lost sessions for each local participant, and of those with participants
   /// of one certificate: as many as it may have. Beyond the share of a certificate, its oldest lost
@@ -122,6 +122,7 @@ class LostSessions {
     Begun begun;
     std::uint64_t lost = 0;  ///< sequence number of its loss; 0 if it is not lost
     Duration lost_at{};
+    Duration discovered_at{};  ///< when the host last discovered the peer, or lost the session
     Duration next{};
     unsigned sent = 0;
     unsigned sent_undiscovered = 0;
@@ -149,7 +150,6 @@ class LostSessions {
   void note_lost(const Key& key, Session& session);
   void forget_loss(const Key& key, Session& session);
   void forget_first(const InOrder& in_order);
-  void forget_lost_before(Duration time, const Discovers& discovers);
 
   const Clock& clock_;
   mutable std::mutex mutex_;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "plugins/cyclonedds/authentication_adapter.hpp"
+#include "plugins/cyclonedds/own_announcements.hpp"
 #include "plugins/cyclonedds/session_resets.hpp"
 #include "plugins/spi/session_facts.hpp"
 #include "tests/unit/cyclonedds/revocation_listeners.hpp"
@@ -126,7 +127,7 @@ struct SessionResetTest : testing::Test {
   }
   DDS_Security_IdentityHandle authenticate() {
     const auto remote = meet();
-    HostOctets data{{1, 2, 3, 4}};
+    HostOctets data{own_data};
     DDS_Security_HandshakeHandle handshake = 0;
     DDS_Security_DataHolder message{}, reply{}, last{};
     EXPECT_TRUE(copy_token(sample_token(), reply));
@@ -139,6 +140,7 @@ struct SessionResetTest : testing::Test {
   }
 
   spi::CipherMask peer_ciphers = spi::kAllCiphers;
+  Bytes own_data{1, 2, 3, 4};  ///< what the host shows to handshakes
   Socket peer;
   Harness<AuthenticationAdapter, MockAuthentication, spi::Authentication> harness{
       AuthenticationAdapter::Pace{
@@ -270,6 +272,44 @@ TEST_F(LostRights, EndTheSessionOnce_AndResetThePeerAtOnce) {
   authenticate();
   wait_for_two_looks();
   EXPECT_EQ(revoked, 0);
+}
+
+// A session that has ended with a peer that the host does not discover yet. Both wait for the
+// other's announcement.
+struct NotDiscovered : LostRights {
+  void SetUp() override {
+    LostRights::SetUp();
+    own_data = {0, 0x50, 0, 16};  // PID_PARTICIPANT_GUID
+    const auto guid = Guid{kLocal, kEntityIdParticipant}.octets();
+    own_data.insert(own_data.end(), guid.begin(), guid.end());
+    const Bytes token_and_sentinel{0x10, 1, 0, 4, 0, 0, 0, 0, 0, 1, 0, 0};
+    own_data.insert(own_data.end(), token_and_sentinel.begin(), token_and_sentinel.end());
+    const auto remote = authenticate();
+    wait_for_two_looks();
+    losses = 1;
+    wait_until_revoked();
+    EXPECT_EQ(c->return_identity_handle(c, remote, nullptr), 1);
+  }
+  // True if it comes within that time.
+  bool announcement_comes_within(std::chrono::milliseconds time) const {
+    const auto announcement = write_announcement(kLocal, own_data);
+    EXPECT_TRUE(announcement);
+    const timeval patience{0, 100'000};
+    ::setsockopt(peer.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    const auto end = std::chrono::steady_clock::now() + time;
+    while (std::chrono::steady_clock::now() < end)
+      if (peer.receive() == announcement) return true;
+    return false;
+  }
+};
+
+TEST_F(NotDiscovered, AndNotMetAgain_GetsOurAnnouncement) {
+  EXPECT_TRUE(announcement_comes_within(10s));
+}
+
+TEST_F(NotDiscovered, AndMetAgain_GetsNone) {
+  meet();
+  EXPECT_FALSE(announcement_comes_within(1800ms)) << "twice OwnAnnouncements::kAfterReset";
 }
 
 // The peer may end the session at the same time, because its own permissions were renewed.
