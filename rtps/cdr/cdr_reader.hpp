@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <memory>
 #include <span>
+#include <type_traits>
 
 #include "base/reader.hpp"
 #include "rtps/cdr/encapsulation.hpp"
@@ -271,6 +273,18 @@ namespace detail {
 Result<CdrReader> open_reader(BytesView payload, Extensibility extensibility);
 Result<CdrReader> open_key_reader(BytesView payload, Extensibility extensibility);
 
+/// Gives all members their initial values, where they are: a T may be too large for a thread's
+/// stack.
+template <class T>
+void reset(T& value) {
+  if constexpr (std::is_nothrow_default_constructible_v<T>) {
+    std::destroy_at(&value);
+    std::construct_at(&value);
+  } else {
+    value = T{};
+  }
+}
+
 template <DdsType T, class Take>
 Status deserialize_with(BytesView payload, T& value, Take take) {
   auto reader = open_reader(payload, TypeTraits<T>::extensibility);
@@ -278,7 +292,7 @@ Status deserialize_with(BytesView payload, T& value, Take take) {
   auto again = *reader;
   take(*reader);
   if (!reader->ended_early()) return reader->status();
-  value = T{};  // absent members must not show earlier values
+  reset(value);  // absent members must not show earlier values
   take(again);
   return again.status();
 }
@@ -304,10 +318,10 @@ Status deserialize_key_into(BytesView payload, T& value) {
   auto delimited = detail::open_key_reader(payload, TypeTraits<T>::extensibility);
   if (!delimited) return std::unexpected(delimited.error());
   auto bare = *delimited;
-  value = T{};
+  detail::reset(value);
   delimited->take_key(value, KeyLayout::delimited);
   if (delimited->is_exhausted()) return {};
-  value = T{};
+  detail::reset(value);
   bare.take_key(value, KeyLayout::bare);
   const bool strict = TypeTraits<T>::extensibility == Extensibility::appendable &&
                       bare.version() == XcdrVersion::xcdr2;

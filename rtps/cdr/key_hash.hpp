@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 
 #include "base/hash.hpp"
 #include "rtps/cdr/cdr_writer.hpp"
@@ -29,9 +30,9 @@ std::size_t max_key_size(std::size_t offset, std::size_t bound, bool keys_only) 
       offset = max_key_size<typename T::value_type, version>(offset, bound, keys_only);
     return offset;
   } else if constexpr (DdsType<T>) {
-    T value{};
+    const auto value = std::make_unique<T>();
     const bool all = !keys_only || !has_key<T>();
-    for_each_member(value, [&](const auto& member) {
+    for_each_member(*value, [&](const auto& member) {
       using M = std::remove_cvref_t<decltype(member.value)>;
       if (offset != kUnbounded && (member.is_key || all))
         offset = max_key_size<M, version>(offset, member.bound, keys_only);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -243,10 +244,13 @@ concept FlatType = DdsType<T> && detail::is_flat<T>();
 /// True if any member is a key, so that the topic has instances.
 template <DdsType T>
 bool has_key() {
-  bool any = false;
-  T value{};
-  detail::for_each_member(value, [&](const auto& member) { any = any || member.is_key; });
-  return any;
+  static const bool has = [] {
+    bool any = false;
+    const auto value = std::make_unique<T>();  // it may be too large for a thread's stack
+    detail::for_each_member(*value, [&](const auto& member) { any = any || member.is_key; });
+    return any;
+  }();
+  return has;
 }
 
 }  // namespace ddssec::rtps

@@ -150,6 +150,20 @@ const T* flat_view(BytesView payload) {
 template <DdsType T>
 class LoanedSample {
  public:
+  LoanedSample(LoanedSample&& other) noexcept
+      : payload_(std::move(other.payload_)),
+        data_(std::exchange(other.data_, nullptr)),
+        info_(other.info_),
+        ticket_(std::move(other.ticket_)) {}
+  LoanedSample& operator=(LoanedSample&& other) noexcept {
+    payload_ = std::move(other.payload_);
+    data_ = std::exchange(other.data_, nullptr);
+    info_ = other.info_;
+    ticket_ = std::move(other.ticket_);
+    return *this;
+  }
+  /// False after it was moved from. Then there is no sample.
+  explicit operator bool() const { return data_ != nullptr; }
   /// Only the key is meaningful if !info().valid_data.
   const T& data() const { return *data_; }
   const T& operator*() const { return *data_; }
@@ -179,7 +193,7 @@ class LoanedSamples {
  public:
   std::size_t size() const { return held_.size(); }
   bool empty() const { return held_.empty(); }
-  /// Returns a sample, which may be moved to another place.
+  /// Returns a sample. If it is moved to another place, its element stays here, without a sample.
   LoanedSample<T>& operator[](std::size_t i) { return held_[i]; }
   const LoanedSample<T>& operator[](std::size_t i) const { return held_[i]; }
   /// For `for (auto& sample : samples)`.
@@ -188,7 +202,10 @@ class LoanedSamples {
   auto begin() const { return held_.begin(); }
   auto end() const { return held_.end(); }
   /// Gives all samples back.
-  void clear() { held_.clear(); }
+  void clear() {
+    held_.clear();
+    raw_.clear();
+  }
 
  private:
   template <DdsType>
@@ -197,7 +214,12 @@ class LoanedSamples {
   // Returns false if the payload cannot be deserialized as T.
   bool append(const OctetSample& raw) {
     const auto octets = raw.payload.view();
-    const auto* data = raw.is_key_only ? nullptr : detail::flat_view<T>(octets);
+    // No encoding of T is shorter. Such samples cost no memory for a T.
+    if (!raw.is_key_only && octets.size() < kEncapsulationSize + sizeof(T)) return false;
+    // A longer sample, which is legal, would keep all its memory as long as the loan lives.
+    const bool is_long =
+        Payload::memory_for(octets.size()) > Payload::memory_for(detail::kFlatPayload<T>);
+    const auto* data = raw.is_key_only || is_long ? nullptr : detail::flat_view<T>(octets);
     if (data != nullptr) return add(raw.payload, data, raw.info);
     auto converted = Payload::uninitialized(detail::kFlatPayload<T>);
     auto* const value = new (converted.fill().data() + kEncapsulationSize) T{};

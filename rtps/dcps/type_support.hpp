@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "rtps/cdr/cdr_reader.hpp"
 #include "rtps/cdr/cdr_writer.hpp"
@@ -48,10 +49,48 @@ inline XcdrVersion version_of(const Qos& qos) {
 
 namespace detail {
 
+/// A value of its own for each copy. It is not on the stack, because it may be too large for that
+/// of a thread.
 template <DdsType T>
-Result<T> deserialize_change(const Change& change) {
+class ScratchValue {
+ public:
+  ScratchValue() = default;
+  ScratchValue(const ScratchValue&) : ScratchValue() {}
+  ScratchValue(ScratchValue&&) noexcept = default;
+  T& operator*() { return *value_; }
+
+ private:
+  std::unique_ptr<T> value_ = std::make_unique<T>();
+};
+
+/// A value for one call. It is on the stack unless it may be too large for that of a thread.
+template <DdsType T>
+class LocalValue {
+ public:
+  T& operator*() {
+    if constexpr (kIsLarge)
+      return *value_;
+    else
+      return value_;
+  }
+
+ private:
+  static constexpr bool kIsLarge = sizeof(T) > std::size_t{64} * 1024;
+  using Value = std::conditional_t<kIsLarge, std::unique_ptr<T>, T>;
+  static Value make() {
+    if constexpr (kIsLarge)
+      return std::make_unique<T>();
+    else
+      return T{};
+  }
+
+  Value value_ = make();
+};
+
+template <DdsType T>
+Status deserialize_change(const Change& change, T& value) {
   const auto octets = change.payload.view();
-  return change.is_key_only ? deserialize_key<T>(octets) : deserialize<T>(octets);
+  return change.is_key_only ? deserialize_key_into(octets, value) : deserialize_into(octets, value);
 }
 
 }  // namespace detail
@@ -68,26 +107,25 @@ TypeSupport type_support() {
     if (support.description.objects.size() > kMaxTypeObjects) support.description.objects.clear();
   }
   if (!support.with_key) return support;
-  support.key_hash = [value = T{}, scratch = Bytes{}](
+  support.key_hash = [value = detail::ScratchValue<T>(), scratch = Bytes{}](
                          const Change& change, bool always_md5) mutable -> std::optional<KeyHash> {
-    const auto octets = change.payload.view();
-    const auto read =
-        change.is_key_only ? deserialize_key_into(octets, value) : deserialize_into(octets, value);
-    if (!read) return std::nullopt;
-    const auto opened = open_payload(octets);
-    return key_hash(value, scratch, always_md5, version_of(opened->encapsulation));
+    if (!detail::deserialize_change(change, *value)) return std::nullopt;
+    const auto opened = open_payload(change.payload.view());
+    return key_hash(*value, scratch, always_md5, version_of(opened->encapsulation));
   };
   support.serialized_key = [](const Change& change) {
     Bytes out;
+    detail::LocalValue<T> value;
     const auto opened = open_payload(change.payload.view());
-    if (const auto value = detail::deserialize_change<T>(change))
+    if (detail::deserialize_change(change, *value))
       serialize_key(*value, out, version_of(opened->encapsulation));
     return out;
   };
   support.bare_key = [](BytesView key) {
     Bytes out;
+    detail::LocalValue<T> value;
     const auto opened = open_payload(key);
-    if (const auto value = deserialize_key<T>(key))
+    if (deserialize_key_into(key, *value))
       serialize_key(*value, out, version_of(opened->encapsulation), opened->endian,
                     KeyLayout::bare);
     return out;

@@ -68,6 +68,23 @@ struct TypeTraits<Padded> {
     visit(s.first, s.second);
   }
 };
+struct Large {
+  std::uint32_t id = 0;
+  std::array<std::uint8_t, (std::size_t{16} << 20)> octets{};
+};
+template <>
+struct TypeTraits<Large> {
+  static constexpr std::string_view type_name = "Large";
+  static constexpr auto extensibility = Extensibility::final_type;
+  static constexpr std::array<MemberPlace, 2> layout = {
+      {{offsetof(Large, id), kFlatSize<decltype(Large::id)>},
+       {offsetof(Large, octets), kFlatSize<decltype(Large::octets)>}}};
+  template <class Self, class Visit>
+  static void members(Self& s, Visit&& visit) {
+    visit(key(s.id), s.octets);
+  }
+};
+static_assert(FlatType<Large>);
 static_assert(!FlatType<Padded> && !FlatType<Reading>);
 static_assert(kFlatSize<bool> == 0 && kFlatSize<std::string> == 0 && kFlatSize<Padded> == 0);
 
@@ -309,6 +326,84 @@ TEST_P(Loans, MalformedSamples_AreRemovedAndCounted) {
   ASSERT_EQ(reader.take(loaned), 1u);
   EXPECT_THAT(stamps(), ElementsAre(8));
   EXPECT_GT(reader.malformed(), 0u);
+}
+
+// A newer writer's sample may have more octets. It is copied, so that a loan of a small type does
+// not keep all of them. Memory of that size is not kept for the next sample.
+TEST_P(LoansOfOneProcess, LongSample_KeepsNoMoreThanOneOfItsType) {
+  auto& octets = **a.publisher->create_datawriter(topic(a), reliable());
+  ASSERT_TRUE(match(octets, reader));
+  Bytes sample, scratch;
+  serialize(Frame{.stamp = 12}, sample);
+  sample.resize(Payload::kMaxKeptOctets + 1024);
+  const auto key = key_hash(Frame{}, scratch);
+  std::vector<LoanedSample<Frame>> kept;
+  const auto take = [&] {
+    ASSERT_TRUE(succeeds(octets.write_octets({.payload = sample, .key = key})));
+    run();
+    ASSERT_EQ(reader.take(loaned), 1u);
+    EXPECT_EQ(loaned[0]->stamp, 12u);
+    kept.push_back(std::move(loaned[0]));
+    EXPECT_FALSE(loaned[0]) << "it was moved from";
+  };
+  take();
+  const auto before = counted_memory::octets();
+  for (int i = 0; i < 3; ++i) take();
+  EXPECT_LT(counted_memory::octets() - before, std::int64_t{Payload::kMaxKeptOctets});
+}
+
+// Such a sample is refused before memory for a sample of the type is taken. Memory of 16 MiB is not
+// kept for the next one.
+TEST_P(LoansOfOneProcess, ShortSample_CostsNoSampleOfItsType) {
+  auto& topic_of_a = **a.participant->create_topic<Large>("Large");
+  auto& topic_of_b = **b.participant->create_topic<Large>("Large");
+  auto& honest = **a.publisher->create_datawriter<Large>(topic_of_a, reliable());
+  auto& hostile = **a.publisher->create_datawriter(topic_of_a, reliable());
+  auto& larges = **b.subscriber->create_datareader<Large>(topic_of_b, reliable());
+  ASSERT_TRUE(match(honest, larges));
+  ASSERT_TRUE(match(hostile, larges));
+  // Of an instance that the reader knows, a sample is not read before it is taken.
+  auto loan = honest.loan();
+  ASSERT_TRUE(loan);
+  Bytes scratch;
+  const auto key = key_hash(**loan, scratch);
+  ASSERT_TRUE(succeeds(honest.write(*std::move(loan))));
+  run();
+  LoanedSamples<Large> out;
+  ASSERT_EQ(larges.take(out), 1u);
+  const Bytes short_sample{0, 1, 0, 0, 0, 0, 0, 0};
+  ASSERT_TRUE(succeeds(hostile.write_octets({.payload = short_sample, .key = key})));
+  run();
+  const auto before = counted_memory::octets_ever();
+  EXPECT_EQ(larges.take(out), 0u);
+  EXPECT_LT(counted_memory::octets_ever() - before, std::int64_t{1} << 20);
+  EXPECT_EQ(larges.malformed(), 1u);
+}
+
+// Its values do not fit on the stack of a thread.
+TEST_P(LoansOfOneProcess, TypeLargerThanAStack_IsWrittenTakenAndDisposed) {
+  const auto topic_of = [](End& end) -> Topic& {
+    return **end.participant->create_topic<Large>("Large");
+  };
+  auto& large = **a.publisher->create_datawriter<Large>(topic_of(a), reliable());
+  auto& larges = **b.subscriber->create_datareader<Large>(topic_of(b), reliable());
+  ASSERT_TRUE(match(large, larges));
+  auto loan = large.loan();
+  ASSERT_TRUE(loan);
+  (*loan)->id = 7;
+  (*loan)->octets.back() = 9;
+  ASSERT_TRUE(succeeds(large.write(*std::move(loan))));
+  const auto same = std::make_unique<Large>();
+  same->id = 7;
+  LoanedSamples<Large> out;
+  run();
+  ASSERT_EQ(larges.take(out), 1u);
+  EXPECT_EQ(out[0]->octets.back(), 9);
+  ASSERT_TRUE(succeeds(large.dispose(*same)));
+  run();
+  ASSERT_EQ(larges.take(out), 1u);
+  EXPECT_FALSE(out[0].info().valid_data);
+  EXPECT_EQ(out[0]->id, 7u);
 }
 
 // Octets of any type, with the encapsulation that the application writes.
