@@ -253,6 +253,17 @@ struct Pairing {
                                                           1))
       : a(first_plugin, first, 1), b(second_plugin, second, 2), two(a, b) {}
 
+  /// Returns true if the two authenticate each other.
+  static bool authenticate(Two& two) {
+    const auto request = two.request();
+    const auto reply = request ? two.reply(*request->message) : request;
+    const auto final_message =
+        reply ? two.process_at_lower_guid(request->handle, *reply->message) : reply;
+    const auto end = final_message
+                         ? two.process_at_higher_guid(reply->handle, *final_message->message)
+                         : final_message;
+    return end && end->result == ValidationResult::ok;
+  }
   void expect_success() { expect_success_of(two); }
   static void expect_success_of(Two& two) {
     const auto request = two.request();

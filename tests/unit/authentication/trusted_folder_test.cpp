@@ -56,14 +56,7 @@ class TrustedFolderTest : public testing::Test {
                       trusting_all(make_identity(carols_ca(), "CN=carol,O=Example", {}, kYear, 2)),
                       ++carols_);
     Two two(pairing_.a, carol);
-    const auto request = two.request();
-    const auto reply = request ? two.reply(*request->message) : request;
-    const auto final_message =
-        reply ? two.process_at_lower_guid(request->handle, *reply->message) : reply;
-    const auto end = final_message
-                         ? two.process_at_higher_guid(reply->handle, *final_message->message)
-                         : final_message;
-    return end && end->result == ValidationResult::ok;
+    return Pairing::authenticate(two);
   }
   void remove(const std::string& name) const {
     ASSERT_TRUE(std::filesystem::remove(folder_.path() + "/" + name));
